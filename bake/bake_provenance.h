@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -18,6 +19,15 @@ inline constexpr const char* kLightRole = "light of the scene";
 
 // The settings that what a grid holds depends on.
 nlohmann::ordered_json bakedOptions(const OptionTable& table);
+
+// Settings that no relight changes and none can ask for: what functions took, on which machine.
+inline constexpr const char* kOfFunctions[] = {"refine_seconds", "simd"};
+// Settings that functions do not depend on, and those.
+std::set<std::string> lightSettings(const OptionTable& table);
+
+// What functions depend on beside the level: settings, the bake's own program, the instructions, the pattern, weights.
+// weights   SHA-256 by kWeightsRole + representation
+nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<std::string, std::string>& weights);
 
 // options   as bakedOptions has them
 // weights   SHA-256 by kWeightsRole + representation

@@ -42,6 +42,13 @@ nlohmann::ordered_json errorsJson(const BakeReport& report, ThetaWord word) {
 
 constexpr ThetaWord kWords[] = {ThetaWord::network, ThetaWord::corrected, ThetaWord::fitted, ThetaWord::stored};
 
+nlohmann::ordered_json keptJson(const BakeStatistics& s) {
+  if (!s.is_keeping) return nullptr;
+  return {{"probes_anew", s.function_times.seen_probes},
+          {"functions_anew", s.counts.functions - s.kept_thetas},
+          {"thread_seconds", s.function_times.kept_s}};
+}
+
 nlohmann::ordered_json lightJson(const LightStatistics& light) {
   if (!light.is_lit) return nullptr;
   return {{"groups", light.groups},
@@ -171,6 +178,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"refinement_stops", stops},
           {"left_for_time", s.left_for_time},
           {"raised", std::count(s.raised.begin(), s.raised.end(), 1)},
+          {"kept", keptJson(s)},
           {"still_failing", s.failing(ThetaWord::stored, report.policy.check())},
           {"bytes", report.file_bytes},
           {"theta_bytes", report.theta_bytes},
@@ -183,6 +191,11 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
 std::string toSummary(const BakeReport& report, const std::string& path) {
   const BakeStatistics& s = report.statistics;
   std::string text = firstLine(path, s.counts.grid_probes, report.file_bytes, s.load_wall_s + s.wall_s, report.peak_memory_bytes);
+  if (s.is_keeping) {
+    text += fmt::format("{} of {} seen anew, {} of {} made anew\n", countText(s.function_times.seen_probes),
+                        countText(s.counts.grid_probes, "probe"), countText(s.counts.functions - s.kept_thetas),
+                        countText(s.counts.functions, "function"));
+  }
   text += countText(s.counts.functions, "function").append(" stored");
   if (s.counts.functions > 0) {
     const nlohmann::ordered_json errors = errorsJson(report, ThetaWord::stored);

@@ -14,6 +14,7 @@
 #include "bake/bake_provenance.h"
 #include "bake/bake_report.h"
 #include "bake/default_weights.h"
+#include "bake/kept_functions_file.h"
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
 #include "bake/probe_list.h"
@@ -35,6 +36,7 @@ struct Request {
   std::string scene, out, config, json;
   std::string inputs;   // a file to name all others in that were read
   std::string relit;    // a grid whose light is made anew; empty: everything is
+  std::string kept;     // a file of what functions took, read and written; empty: none is
   std::string checked;  // a grid that is only asked whether it is what would be baked
   std::vector<std::string> weights;
   bool out_is_given = false, is_verbose = false;
@@ -96,18 +98,25 @@ void checkOutputs(const Request& request, const std::vector<std::string>& inputs
     refuseToReplaceInputs(request.out, inputs);
     requireOutputFile(request.out);
   }
+  if (!request.kept.empty()) {
+    refuseToReplaceInputs(request.kept, inputs, "--keep");
+    requireOutputFile(request.kept);
+  }
   if (!request.json.empty() && request.json != "-") {
     refuseToReplaceInputs(request.json, inputs, "--json");
+    if (request.json == request.kept) throw UsageError("--json", "another file than --keep", request.json);
     if (request.json == request.out) throw UsageError("--json", "another file than --out", request.json);
     requireOutputFile(request.json);
   }
 }
 
 void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, Request* request) {
-  if (request->out_is_given) return;
-  request->out = scene.source.id + ".safetensors";
-  refuseToReplaceInputs(request->out, inputs);
-  requireOutputFile(request->out);
+  if (!request->out_is_given) {
+    request->out = scene.source.id + ".safetensors";
+    refuseToReplaceInputs(request->out, inputs);
+    requireOutputFile(request->out);
+  }
+  if (request->kept == request->out) throw UsageError("--keep", "another file than the light grid", request->kept);
 }
 
 BakeScene readScene(const Request& request, const BakeOptions& options, int threads) {
@@ -134,7 +143,7 @@ size_t unreadKinds(const SceneSource& source) {
 // Whether a grid is what this command line would bake.
 void runCheck(Request request, const BakeOptions& options, const OptionTable& table) {
   for (const auto& [is_given, what] : {std::pair(!request.relit.empty(), "--relight"), std::pair(request.out_is_given, "--out"),
-                                       std::pair(!request.json.empty(), "--json")}) {
+                                       std::pair(!request.json.empty(), "--json"), std::pair(!request.kept.empty(), "--keep")}) {
     if (is_given) throw UsageError("--check", std::string("no ") + what + ": nothing is baked", what);
   }
   const BakedGrid baked = readBakedGrid(request.checked);
@@ -161,6 +170,7 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   checkOutputs(request, inputs);
   if (!request.weights.empty())
     throw UsageError("--relight", "no --weights: functions stay what they are", request.weights.front());
+  if (!request.kept.empty()) throw UsageError("--relight", "no --keep: functions stay what they are", request.kept);
   if (options.light == "none") throw UsageError("--relight", "light to be made", "--light none");
   if (!request.out_is_given) throw UsageError("--relight", "--out, another file than the grid", "none");
   const auto start = std::chrono::steady_clock::now();
@@ -178,6 +188,12 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   writeJson(request.json, toJson(report));
 }
 
+std::vector<Representation> representationsOf(const std::vector<Generator>& generators) {
+  std::vector<Representation> representations;
+  for (const Generator& generator : generators) representations.push_back(generator.representation());
+  return representations;
+}
+
 void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
@@ -185,6 +201,8 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   std::vector<std::string> inputs = request.weights;
   inputs.insert(inputs.end(), {request.scene, request.config});
   checkOutputs(request, inputs);
+  if (!request.kept.empty() && options.refine_seconds > 0.0)
+    throw UsageError("--keep", "refine_seconds 0: what a limit of time left is not what a bake makes", "a limit of time");
   const GridPrecision stored{options.policy.theta_precision, options.light_error};
   const auto [generators, weight_files] = loadGenerators(request.weights);
   std::vector<WeightsUsed> weights;
@@ -193,17 +211,28 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
                        std::filesystem::file_size(weight_files[g])});
   }
 
-  const auto start = std::chrono::steady_clock::now();
-  const int threads = options.threads > 0 ? options.threads : machineThreadCount();
-  const BakeScene scene = readScene(request, options, threads);
-  const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  chooseOut(scene, inputs, &request);
-  Bake bake = bakeScene(scene, generators, options, temporaryFolder());
-
   std::map<std::string, std::string> weights_sha256;
   for (const WeightsUsed& used : weights) weights_sha256[kWeightsRole + used.representation] = used.sha256;
+
+  const auto start = std::chrono::steady_clock::now();
+  const int threads = options.threads > 0 ? options.threads : machineThreadCount();
+  const bool is_keeping = !request.kept.empty();
+  nlohmann::ordered_json origin;
+  KeptProbes kept;
+  std::string told;
+  if (is_keeping) {
+    origin = functionOrigin(table, weights_sha256);
+    kept = readKept(request.kept, origin, representationsOf(generators), &told);
+  }
+  const BakeScene scene = readScene(request, options, threads);
+  if (!told.empty()) std::cerr << "kept: " << told << '\n';
+  const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  chooseOut(scene, inputs, &request);
+  Bake bake = bakeScene(scene, generators, options, temporaryFolder(), is_keeping ? &kept : nullptr);
+
   const std::string bytes = fileBytes(bake.grid, options, bakeMetadata(scene.source, bakedOptions(table), weights_sha256));
   writeFileAtomically(request.out, bytes);
+  if (is_keeping) writeFileAtomically(request.kept, keptBytes(kept, origin));
 
   BakeReport report;
   report.scene = scene.source.id;
@@ -230,7 +259,8 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
 void bakeOrCheck(const Request& request, const BakeOptions& options, const OptionTable& table) {
   if (!request.inputs.empty()) {
     std::vector<std::string> others = request.weights;
-    others.insert(others.end(), {request.scene, request.config, request.relit, request.checked, request.out, request.json});
+    others.insert(others.end(),
+                  {request.scene, request.config, request.relit, request.checked, request.out, request.json, request.kept});
     refuseToReplaceInputs(request.inputs, others, "--inputs");
     requireOutputFile(request.inputs);
   }
@@ -252,7 +282,8 @@ void bakeOrCheck(const Request& request, const BakeOptions& options, const Optio
   writeInputs();
 }
 
-nlohmann::ordered_json describeGrid(const std::string& path) {
+nlohmann::ordered_json describeFile(const std::string& path) {
+  if (const auto kept = describeKept(path)) return *kept;
   auto [grid, metadata] = readBakedGrid(path);
   nlohmann::ordered_json json = {{"scene", metadata["scene"]},
                                  {"probes", grid.tree.probeCount()},
@@ -275,12 +306,13 @@ nlohmann::ordered_json describeGrid(const std::string& path) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "info") == 0)
-    return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-bake info", "light grids (.safetensors)", "bake", nlg::describeGrid});
+    return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-bake info", "light grids (.safetensors)", "bake", nlg::describeFile});
   if (argc > 1 && std::strcmp(argv[1], "probes") == 0) return nlg::probeListMain(argc - 1, argv + 1);
   CLI::App app{
       "Bakes one scene into a light grid: places probes, finds the weighting function of each, and lights them.\n"
       "nlg-bake SCENE: with the weights that ship with the project.\n"
       "nlg-bake SCENE --relight GRID: other light for a grid that was baked before.\n"
+      "nlg-bake SCENE --keep FILE: the same, and next time only what has changed.\n"
       "nlg-bake SCENE --check GRID: whether a grid is still what it would be.\n"
       "nlg-bake info GRID ...: what light grids are, verified.\n"
       "nlg-bake probes GRID: its probes as a table.\n"
@@ -302,6 +334,10 @@ int main(int argc, char** argv) {
   app.add_option("--relight", request.relit,
                  "a light grid of this scene, baked with these settings: its probes and functions stay, and light alone is made "
                  "anew, of what the scene is lit by now");
+  app.add_option(
+      "--keep", request.kept,
+      "a file for what functions took, written anew by every bake: where it is there, only probes near what has changed "
+      "in the level are seen anew. The grid is that of a bake without it, byte for byte");
   app.add_option(
       "--check", request.checked,
       "bake nothing: say whether a grid is what this command would bake, or what has changed since it was. Exit code 6 "

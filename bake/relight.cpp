@@ -15,24 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Settings that no relight changes and none can ask for: what functions took, on which machine.
-constexpr const char* kOfFunctions[] = {"refine_seconds", "simd"};
-
-// Settings that functions do not depend on.
-std::set<std::string> lightSettings(const OptionTable& table) {
-  std::set<std::string> names(std::begin(kOfFunctions), std::end(kOfFunctions));
-  names.insert("light_error");
-  LightOptions of_scene;
-  OptionTable scene_table("bake");
-  describe(of_scene, scene_table);
-  const Json of_scene_all = scene_table.describeAsJson(), all = table.describeAsJson();
-  for (const Json& option : of_scene_all) names.insert(option.at("name").get<std::string>());
-  for (const Json& option : all) {
-    if (option.at("group") == kLightGroup) names.insert(option.at("name").get<std::string>());
-  }
-  return names;
-}
-
 bool sameTree(const ProbeTree& a, const ProbeTree& b) {
   const ProbeTreeData data_a = probeTreeData(a), data_b = probeTreeData(b);
   return data_a.frame.first_m == data_b.frame.first_m && data_a.frame.spacing_m == data_b.frame.spacing_m &&

@@ -25,18 +25,24 @@ std::optional<double> sum(const std::optional<double>& a, const std::optional<do
   return a && b ? std::optional(*a + *b) : std::nullopt;
 }
 
+// Probes that have a function, 0 everywhere or not, and were seen in this bake.
+uint64_t generatedProbes(const BakeStatistics& s) {
+  const ShardCounts& counts = s.counts;
+  return counts.functions + counts.duplicates + counts.empty + s.bare_tents.count - s.function_times.kept_functions;
+}
+
 // What one of each kind took in this bake. Seconds of the processor.
 struct UnitCosts {
   explicit UnitCosts(const BakeStatistics& s) {
     const ShardCounts& counts = s.counts;
     const FunctionTimes& spent = s.function_times;
     // probes that went all the way: 0 everywhere or not
-    const uint64_t generated = counts.functions + counts.duplicates + counts.empty + s.bare_tents.count;
+    const uint64_t generated = generatedProbes(s);
     visibility_s = each(spent.visibility_s - spent.in_solid_s, generated);
     function_s = each(spent.functions_s + spent.bare_tent_s, generated);
     double theta_us = 0.0;
     for (const ThetaRecord& record : s.records) theta_us += record.elapsedUs(ThetaWord::stored);
-    theta_s = each(1e-6 * theta_us, counts.functions);
+    theta_s = each(1e-6 * theta_us, counts.functions - s.kept_thetas);
     probe_s = each(spent.visibility_s + spent.functions_s + spent.bare_tent_s + spent.duplicates_s + 1e-6 * theta_us,
                    counts.grid_probes);
   }
@@ -61,6 +67,7 @@ class SavingsCount {
         unit_(bake.statistics) {}
 
   std::vector<Saving> run() {
+    addKept();
     addAir();
     addProbes();
     addGeometry();
@@ -94,6 +101,17 @@ class SavingsCount {
     }
     return count > 0 ? sum / static_cast<double>(count)
                      : static_cast<double>(thetaForm(representation, stored_.theta).bytes() + 1);
+  }
+
+  // By what each of the others took: there is no price where nothing was done anew.
+  void addKept() {
+    if (!statistics_.is_keeping) return;
+    const FunctionTimes& spent = statistics_.function_times;
+    add("probes that an earlier bake saw", spent.kept_probes, spent.kept_probes + spent.seen_probes,
+        sum(times(spent.kept_functions, sum(unit_.visibility_s, unit_.function_s)), -spent.kept_s), {},
+        "--keep: what touches their supports is as it was, and so is what was asked of the rest; less what it took to know");
+    add("theta that an earlier bake made", statistics_.kept_thetas, counts_.functions,
+        times(statistics_.kept_thetas, unit_.theta_s), {}, "--keep: of functions with the same samples");
   }
 
   void addAir() {
@@ -141,7 +159,7 @@ class SavingsCount {
 
   void addGeometry() {
     const uint64_t triangles = statistics_.scene_triangles, tested = statistics_.function_times.triangles;
-    const uint64_t seen = counts_.functions + counts_.duplicates + counts_.empty + statistics_.bare_tents.count;
+    const uint64_t seen = generatedProbes(statistics_);
     if (seen == 0) return;
     add("triangles that a probe's support does not touch", seen * triangles - tested, seen * triangles, {}, {},
         "of every triangle for every probe that has a function");

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <optional>
+#include <unordered_map>
 
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/parallel_for.h"
@@ -24,12 +26,14 @@ struct BakeThread {
 class SceneBake {
  public:
   SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-            const std::string& spool_folder)
+            const std::string& spool_folder, KeptProbes* kept)
       : scene_(scene),
         generators_(generators),
         options_(options),
         thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
-        functions_(scene, options, thread_count_, spool_folder) {
+        functions_(scene, options, thread_count_, spool_folder),
+        kept_(kept) {
+    if (kept_ != nullptr) functions_.keep(known_.emplace(*kept_));
     std::vector<const Generator*> pointers;
     for (const Generator& generator : generators_) pointers.push_back(&generator);
     for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(pointers, options_.policy));
@@ -41,12 +45,12 @@ class SceneBake {
       return [this, thread](const FunctionRows& chunk) { return makeTheta(chunk, threads_[thread]->policy); };
     });
     statistics_.functions_wall_s = secondsSince(start);
-    for (const MadeTheta& made : made_) chosen_first_.push_back(made.generator);
     const Clock::time_point refinement_start = Clock::now();
     refineWorstFirst();
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     roundAll();
     finishStatistics();
+    if (kept_ != nullptr) keepAll();
     LightGrid grid = makeGrid();
     statistics_.light = bakeLight(scene_, options_, &grid);
     statistics_.wall_s = secondsSince(start);
@@ -55,18 +59,33 @@ class SceneBake {
 
  private:
   std::function<void()> makeTheta(const FunctionRows& chunk, ThetaPolicy& policy) {
+    std::vector<KeptKey> keys;
+    std::vector<std::shared_ptr<KeptFunction>> known(chunk.functionCount());  // null: to be made
     std::vector<StoredFunction> functions;
-    for (uint64_t n = 0; n < chunk.functionCount(); ++n) functions.push_back(storedFunction(chunk, n));
+    for (uint64_t n = 0; n < chunk.functionCount(); ++n) {
+      const StoredFunction function = storedFunction(chunk, n);
+      if (known_) known[n] = known_->findFunction(keys.emplace_back(keyOf(function)));
+      if (known[n] && !known[n]->theta) known[n].reset();
+      if (!known[n]) functions.push_back(function);
+    }
     std::vector<MadeTheta> made(functions.size());
-    policy.make(functions.data(), static_cast<int>(functions.size()), made.data());
-    return [this, made = std::move(made)] { made_.insert(made_.end(), made.begin(), made.end()); };
+    if (!made.empty()) policy.make(functions.data(), static_cast<int>(functions.size()), made.data());
+    return [this, keys = std::move(keys), known = std::move(known), made = std::move(made)] {
+      keys_.insert(keys_.end(), keys.begin(), keys.end());
+      for (auto next = made.begin(); const std::shared_ptr<KeptFunction>& function : known) {
+        made_.push_back(function ? function->theta->made : *next++);
+        chosen_first_.push_back(function ? function->theta->chosen_first : made_.back().generator);
+        is_final_.push_back(function != nullptr);
+      }
+    };
   }
 
   // Worst first, so that a limit of time leaves the least trouble behind; without one the order changes nothing.
   void refineWorstFirst() {
     std::vector<FunctionCheck> checks;
     for (const MadeTheta& made : made_) checks.push_back(made.check());
-    const std::vector<uint32_t> order = worstFirst(checks, options_.policy.check());
+    std::vector<uint32_t> order = worstFirst(checks, options_.policy.check());
+    std::erase_if(order, [this](uint32_t function) { return is_final_[function]; });
     const Clock::time_point start = Clock::now();
     std::atomic<uint64_t> left_for_time{0};
     Progress progress("functions refined", static_cast<int64_t>(order.size()));
@@ -87,7 +106,7 @@ class SceneBake {
     Progress progress("functions rounded", static_cast<int64_t>(made_.size()));
     parallelFor(made_.size(), thread_count_, [&](uint64_t number, int thread_idx) {
       BakeThread& thread = *threads_[thread_idx];
-      thread.policy.round(functions_.read(number, &thread.samples), &made_[number]);
+      if (!is_final_[number]) thread.policy.round(functions_.read(number, &thread.samples), &made_[number]);
       progress.advance();
     });
   }
@@ -110,6 +129,24 @@ class SceneBake {
       statistics_.larger_ran.push_back(made_[i].larger_ran);
       statistics_.raised.push_back(made_[i].generator != chosen_first_[i]);
     }
+    statistics_.is_keeping = kept_ != nullptr;
+    statistics_.kept_thetas = static_cast<uint64_t>(std::count(is_final_.begin(), is_final_.end(), true));
+  }
+
+  void keepAll() {
+    KeptProbes probes = functions_.takeKept();
+    known_.reset();
+    std::unordered_map<KeptKey, KeptFunction*, KeptKeyHash> functions;
+    for (const KeptProbe& probe : probes) {
+      if (probe.function) functions[probe.function->key] = probe.function.get();
+    }
+    for (size_t i = 0; i < made_.size(); ++i) {
+      if (is_final_[i]) continue;
+      KeptTheta& theta = functions.at(keys_[i])->theta.emplace(KeptTheta{made_[i], chosen_first_[i]});
+      theta.made.record.word_us = {};
+      theta.made.record.stage_us = {};
+    }
+    *kept_ = std::move(probes);
   }
 
   LightGrid makeGrid() {
@@ -139,6 +176,10 @@ class SceneBake {
   std::vector<std::unique_ptr<BakeThread>> threads_;
   std::vector<MadeTheta> made_;        // by function
   std::vector<uint8_t> chosen_first_;  // by function: the generator before refinement
+  std::vector<bool> is_final_;         // by function: whether an earlier bake has made its theta, to the end
+  KeptProbes* kept_;
+  std::optional<KeptIndex> known_;  // of kept_, where somebody asks
+  std::vector<KeptKey> keys_;       // by function, then
   BakeStatistics statistics_;
 };
 
@@ -184,8 +225,8 @@ std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
 }
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder) {
-  return SceneBake(scene, generators, options, spool_folder).run();
+               const std::string& spool_folder, KeptProbes* kept) {
+  return SceneBake(scene, generators, options, spool_folder, kept).run();
 }
 
 }  // namespace nlg

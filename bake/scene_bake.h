@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/kept_functions.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
 #include "runtime_eval/evaluator/generator.h"
@@ -36,6 +37,8 @@ struct BakeStatistics {
   std::vector<uint8_t> generator;    // by function: the representation that was chosen
   std::vector<uint8_t> larger_ran;   // by function: whether more than the smallest representation was tried
   std::vector<uint8_t> raised;       // by function: whether refinement took a larger representation than the choice
+  bool is_keeping = false;           // whether functions of an earlier bake were taken where they are known again
+  uint64_t kept_thetas = 0;          // functions whose theta is of one
 
   double stageSeconds(ThetaStage stage) const;
   // Of the stages that bring theta to a word, of all representations; without checks and without refinement.
@@ -55,8 +58,10 @@ struct Bake {
 };
 
 // generators   one a representation, by rising D; at least one
+// kept         what an earlier bake kept with these generators and settings of functions, perhaps nothing; then what this one keeps.
+//              The grid is the same with and without. Null: nobody asks. refine_seconds must be 0
 // throws       as SceneFunctions does
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder);
+               const std::string& spool_folder, KeptProbes* kept = nullptr);
 
 }  // namespace nlg

@@ -68,6 +68,7 @@ struct SceneFunctions::ThreadState {
   GeneratedFunction function;
   FunctionChecker checker;
   FunctionTimes times;
+  std::vector<uint8_t> samples;
 };
 
 namespace {
@@ -101,21 +102,32 @@ FunctionTimes SceneFunctions::times() const {
     times.in_solid_s += thread->times.in_solid_s;
     times.triangles += thread->times.triangles;
     times.cavity_probes += thread->times.cavity_probes;
+    times.seen_probes += thread->times.seen_probes;
+    times.kept_probes += thread->times.kept_probes;
+    times.kept_functions += thread->times.kept_functions;
+    times.kept_s += thread->times.kept_s;
     times.link_tests += thread->builder.visibility().packetTestCount();
   }
   times.duplicates_s = collector_.seconds();
   return times;
 }
 
-// What a probe comes to: visibility, then the function where there is one.
-ProbeOutcome SceneFunctions::seeAndGenerate(const glm::dvec3& position, float spacing_m, ThreadState& state) const {
+struct SceneFunctions::PlacedProbe {
+  uint64_t number;
+  glm::dvec3 position;
+  float spacing_m;
+  Clock::time_point start;              // when it was begun
+  std::optional<ProbeOutcome> settled;  // by that
+};
+
+// What a probe comes to that was begun: visibility, then the function where there is one.
+ProbeOutcome SceneFunctions::seeAndGenerate(const PlacedProbe& probe, ThreadState& state) const {
   FunctionTimes& times = state.times;
-  const Clock::time_point start = Clock::now();
-  const ProbeOutcome seen = state.builder.see(position, spacing_m, InSolid::by_eye);
+  times.seen_probes += !probe.settled;
+  const ProbeOutcome seen = probe.settled ? *probe.settled : state.builder.look();
   const Clock::time_point after = Clock::now();
-  times.visibility_s += secondsBetween(start, after);
-  times.cavity_probes += state.builder.isInCavity();
-  if (seen == ProbeOutcome::in_solid) times.in_solid_s += secondsBetween(start, after);
+  times.visibility_s += secondsBetween(probe.start, after);
+  if (seen == ProbeOutcome::in_solid) times.in_solid_s += secondsBetween(probe.start, after);
   if (seen != ProbeOutcome::function) return seen;
   times.triangles += state.builder.visibility().triangles().size();
   const ProbeOutcome outcome = state.builder.generate(&state.function);
@@ -123,25 +135,89 @@ ProbeOutcome SceneFunctions::seeAndGenerate(const glm::dvec3& position, float sp
   return outcome;
 }
 
-void SceneFunctions::makeBlock(const std::vector<uint64_t>& probes, ThreadState& state, ProbeBlock* block) const {
+void SceneFunctions::makeFunction(const PlacedProbe& probe, ThreadState& state, ProbeBlock* block) const {
   FunctionRows& rows = block->functions;
-  rows.point_count = kSupportPointCount;
-  for (const uint64_t probe : probes) {
-    const auto [x, y, z] = scene_.tree.probePosition(probe);
-    const glm::dvec3 position(x, y, z);
-    const float spacing_m = scene_.tree.probeSpacing(probe);
-    const ProbeOutcome outcome = seeAndGenerate(position, spacing_m, state);
-    block->outcomes.push_back(outcome);
-    if (outcome != ProbeOutcome::function) continue;
-    const Clock::time_point start = Clock::now();
-    appendFunction(state.function, scene_.source.scene.origin_m + position, spacing_m, &rows);
-    const Clock::time_point appended = Clock::now();
-    state.times.functions_s += secondsBetween(start, appended);
-    const FunctionCheck tent =
-        state.checker.checkBareTent(storedFunction(rows, rows.functionCount() - 1), options_.policy.check());
-    block->bare_tent_rmse.push_back(takesBareTent(tent, options_.policy) ? std::optional(tent.rmse) : std::nullopt);
-    state.times.bare_tent_s += secondsBetween(appended, Clock::now());
+  const ProbeOutcome outcome = seeAndGenerate(probe, state);
+  block->outcomes.push_back(outcome);
+  if (outcome != ProbeOutcome::function) return;
+  const Clock::time_point start = Clock::now();
+  appendFunction(state.function, scene_.source.scene.origin_m + probe.position, probe.spacing_m, &rows);
+  const Clock::time_point appended = Clock::now();
+  state.times.functions_s += secondsBetween(start, appended);
+  const FunctionCheck tent = state.checker.checkBareTent(storedFunction(rows, rows.functionCount() - 1), options_.policy.check());
+  block->bare_tent_rmse.push_back(takesBareTent(tent, options_.policy) ? std::optional(tent.rmse) : std::nullopt);
+  state.times.bare_tent_s += secondsBetween(appended, Clock::now());
+}
+
+bool SceneFunctions::takeKnown(const PlacedProbe& probe, const KeptKey& key, ThreadState& state, ProbeBlock* block) {
+  const KeptProbe* known = known_->findProbe(state.builder, key);
+  if (known == nullptr) return false;
+  kept_[probe.number] = *known;
+  ++state.times.kept_probes;
+  block->outcomes.push_back(known->outcome);
+  state.times.kept_functions += known->outcome == ProbeOutcome::function || known->outcome == ProbeOutcome::empty;
+  if (known->outcome != ProbeOutcome::function) return true;
+  block->bare_tent_rmse.push_back(known->bare_tent_rmse);
+  // nobody looks at the samples where the bare tent stands for them, and in a bake nobody at what the probe sees
+  state.samples.assign(kKeptSampleBytes, 0);
+  if (known->function && !unpackSamples(known->function->packed, &state.samples))
+    throw InputError("--keep", "samples of a function", "deflated bytes", "others");
+  FunctionRows& rows = block->functions;
+  const auto validity = state.samples.begin() + kSupportPointCount;
+  rows.phi.insert(rows.phi.end(), state.samples.begin(), validity);
+  rows.validity.insert(rows.validity.end(), validity, state.samples.end());
+  rows.seen.resize(rows.seen.size() + kValidityByteCount, 0);
+  const glm::dvec3 position_m = scene_.source.scene.origin_m + probe.position;
+  rows.probe_position_m.insert(rows.probe_position_m.end(), {position_m.x, position_m.y, position_m.z});
+  rows.spacing_m.push_back(probe.spacing_m);
+  rows.flags.push_back(known->flags);
+  return true;
+}
+
+// Of the block's last probe.
+void SceneFunctions::note(const PlacedProbe& probe, const KeptKey& key, const ThreadState& state, const ProbeBlock& block) {
+  KeptProbe& kept = kept_[probe.number].emplace();
+  kept.key = key;
+  kept.asked = state.builder.visibility().asked();
+  kept.outcome = block.outcomes.back();
+  if (kept.outcome != ProbeOutcome::function) return;
+  kept.flags = block.functions.flags.back();
+  kept.bare_tent_rmse = block.bare_tent_rmse.back();
+  if (kept.bare_tent_rmse) return;
+  const StoredFunction samples = storedFunction(block.functions, block.functions.functionCount() - 1);
+  const KeptKey samples_key = keyOf(samples);
+  kept.function = known_->findFunction(samples_key);
+  if (!kept.function) kept.function = std::make_shared<KeptFunction>(KeptFunction{samples_key, packSamples(samples), {}});
+}
+
+void SceneFunctions::makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block) {
+  const auto [x, y, z] = scene_.tree.probePosition(number);
+  PlacedProbe probe{number, {x, y, z}, scene_.tree.probeSpacing(number), Clock::now(), {}};
+  probe.settled = state.builder.begin(probe.position, probe.spacing_m, InSolid::by_eye);
+  state.times.cavity_probes += state.builder.isInCavity();
+  if (known_ == nullptr || probe.settled) return makeFunction(probe, state, block);
+  const KeptKey key = keyOf(state.builder);
+  if (takeKnown(probe, key, state, block)) {
+    state.times.kept_s += secondsBetween(probe.start, Clock::now());
+  } else {
+    makeFunction(probe, state, block);
+    note(probe, key, state, *block);
   }
+}
+
+void SceneFunctions::keep(const KeptIndex& known) {
+  known_ = &known;
+  kept_.resize(scene_.tree.probeCount());
+}
+
+KeptProbes SceneFunctions::takeKept() {
+  KeptProbes probes;
+  for (std::optional<KeptProbe>& kept : kept_) {
+    if (kept) probes.push_back(std::move(*kept));
+  }
+  kept_.clear();
+  mergeAlike(&probes);
+  return probes;
 }
 
 void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher) {
@@ -156,7 +232,10 @@ void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int th
   pipeline.makeGenerator = [this](int thread) {
     auto& state = threads_[static_cast<size_t>(thread)];
     state = std::make_unique<ThreadState>(scene_, options_);
-    return [this, &state](const std::vector<uint64_t>& probes, ProbeBlock* block) { makeBlock(probes, *state, block); };
+    return [this, &state](const std::vector<uint64_t>& probes, ProbeBlock* block) {
+      block->functions.point_count = kSupportPointCount;
+      for (const uint64_t probe : probes) makeProbe(probe, *state, block);
+    };
   };
   pipeline.makeFinisher = makeFinisher;
   pipeline.report = [&](const FunctionCollector& collector) {

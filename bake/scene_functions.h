@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "bake/bake_options.h"
+#include "bake/kept_functions.h"
 #include "datagen/shards/function_pipeline.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
@@ -42,6 +44,10 @@ struct FunctionTimes {
   // Of probes that have a function: triangles in their supports; pairs of 16 links and a triangle that were tested.
   uint64_t triangles = 0, link_tests = 0;
   uint64_t cavity_probes = 0;  // probes in cavities: those with an eye and those without
+  uint64_t seen_probes = 0;    // that needed more than their own place's vote and a look for triangles
+  // Probes that were known again instead, and those of them that have a function. What they took is in kept_s alone.
+  uint64_t kept_probes = 0, kept_functions = 0;
+  double kept_s = 0.0;
 };
 
 class SceneFunctions {
@@ -54,6 +60,11 @@ class SceneFunctions {
   // The same functions in the same order for any number of threads. throws OutputError when the spool's disk refuses
   void makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher);
 
+  // From now on notes what probes come to. Those that are known again are not seen anew.
+  // known   must outlive this object
+  void keep(const KeptIndex& known);
+  KeptProbes takeKept();  // once makeAll has returned
+
   // By probe: a function's number, kFreeSpace or kNoWeight. Of probes in free space, and of bareTents: kFreeSpace.
   const std::vector<uint32_t>& probeFunction() const { return probe_function_; }
   const ShardCounts& counts() const { return counts_; }
@@ -65,8 +76,14 @@ class SceneFunctions {
  private:
   struct ThreadState;
 
-  ProbeOutcome seeAndGenerate(const glm::dvec3& position, float spacing_m, ThreadState& state) const;
-  void makeBlock(const std::vector<uint64_t>& probes, ThreadState& state, ProbeBlock* block) const;
+  struct PlacedProbe;
+
+  ProbeOutcome seeAndGenerate(const PlacedProbe& probe, ThreadState& state) const;
+  void makeFunction(const PlacedProbe& probe, ThreadState& state, ProbeBlock* block) const;
+  // Returns whether the probe that was begun is known again; then it is in the block.
+  bool takeKnown(const PlacedProbe& probe, const KeptKey& key, ThreadState& state, ProbeBlock* block);
+  void note(const PlacedProbe& probe, const KeptKey& key, const ThreadState& state, const ProbeBlock& block);
+  void makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block);
 
   const BakeScene& scene_;
   BakeOptions options_;
@@ -74,6 +91,8 @@ class SceneFunctions {
   FunctionCollector collector_;
   std::vector<uint32_t> probe_function_;
   ShardCounts counts_;
+  const KeptIndex* known_ = nullptr;
+  std::vector<std::optional<KeptProbe>> kept_;  // by probe; of none unless somebody asks
 };
 
 }  // namespace nlg

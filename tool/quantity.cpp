@@ -7,11 +7,13 @@
 
 namespace nlg {
 
-std::string countText(uint64_t count, const std::string& noun) {
+std::string countText(uint64_t count) {
   std::string digits = std::to_string(count);
   for (size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, ",");
-  return digits + " " + noun + (count == 1 ? "" : "s");
+  return digits;
 }
+
+std::string countText(uint64_t count, const std::string& noun) { return countText(count) + " " + noun + (count == 1 ? "" : "s"); }
 
 std::string roughCountText(double count, const std::string& noun) {
   return countText(static_cast<uint64_t>(std::stod(fmt::format("{:.2g}", std::clamp(count, 0.0, 1e18)))), noun);

@@ -6,6 +6,9 @@
 
 namespace nlg {
 
+// "12,345".
+std::string countText(uint64_t count);
+
 // "1 probe", "12,345 probes".
 // noun   one of them; its plural adds an s
 std::string countText(uint64_t count, const std::string& noun);

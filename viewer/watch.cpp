@@ -48,6 +48,7 @@ class Watch {
         programs_(fs::read_symlink("/proc/self/exe").parent_path()),
         own_(fs::path(request.out) / "watch"),
         preview_((own_ / "preview.safetensors").string()),
+        kept_((own_ / "functions.kept").string()),
         settings_((own_ / "settings.yaml").string()),
         inputs_((own_ / "inputs.json").string()),
         server_(request.port) {
@@ -177,6 +178,7 @@ class Watch {
       if (std::find(words.begin(), words.end(), "--relight") == words.end()) {
         const Words given = weights();
         words.insert(words.end(), given.begin(), given.end());
+        if (options_.refine_seconds == 0.0) words.insert(words.end(), {"--keep", kept_});
       }
       words.insert(words.end(), {"--out", bake.grid});
       const Ran baked = runBake(words);
@@ -198,7 +200,7 @@ class Watch {
   const ViewRequest& request_;
   const BakeOptions& options_;
   const fs::path programs_, own_;
-  const std::string preview_, settings_, inputs_;
+  const std::string preview_, kept_, settings_, inputs_;
   PageServer server_;
   WatchedFiles files_;
   std::string shown_;  // what the page shows, in words
