@@ -1,5 +1,6 @@
 """The command lines of the tools, all of them."""
 
+import os
 import shlex
 import shutil
 
@@ -41,6 +42,14 @@ def of_bake(scene, exported):
 
 def bake(context, exported, out):
     return [tool(context, "nlg-bake"), *of_bake(context.scene, exported), "--out", out]
+
+
+def keeping(context, exported, name):
+    """What functions took, for the next bake while Blender runs: only what has changed since is made anew."""
+    # a limit of time leaves functions that no other bake may take
+    if "--refine-seconds" in settings.of(context.scene).more:
+        return []
+    return ["--keep", os.path.join(exported.folder, f"{settings.scene_name()}.{name}.kept")]
 
 
 def relight(context, exported, grid, out):
