@@ -249,13 +249,19 @@ class Page(Case):
         browser = Browser(find_browser(), str(self.folder / "profile"), ["--enable-unsafe-swiftshader"])
         self.addCleanup(browser.close)
         browser.call("Emulation.setDeviceMetricsOverride", width=SIZE[0], height=SIZE[1], deviceScaleFactor=1, mobile=False)
-        # before there is any grid; a name with a comma
+        # before there is any grid; a name with a comma. A slow page asks for scripts when others have taken their place: it waits for those
+        browser.call("Network.setBlockedURLs", urls=["*method-grid.js*"])
         browser.open(url + "?light=cold,%20blue:0.5&divider=1")
         value = browser.value
+        watch.waited(lambda: value("document.getElementById('message').textContent").startswith("method-grid.js is not beside"), "scripts that are gone")
+        browser.call("Network.setBlockedURLs", urls=[])
+        shown = watch.final_after(0)["shown"]
+        self.level.save()
         state = lambda: value("document.getElementById('status').textContent")
         shows = lambda shown: watch.waited(lambda: value("document.documentElement.dataset.shown") == str(shown) and state().startswith("final"), f"page of {shown}; it says {state()}")
-        shown = watch.final_after(0)["shown"]
+        shown = watch.final_after(shown)["shown"]
         shows(shown)
+        browser.events.clear()
 
         def picture(name):
             value("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
@@ -263,6 +269,8 @@ class Page(Case):
             return value(MEAN_OF_CANVAS)
 
         sliders = "JSON.stringify([...document.querySelectorAll('#groups label')].map(row => [row.textContent.trim(), ...[...row.querySelectorAll('input')].map(input => input.value)]))"
+        self.assertEqual(value("document.getElementById('place').value"), "0")
+        self.assertEqual(value("document.getElementById('divider').value"), "100")
         self.assertEqual(json.loads(value(sliders)), [["warm", "1", "#ffffff"], ["cold, blue", "0.5", "#ffffff"], ["screen", "1", "#ffffff"]])
         # sliders dim and colour what they name
         slide = lambda name, kind, to: value(f"""(() => {{ const row = [...document.querySelectorAll('#groups label')].find(row => row.textContent.trim() === '{name}');
@@ -311,8 +319,9 @@ class Page(Case):
         self.assertTrue(value("document.getElementById('status').classList.contains('failed')"))
         self.assertEqual(picture("broken"), after)
         self.level.candela["warm"] = 10.0
+        shown = watch.state()["shown"]
         self.level.save()
-        shows(watch.final_after(watch.state()["shown"])["shown"])
+        shows(watch.final_after(shown)["shown"])
         # the same light from the same camera: the same picture
         self.assertEqual(picture("mended"), before)
         self.assertEqual(complaints(browser.events, lambda asked: asked.startswith(url)), [])

@@ -495,6 +495,18 @@ async function openScene(number) {
   return [await data.load('scene'), data];
 }
 
+// The viewer; null where it cannot be.
+async function begin(scene, data) {
+  try {
+    const viewer = new Viewer(scene, data);
+    await viewer.start();
+    return viewer;
+  } catch (error) {
+    fail(error);
+    return null;
+  }
+}
+
 // A page that `nlg-view --watch` serves shows each set of scripts as it comes, and says what goes on.
 async function follow() {
   const status = $('status');
@@ -508,8 +520,11 @@ async function follow() {
       shown = state.shown;
       try {
         const [scene, data] = await openScene(shown);
+        // all that it is shown by, before anything is
+        const { left, right } = viewer?.wanted ?? { left: asked.get('left'), right: asked.get('right') ?? 'valid-trilinear' };
+        for (const { name } of scene.methods) if (['grid', left, right].includes(name)) await data.load(`method-${name}`);
         if (viewer) await viewer.renew(scene, data);
-        else await (viewer = new Viewer(scene, data)).start();
+        else if (!(viewer = await begin(scene, data))) return;
         root.dataset.shown = shown;
       } catch (error) {
         // where others have taken their place meanwhile, those come next
@@ -523,7 +538,5 @@ async function follow() {
 if (root.dataset.served) {
   follow();
 } else {
-  openScene()
-    .then(([scene, data]) => new Viewer(scene, data).start())
-    .catch(fail);
+  openScene().then(([scene, data]) => begin(scene, data)).catch(fail);
 }
