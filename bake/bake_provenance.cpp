@@ -58,12 +58,13 @@ nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<s
           {"pattern", supportPattern().hash}, {"options", options},         {"weights", weights}};
 }
 
-GridMetadata bakeMetadata(const SceneSource& source, const nlohmann::ordered_json& options,
+GridMetadata bakeMetadata(const BakeScene& scene, const nlohmann::ordered_json& options,
                           const std::map<std::string, std::string>& weights) {
   std::map<std::string, std::string> inputs = weights;
-  if (!source.sha256.empty()) inputs["scene"] = source.sha256;
-  inputs[kLightRole] = sceneLightSha256(source.scene);
-  return {{"scene", source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
+  if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
+  inputs[kLightRole] = sceneLightSha256(scene.source.scene);
+  inputs[kSearchedRole] = scene.searched_sha256;
+  return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }
 
 }  // namespace nlg

@@ -7,8 +7,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "bake/scene_functions.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
-#include "scene/scene_source.h"
 #include "tool/options.h"
 
 namespace nlg {
@@ -16,6 +16,7 @@ namespace nlg {
 // Roles of inputs.
 inline constexpr const char* kWeightsRole = "weights of ";
 inline constexpr const char* kLightRole = "light of the scene";
+inline constexpr const char* kSearchedRole = "cells searched for air";  // BakeScene::searched_sha256
 
 // The settings that what a grid holds depends on.
 nlohmann::ordered_json bakedOptions(const OptionTable& table);
@@ -31,7 +32,7 @@ nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<s
 
 // options   as bakedOptions has them
 // weights   SHA-256 by kWeightsRole + representation
-GridMetadata bakeMetadata(const SceneSource& source, const nlohmann::ordered_json& options,
+GridMetadata bakeMetadata(const BakeScene& scene, const nlohmann::ordered_json& options,
                           const std::map<std::string, std::string>& weights);
 
 }  // namespace nlg

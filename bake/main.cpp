@@ -119,13 +119,13 @@ void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, R
   if (request->kept == request->out) throw UsageError("--keep", "another file than the light grid", request->kept);
 }
 
-BakeScene readScene(const Request& request, const BakeOptions& options, int threads) {
+BakeScene readScene(const Request& request, const BakeOptions& options, int threads, const KnownAir& known = {}) {
   SceneSource source = loadLitScene(request.scene, options);
   std::cerr << toText(planBake(source, options, threads), threads);
   for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
   tellNotes("nlg-bake", source);
   for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
-  return {std::move(source), options};
+  return {std::move(source), options, known};
 }
 
 std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const GridMetadata& metadata) {
@@ -154,7 +154,8 @@ void runCheck(Request request, const BakeOptions& options, const OptionTable& ta
     weights[kWeightsRole + std::string(representationName(generators[g].representation()))] = fileSha256(weight_files[g]);
   SceneSource source = loadLitScene(request.scene, options);
   std::vector<std::string> changes = changesSince(request.checked, baked, source, table, weights);
-  if (changes == std::vector<std::string>{"light changed"} && !standsWhere({std::move(source), options}, baked))
+  if (changes == std::vector<std::string>{"light changed"} &&
+      !standsWhere({std::move(source), options, knownAir(request.checked, baked)}, baked))
     changes.push_back("probes would stand elsewhere");
   if (changes.empty()) {
     std::cout << request.checked << ": fresh\n";
@@ -175,7 +176,8 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   if (!request.out_is_given) throw UsageError("--relight", "--out, another file than the grid", "none");
   const auto start = std::chrono::steady_clock::now();
   BakedGrid baked = readBakedGrid(request.relit);
-  const BakeScene scene = readScene(request, options, options.threads > 0 ? options.threads : machineThreadCount());
+  const int threads = options.threads > 0 ? options.threads : machineThreadCount();
+  const BakeScene scene = readScene(request, options, threads, knownAir(request.relit, baked));
   requireFunctionsOf(scene, table, options.representation, request.relit, baked);
   const LightStatistics light = relight(scene, options, table, &baked);
   const std::string bytes = fileBytes(baked.grid, options, baked.metadata);
@@ -230,7 +232,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   chooseOut(scene, inputs, &request);
   Bake bake = bakeScene(scene, generators, options, temporaryFolder(), is_keeping ? &kept : nullptr);
 
-  const std::string bytes = fileBytes(bake.grid, options, bakeMetadata(scene.source, bakedOptions(table), weights_sha256));
+  const std::string bytes = fileBytes(bake.grid, options, bakeMetadata(scene, bakedOptions(table), weights_sha256));
   writeFileAtomically(request.out, bytes);
   if (is_keeping) writeFileAtomically(request.kept, keptBytes(kept, origin));
 

@@ -56,6 +56,10 @@ BakedGrid readBakedGrid(const std::string& path) {
   return baked;
 }
 
+KnownAir knownAir(const std::string& path, const BakedGrid& baked) {
+  return {originOf(path, baked)["inputs"].value(kSearchedRole, std::string()), &baked.grid.tree};
+}
+
 void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const std::vector<std::string>& asked,
                         const std::string& path, const BakedGrid& baked) {
   const Json origin = originOf(path, baked);
@@ -118,7 +122,7 @@ LightStatistics relight(const BakeScene& scene, const BakeOptions& options, cons
   }
   Json settings = bakedOptions(table);
   for (const char* name : kOfFunctions) settings[name] = origin.at("options").value(name, settings[name]);
-  baked->metadata = bakeMetadata(scene.source, settings, weights);
+  baked->metadata = bakeMetadata(scene, settings, weights);
   return statistics;
 }
 

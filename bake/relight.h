@@ -22,6 +22,9 @@ struct BakedGrid {
 // throws   InputError when the file is no light grid
 BakedGrid readBakedGrid(const std::string& path);
 
+// throws   InputError where the grid does not say what it was baked of
+KnownAir knownAir(const std::string& path, const BakedGrid& baked);
+
 // Whether the functions of a grid are those that a bake of this scene with these settings would make. What the scene is lit by, and the
 // settings of light, may be others.
 //

@@ -8,7 +8,9 @@
 #include "light/open_sky.h"
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/fit/theta_policy.h"
+#include "runtime_eval/light_grid/probe_tree_data.h"
 #include "runtime_eval/support/weighting_function.h"
+#include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
@@ -39,6 +41,18 @@ AirPlaceOptions airPlaceOptions(const BakeOptions& options, uint64_t cell_count)
   return air;
 }
 
+std::string searchedSha256(const ProbeTree& tree, const SkyFaces& sky) {
+  std::string bytes;
+  const auto add = [&](const auto&... lists) {
+    ((bytes += std::to_string(lists.size()) + ' ',
+      bytes.append(reinterpret_cast<const char*>(lists.data()), lists.size() * sizeof(lists[0]))),
+     ...);
+  };
+  const ProbeTreeData data = probeTreeData(tree);
+  add(data.frame.first_m, data.frame.root_count, data.child_mask, data.used_mask, data.cell_count, sky.positions, sky.triangles);
+  return sha256(bytes);
+}
+
 }  // namespace
 
 SceneSource loadLitScene(const std::string& request, const BakeOptions& options) {
@@ -53,11 +67,16 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
 BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
     : BakeScene(loadLitScene(request, options), options) {}
 
-BakeScene::BakeScene(SceneSource lit, const BakeOptions& options)
-    : source(std::move(lit)), links(makeLinkTable({})), rays(source.scene), full_tree(placeProbes(source.scene, options)) {
+BakeScene::BakeScene(SceneSource lit, const BakeOptions& options, const KnownAir& known)
+    : source(std::move(lit)),
+      links(makeLinkTable({})),
+      rays(source.scene),
+      full_tree(placeProbes(source.scene, options)),
+      searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {
   const Clock::time_point start = Clock::now();
-  air = findAirPlaces(rays, full_tree, airPlaceOptions(options, full_tree.cellCount()),
-                      options.threads > 0 ? options.threads : machineThreadCount());
+  AirPlaceOptions air_options = airPlaceOptions(options, full_tree.cellCount());
+  if (known.searched_sha256 == searched_sha256 && options.air_only) air_options.known = known.tree;
+  air = findAirPlaces(rays, full_tree, air_options, options.threads > 0 ? options.threads : machineThreadCount());
   tree = options.air_only ? treeOfAir(full_tree, air) : full_tree;
   air_wall_s = secondsBetween(start, Clock::now());
 }

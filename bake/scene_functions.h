@@ -21,18 +21,26 @@ namespace nlg {
 // throws   InputError when the scene cannot be read or has no triangle; UsageError as applyLight does
 SceneSource loadLitScene(const std::string& request, const BakeOptions& options);
 
+// Where an earlier bake of the same geometry and settings found air.
+struct KnownAir {
+  std::string searched_sha256;      // BakeScene's of that bake; empty: nothing is known
+  const ProbeTree* tree = nullptr;  // the grid's
+};
+
 // A scene ready for its first probe.
 struct BakeScene {
   // throws   UsageError on a setting that cannot be used; InputError when the scene cannot be read or has no triangle
   BakeScene(const std::string& request, const BakeOptions& options);
   // The same of a scene that loadLitScene has read.
-  BakeScene(SceneSource lit, const BakeOptions& options);
+  // known   saves the search of cells without air, where that bake searched what this one would
+  BakeScene(SceneSource lit, const BakeOptions& options, const KnownAir& known = {});
 
   SceneSource source;
   LinkTable links;
   RayScene rays;
-  ProbeTree full_tree;  // before cells in solid were left out
-  AirPlaces air;        // of full_tree
+  ProbeTree full_tree;          // before cells in solid were left out
+  std::string searched_sha256;  // of all that light may have a say in when air is searched for: full_tree, faces of sky
+  AirPlaces air;                // of full_tree
   ProbeTree tree;
   double air_wall_s = 0.0;  // to find the air
 };

@@ -29,7 +29,7 @@ glm::dvec3 spreadPoint(const glm::dvec3& shift, int i) {
 // What is known of a cell so far.
 class CellSurvey {
  public:
-  explicit CellSurvey(const RayScene& rays) : rays_(rays) {}
+  explicit CellSurvey(const RayScene& rays) : rays_(rays), voter_(rays) {}
 
   void begin() {
     air_.clear();
@@ -46,10 +46,10 @@ class CellSurvey {
     if (std::any_of(solid_.rbegin(), solid_.rend(), sees)) return remember(solid_, place, false);
     if (std::any_of(closed_.rbegin(), closed_.rend(), sees)) return rememberClosed(place);
     ++votes_;
-    const SolidVote vote = solidVoteWithSky(rays_, place);
-    if (isAir(rays_, vote)) return isInCavity(rays_, place) ? rememberClosed(place) : remember(air_, place, true);
+    if (voter_.isAir(place)) return isInCavity(rays_, place) ? rememberClosed(place) : remember(air_, place, true);
     // a place with a doubt says nothing of those that it sees: what closed the solid there may be no geometry
-    return vote.front == 0 && vote.unanimous() ? remember(solid_, place, false) : false;
+    if (solid_.size() < kRemembered && voter_.meetsNoFront(place)) solid_.push_back(place);
+    return false;
   }
 
   uint64_t votes() const { return votes_; }
@@ -68,6 +68,7 @@ class CellSurvey {
   }
 
   const RayScene& rays_;
+  AirVoter voter_;
   std::vector<glm::dvec3> air_, solid_, closed_;
   uint64_t votes_ = 0, in_cavities_ = 0;
 };
@@ -85,6 +86,10 @@ class Surveyor {
       : rays_(rays), tree_(tree), options_(options), survey_(rays) {}
 
   void survey(const ProbeCell& cell, Block* block) {
+    if (!mayHoldAir(cell)) {
+      block->cells.push_back({cell});
+      return;
+    }
     const double spacing_m = tree_.frame().spacing_m;
     glm::dvec3 low;
     for (int axis = 0; axis < 3; ++axis) low[axis] = tree_.frame().first_m[axis] + spacing_m * cell.low[axis];
@@ -101,7 +106,7 @@ class Surveyor {
     int in_air = 0, drawn = 0;
     while (drawn < (in_air > 0 ? options_.draws_per_cell : options_.draws_for_one) && in_air < options_.places_per_cell) {
       const glm::dvec3 place = low + side_m * spreadPoint(shift, drawn++);
-      if (survey_.isInAir(place)) {
+      if ((is_of_one_kind && in_air > 0) || survey_.isInAir(place)) {
         ++in_air;
         block->places.push_back(place);
       } else if (is_of_one_kind) {
@@ -117,6 +122,15 @@ class Surveyor {
   }
 
  private:
+  bool mayHoldAir(const ProbeCell& cell) const {
+    if (options_.known == nullptr) return true;
+    const ProbeTreeFrame& frame = options_.known->frame();
+    PositionM middle_m = frame.first_m;
+    for (int axis = 0; axis < 3; ++axis) middle_m[axis] += frame.spacing_m * (cell.low[axis] + 0.5 * cell.side);
+    ProbesAround around;
+    return options_.known->lookUp(middle_m, &around);
+  }
+
   const RayScene& rays_;
   const ProbeTree& tree_;
   const AirPlaceOptions& options_;

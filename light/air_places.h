@@ -17,6 +17,8 @@ struct AirPlaceOptions {
   int draws_per_cell = 48;   // at most, until as many places are found
   int draws_for_one = 192;   // at most, until the first one is: a slab of air 3 cm high is a thirtieth of a cell of 1 m
   uint64_t seed = 1;
+  // treeOfAir of the same tree, from an earlier search, in any coordinates: cells that it lacks are not searched again
+  const ProbeTree* known = nullptr;
 };
 
 struct AirPlaces {

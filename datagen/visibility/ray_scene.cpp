@@ -64,6 +64,8 @@ struct RayScene::Impl {
   // geometry   kSurfaces or kSky
   Facing facing(unsigned geometry, uint32_t triangle, const glm::vec3& direction) const;
   Facing firstFacing(RTCScene against, const TriangleChoice& surfaces, const glm::vec3& origin, const glm::vec3& direction) const;
+  Facing allFacing(RTCScene against, const TriangleChoice& surfaces, RTCRayHit hit, const glm::vec3& direction) const;
+  LightHit lightHit(const glm::vec3& origin, const glm::vec3& direction, float far) const;
 
   ~Impl() {
     for (const RTCScene made : {scene, opaque_scene, light_scene, veil_scene}) {
@@ -264,11 +266,9 @@ glm::vec3 RayScene::Impl::normal(uint32_t triangle) const {
   return glm::cross(positions[corners.y] - positions[corners.x], positions[corners.z] - positions[corners.x]);
 }
 
-Facing RayScene::Impl::firstFacing(RTCScene against, const TriangleChoice& surfaces, const glm::vec3& origin,
-                                   const glm::vec3& direction) const {
-  RTCRayHit hit = firstRayHit(against, origin, direction);
-  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Facing::nothing;
-  // which of coincident faces comes first is up to the traversal: ask for all of them
+// Which of coincident faces comes first is up to the traversal: this asks for all of them.
+Facing RayScene::Impl::allFacing(RTCScene against, const TriangleChoice& surfaces, RTCRayHit hit,
+                                 const glm::vec3& direction) const {
   FacingCollector collector{{}, this, &surfaces, direction};
   rtcInitIntersectContext(&collector.context);
   collector.context.filter = collectFacing;
@@ -281,6 +281,12 @@ Facing RayScene::Impl::firstFacing(RTCScene against, const TriangleChoice& surfa
   return collector.back ? Facing::back : Facing::front;
 }
 
+Facing RayScene::Impl::firstFacing(RTCScene against, const TriangleChoice& surfaces, const glm::vec3& origin,
+                                   const glm::vec3& direction) const {
+  const RTCRayHit hit = firstRayHit(against, origin, direction);
+  return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? Facing::nothing : allFacing(against, surfaces, hit, direction);
+}
+
 Facing RayScene::firstFacing(const glm::vec3& origin, const glm::vec3& direction) const {
   return impl_->firstFacing(impl_->scene, impl_->walls, origin, direction);
 }
@@ -289,6 +295,15 @@ bool RayScene::hasSkyFaces() const { return !impl_->sky_normals.empty(); }
 
 Facing RayScene::firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const {
   return impl_->firstFacing(impl_->lightScene(), impl_->opaque, origin, direction);
+}
+
+Facing RayScene::firstBackWithSky(const glm::vec3& origin, const glm::vec3& direction) const {
+  const RTCScene against = impl_->lightScene();
+  const RTCRayHit hit = firstRayHit(against, origin, direction);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Facing::nothing;
+  const uint32_t triangle = hit.hit.geomID == kSky ? hit.hit.primID : impl_->opaque[hit.hit.primID];
+  const Facing first = impl_->facing(hit.hit.geomID, triangle, direction);
+  return first == Facing::back ? impl_->allFacing(against, impl_->opaque, hit, direction) : first;
 }
 
 LightHit RayScene::Impl::surfaceHit(const RTCRayHit& hit, uint32_t triangle, const glm::vec3& direction) const {
@@ -306,20 +321,24 @@ LightHit RayScene::Impl::surfaceHit(const RTCRayHit& hit, uint32_t triangle, con
 
 float RayScene::justBehind(const LightHit& hit) { return std::nextafter(hit.distance * (1.0f + 0x1p-20f), kInfinity); }
 
-LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction) const {
+LightHit RayScene::Impl::lightHit(const glm::vec3& origin, const glm::vec3& direction, float far) const {
   for (float near = 0.0f;;) {
-    const RTCRayHit hit = firstRayHit(impl_->lightScene(), origin, direction, near);
+    const RTCRayHit hit = firstRayHit(lightScene(), origin, direction, near, far);
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    if (hit.hit.geomID != kSky) return impl_->surfaceHit(hit, impl_->opaque[hit.hit.primID], direction);
+    if (hit.hit.geomID != kSky) return surfaceHit(hit, opaque[hit.hit.primID], direction);
     LightHit result;
     result.kind = LightHit::Kind::sky;
     result.distance = hit.ray.tfar;
     result.triangle = hit.hit.primID;
-    if (glm::dot(impl_->sky_normals[hit.hit.primID], direction) < 0.0f) return result;
+    if (glm::dot(sky_normals[hit.hit.primID], direction) < 0.0f) return result;
     // from behind: on, past this face
     near = justBehind(result);
-    if (!std::isfinite(near)) return {};
+    if (!(near <= far && std::isfinite(near))) return {};
   }
+}
+
+LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction) const {
+  return impl_->lightHit(origin, direction, kInfinity);
 }
 
 bool RayScene::hasVeils() const { return impl_->veil_scene != nullptr; }
@@ -339,8 +358,7 @@ bool RayScene::isOpaqueBetween(const glm::vec3& from, const glm::vec3& to) const
 
 bool RayScene::isLightBlocked(const glm::vec3& from, const glm::vec3& to) const {
   if (!hasSkyFaces()) return isOpaqueBetween(from, to);
-  const LightHit hit = lightHit(from, to - from);
-  return hit.kind != LightHit::Kind::nothing && hit.distance <= 1.0f;
+  return impl_->lightHit(from, to - from, 1.0f).kind != LightHit::Kind::nothing;
 }
 
 bool RayScene::isSkyNearCube(const glm::vec3& center, float half_side) const {

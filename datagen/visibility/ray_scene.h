@@ -53,6 +53,8 @@ class RayScene {
   bool hasSkyFaces() const;
   // The same with sky faces among the faces: their backs are where the scene ends.
   Facing firstFacingWithSky(const glm::vec3& origin, const glm::vec3& direction) const;
+  // The same for whom backs alone count: what it calls front may be `both`, which saves a second search.
+  Facing firstBackWithSky(const glm::vec3& origin, const glm::vec3& direction) const;
 
   // The first surface, or front of a sky face, that a ray of light meets; sky faces let rays through from behind, and veils are
   // not looked at.

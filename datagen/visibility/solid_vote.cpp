@@ -1,9 +1,6 @@
 #include "datagen/visibility/solid_vote.h"
 
-#include <array>
-
 namespace nlg {
-namespace {
 
 // 14 directions: the axes and diagonals of a cube, turned so that none runs along the walls of axis-aligned levels.
 const std::array<glm::vec3, kSolidVoteRays>& voteDirections() {
@@ -23,6 +20,8 @@ const std::array<glm::vec3, kSolidVoteRays>& voteDirections() {
   }();
   return directions;
 }
+
+namespace {
 
 template <class FirstFacing>
 SolidVote voteOf(const FirstFacing& first_facing) {

@@ -1,6 +1,8 @@
 // Whether a place lies in solid, by rays from it alone.
 #pragma once
 
+#include <array>
+
 #include "datagen/visibility/ray_scene.h"
 
 namespace nlg {
@@ -20,6 +22,9 @@ struct SolidVote {
 };
 
 inline constexpr int kSolidVoteRays = 14;
+
+// The directions of a vote's rays.
+const std::array<glm::vec3, kSolidVoteRays>& voteDirections();
 
 // The rays of one place against the scene's surfaces.
 // position_m   relative to the scene's origin

@@ -39,7 +39,7 @@ std::string bakedBytes(const std::string& request, const Settings& settings) {
   std::vector<Generator> generators;
   generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
   const Bake bake = bakeScene(scene, generators, settings.options, std::filesystem::temp_directory_path().string());
-  return bytesOf(bake.grid, bakeMetadata(scene.source, bakedOptions(settings.table), {{"weights of tent_mlp4", "00ff"}}),
+  return bytesOf(bake.grid, bakeMetadata(scene, bakedOptions(settings.table), {{"weights of tent_mlp4", "00ff"}}),
                  settings.options);
 }
 
@@ -68,8 +68,9 @@ TEST(Relight, LeavesWhatAWholeBakeWithThatLightLeaves) {
   dusk.options.light_pull = 0.2;
   dusk.options.light_error = 0.05;
   dusk.options.refine_seconds = 100.0;  // what the grid took stays on record
-  const BakeScene scene("house:3", dusk.options);
   BakedGrid baked = parsed(by_day);
+  const BakeScene scene(loadLitScene("house:3", dusk.options), dusk.options, knownAir("grid", baked));
+  EXPECT_EQ(scene.searched_sha256, knownAir("grid", baked).searched_sha256) << "cells without air are not searched again";
   requireFunctionsOf(scene, dusk.table, dusk.options.representation, "grid", baked);
   const LightStatistics light = relight(scene, dusk.options, dusk.table, &baked);
   EXPECT_GT(light.mean, 0.0);

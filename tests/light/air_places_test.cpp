@@ -84,6 +84,15 @@ TEST(AirPlaces, EveryProbeOfTheTreeOfAirIsRead) {
   }
 }
 
+TEST(AirPlaces, AreTheSameWhereAnEarlierSearchSaysWhichCellsHoldAir) {
+  const Surveyed whole(thickRoom());
+  AirPlaceOptions options;
+  options.known = &whole.tree;
+  const AirPlaces again = findAirPlaces(whole.rays, whole.full, options, 2);
+  EXPECT_EQ(again.places, whole.air.places);
+  EXPECT_LT(again.drawn, whole.air.drawn);
+}
+
 TEST(AirPlaces, DoNotDependOnThreads) {
   const Surveyed one(makeProceduralScene("maze", 1), 1.3, 1), three(makeProceduralScene("maze", 1), 1.3, 3);
   EXPECT_EQ(one.air.places, three.air.places);

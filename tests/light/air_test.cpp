@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "datagen/visibility/solid_vote.h"
+#include "runtime_eval/numbers/random.h"
+#include "scene/procedural.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/scene/windowed_room.h"
 
@@ -57,6 +59,29 @@ TEST(Air, EndsBehindTheSky) {
   const glm::dvec3 behind(0.3, 3.05, -0.4);
   EXPECT_FALSE(solidVote(rays, behind).solid()) << "without the sky this is air";
   EXPECT_FALSE(isInAir(rays, behind));
+}
+
+// Rays that are not cast change nothing, in whatever order places come.
+TEST(Air, IsWhatAWholeVoteSays) {
+  Random random(5);
+  for (const Scene& scene : {yardUnderSky(), makeProceduralScene("house", 3), makeProceduralScene("apartment", 2)}) {
+    const RayScene rays(scene);
+    AirVoter voter(rays);
+    const Bounds bounds = sceneBounds(scene);
+    int air = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const glm::dvec3 share(random.uniform(), random.uniform(), random.uniform());
+      const glm::dvec3 place = glm::mix(glm::dvec3(bounds.min) - 1.0, glm::dvec3(bounds.max) + 1.0, share);
+      const SolidVote vote = solidVoteWithSky(rays, place);
+      const bool is_outside = rays.hasSkyFaces() && 2 * vote.nothing > kSolidVoteRays;
+      const bool is_air = !is_outside && !vote.solid() && !vote.disputed();
+      ASSERT_EQ(voter.isAir(place), is_air) << scene.id << ": " << place.x << ", " << place.y << ", " << place.z;
+      ASSERT_EQ(voter.meetsNoFront(place), vote.front == 0 && (is_outside || vote.unanimous())) << scene.id;
+      air += is_air;
+    }
+    EXPECT_GT(air, 100) << scene.id;
+    EXPECT_LT(air, 1990) << scene.id;
+  }
 }
 
 TEST(Air, CountsSkyFacesOnlyWhereAsked) {
