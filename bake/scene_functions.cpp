@@ -69,7 +69,7 @@ BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
 
 BakeScene::BakeScene(SceneSource lit, const BakeOptions& options, const KnownAir& known)
     : source(std::move(lit)),
-      links(makeLinkTable({})),
+      links(known.tree == nullptr ? makeLinkTable({}) : LinkTable{}),
       rays(source.scene),
       full_tree(placeProbes(source.scene, options)),
       searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {

@@ -32,7 +32,7 @@ struct BakeScene {
   // throws   UsageError on a setting that cannot be used; InputError when the scene cannot be read or has no triangle
   BakeScene(const std::string& request, const BakeOptions& options);
   // The same of a scene that loadLitScene has read.
-  // known   saves the search of cells without air, where that bake searched what this one would
+  // known   for light alone: then there are no links, and where that bake searched what this one would, no cells without air are searched
   BakeScene(SceneSource lit, const BakeOptions& options, const KnownAir& known = {});
 
   SceneSource source;
