@@ -3,6 +3,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -29,7 +30,7 @@ constexpr int kAskEveryMs = 250;
 // of a preview
 constexpr int kPreviewRays = 16, kPreviewPlaces = 4, kPreviewProbeRays = 64;
 
-volatile std::sig_atomic_t is_stopped = 0;
+std::atomic<bool> is_stopped = false;  // by a signal, on any thread
 
 int64_t nowNs() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -59,9 +60,9 @@ class Watch {
 
   void run() {
     std::cerr << "open " << server_.url() << '\n';
-    while (is_stopped == 0) {
+    while (!is_stopped) {
       if (bakeAndShow() != End::saved) {
-        while (is_stopped == 0 && !files_.haveChanged()) pause();
+        while (!is_stopped && !files_.haveChanged()) pause();
       }
       settle();
     }
@@ -74,7 +75,7 @@ class Watch {
 
   // A program may write a file in several goes.
   void settle() {
-    while (is_stopped == 0 && files_.haveChanged()) {
+    while (!is_stopped && files_.haveChanged()) {
       files_.accept();
       pause();
     }
@@ -100,7 +101,7 @@ class Watch {
     words.insert(words.end(), {"--config", settings_});
     ChildProcess child(words);
     while (child.isRunning(kAskEveryMs)) {
-      if (is_stopped != 0) return {End::stopped, 0, "", ""};
+      if (is_stopped) return {End::stopped, 0, "", ""};
       if (files_.haveChanged()) return {End::saved, 0, "", ""};
     }
     return {End::done, child.exitCode(), child.output(), child.errors()};
@@ -223,7 +224,7 @@ void watchScene(ViewRequest request, const BakeOptions& options, const OptionTab
   requireOutputFolder(request.out);
   if (request.grid.empty()) request.grid = (fs::path(request.out) / "grid.safetensors").string();
   refuseToReplaceInputs(request.grid, {request.scene}, "--grid");
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { is_stopped = 1; });
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { is_stopped = true; });
   Watch(request, options, table).run();
 }
 

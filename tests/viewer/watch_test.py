@@ -183,6 +183,9 @@ class Served(Case):
             moved = watch.final_after(moved["shown"])
             self.assertFalse(moved["failed"])
         self.assert_as_baked_by_hand()
+        # what it writes itself is no save
+        time.sleep(1)
+        self.assertEqual(watch.state(), moved)
         self.assertEqual(watch.end(), 0)
         self.assert_nothing_half_written()
         self.assertTrue((self.folder / "level/index.html").is_file())

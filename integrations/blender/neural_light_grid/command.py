@@ -14,8 +14,8 @@ PREVIEW = [
     "--lm-iterations", "0", "--lm-theta0-iterations", "0", "--adam-steps", "0", "--code-iterations", "0", "--refine-rounds", "0",
     "--light-rays", "16", "--light-places", "4",
 ]
-# The page is for walking through: no rivals, and as little of ground truth as nlg-view makes.
-PAGE = ["--rivals", "none", "--truth-views", "1", "--truth-width", "16", "--truth-rays", "8", "--places", "16"]
+# The page is for walking through: no rivals, and no ground truth.
+PAGE = ["--rivals", "none", "--truth-views", "0", "--places", "0"]
 
 
 def tool(context, name):
