@@ -174,15 +174,15 @@ def indirect_section(results):
                 title = next(entry["name"] for entry in entries.values() if entry)
                 sizes = [entry["per_probe"] for entry in of_light if entry]
                 rows.append([title, light, *("; ".join(number(entry[group]["value"], 3) for group in GROUPS) if entry else "" for entry in of_light), f"{sum(sizes) / len(sizes):,.0f}"])
-    front, ahead = found["front"], {group: sum(entry[group]["value"] > 1 for entry in found["by_scene"].values()) for group in GROUPS}
+    front, ahead = found["front"], {group: sum(entry[group]["value"] > 1 for entry in found["by_scene"].values()) for group in (*GROUPS, "smape_in_air")}
     text = INDIRECT_INTRODUCTION + f"\nOf revision {', '.join(f'`{revision}`' for revision in found['revisions'])}; {len(found['scenes'])} scenes, {places['air']:,} places in air of each and {places['surface']:,} before surfaces. Ours is `{results['ours']}` with solved light. Errors, and all ratios, are *air; surface; turned*. **Bold** reaches the target.\n"
     text += table(*indirect_rows(found))
-    text += (f"\nOf rivals' points, all that can be stored, one of ours matches {front['met']:,} of {front['of']:,} in error at no more bytes (target: all). Ours is behind the best rival over the scenes of a kind here: {'; '.join(behind(found)) or 'nowhere'}.\n"
+    text += (f"\nOf rivals' points, all that can be stored, one of ours matches {front['met']:,} of {front['of']:,} in error at no more bytes (target: all). The others, some of which have fewer bytes than any of ours: {'; '.join(f'{name} {count}' for name, count in front['missed'].items()) or 'none'}. Ours is behind the best rival over the scenes of a kind here: {'; '.join(behind(found)) or 'nowhere'}.\n"
              f"\nMean errors by kind of scene, probes {spacing_text(SHOWN_SPACING)} apart. Exact visibility and target functions are yardsticks that nobody could ship:\n"
              + table(["weights", "light", *(f"{KIND_TITLES[kind].lower()} ({max(entry[light]['scenes'] for entry in found['methods'][kind][SHOWN_SPACING].values() for light in LIGHT_ORDER if light in entry)})" for kind in kinds), "bytes a probe"], rows))
-    text += (f"\nScene by scene, over the rival that does best there, whichever it is and however its light came about: ours is behind in {ahead['air']}; {ahead['surface']}; {ahead['turned']} of {len(found['by_scene'])} scenes.\n"
-             + table(["scene", "error of ours", "over the best rival", "the best rival: in air", "surface", "turned"],
-                     [[found["scenes"][scene]["name"], "; ".join(number(entry[group]["rmse"], 3) for group in GROUPS), indirect_ratios(entry), *(entry[group]["rival"] for group in GROUPS)] for scene, entry in found["by_scene"].items()]))
+    text += (f"\nScene by scene, over the rival that does best there, whichever it is and however its light came about: ours is behind in {ahead['air']}; {ahead['surface']}; {ahead['turned']} of {len(found['by_scene'])} scenes, and in relative error in air (SMAPE) in {ahead['smape_in_air']}.\n"
+             + table(["scene", "error of ours", "over the best rival", "the best rival: in air", "surface", "turned", "relative error in air", "over"],
+                     [[found["scenes"][scene]["name"], "; ".join(number(entry[group]["rmse"], 3) for group in GROUPS), indirect_ratios(entry), *(entry[group]["rival"] for group in GROUPS), number(entry["smape_in_air"]["value"], 2), entry["smape_in_air"]["rival"]] for scene, entry in found["by_scene"].items()]))
     return text
 
 

@@ -99,15 +99,18 @@ def to_best_rival(points, ours, rivals, solved, error=lambda point, group: point
 
 def front(points, ours):
     """How many of the rivals' points, scene by scene and group by group, some point of ours is neither larger nor worse than."""
-    met, of = 0, 0
+    met, of, missed = 0, 0, {}
     for scene in sorted({point.scene for point in points}):
         mine = [point for point in points if point.scene == scene and is_ours(point, ours)]
         rivals = [point for point in points if point.scene == scene and point.method[0] in {*RIVALS, *SOLVED_RIVALS} and point.method[1] != "solved"]
         for rival in rivals:
             for group in GROUPS:
                 of += 1
-                met += any(point.bytes <= rival.bytes and point.rmse[group] <= rival.rmse[group] for point in mine)
-    return {"met": met, "of": of, "share": met / of if of else None}
+                if any(point.bytes <= rival.bytes and point.rmse[group] <= rival.rmse[group] for point in mine):
+                    met += 1
+                else:
+                    missed[rival.method[0]] = missed.get(rival.method[0], 0) + 1
+    return {"met": met, "of": of, "share": met / of if of else None, "missed": missed}
 
 
 def tenth_of_ddgi(points, ours):
@@ -226,6 +229,8 @@ def by_scene(points, ours):
             best = {group: min(rivals, key=lambda point: point.rmse[group]) for group in GROUPS}
             out[slug(mine.scene)] = {group: {"value": mine.rmse[group] / best[group].rmse[group], "rmse": mine.rmse[group], "rival": f"{best[group].method[0]} ({best[group].method[1]})"}
                                      for group in GROUPS}
+            relative = min(rivals, key=lambda point: point.smape)
+            out[slug(mine.scene)]["smape_in_air"] = {"value": mine.smape / relative.smape, "rival": f"{relative.method[0]} ({relative.method[1]})"}
     return out
 
 
