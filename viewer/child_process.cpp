@@ -16,9 +16,8 @@
 namespace nlg {
 
 ChildProcess::ChildProcess(std::vector<std::string> words) {
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  std::vector<char*> arguments(words.size() + 1);  // the last is none
+  for (size_t i = 0; i < words.size(); ++i) arguments[i] = words[i].data();
   std::array<std::array<int, 2>, 2> ends{};
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
