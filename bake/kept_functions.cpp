@@ -1,6 +1,7 @@
 #include "bake/kept_functions.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "datagen/dataset/chunk_codec.h"
@@ -19,16 +20,17 @@ KeptKey keyOf(Sha256* digest) {
 }  // namespace
 
 KeptKey keyOf(const WeightingBuilder& begun) {
-  static_assert(sizeof(LocalTriangle) == 22 * sizeof(float), "no padding among the bytes that count");
-  std::vector<LocalTriangle> triangles = begun.visibility().triangles();
+  using Bits = std::array<uint32_t, sizeof(LocalTriangle) / sizeof(uint32_t)>;
+  std::vector<Bits> triangles;
+  triangles.reserve(begun.visibility().triangles().size());
+  for (const LocalTriangle& triangle : begun.visibility().triangles()) triangles.push_back(std::bit_cast<Bits>(triangle));
   // another file may list the same triangles in another order
-  std::sort(triangles.begin(), triangles.end(),
-            [](const LocalTriangle& a, const LocalTriangle& b) { return std::memcmp(&a, &b, sizeof a) < 0; });
+  std::sort(triangles.begin(), triangles.end());
   const SolidVote& vote = begun.probeVote();
   const std::array<uint8_t, 2> own = {vote.solid(), vote.disputed()};
   Sha256 digest;
   digest.add(own.data(), own.size());
-  digest.add(triangles.data(), triangles.size() * sizeof(LocalTriangle));
+  digest.add(triangles.data(), triangles.size() * sizeof(Bits));
   return keyOf(&digest);
 }
 

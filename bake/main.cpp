@@ -192,6 +192,7 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
 
 std::vector<Representation> representationsOf(const std::vector<Generator>& generators) {
   std::vector<Representation> representations;
+  representations.reserve(generators.size());
   for (const Generator& generator : generators) representations.push_back(generator.representation());
   return representations;
 }
@@ -241,6 +242,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   report.unread = unreadKinds(scene.source);
   report.weights = weights;
   std::vector<uint64_t> weights_bytes;
+  weights_bytes.reserve(weights.size());
   for (const WeightsUsed& used : weights) weights_bytes.push_back(used.bytes);
   report.threads = threads;
   report.savings = savingsOf(bake, generators, options.policy, stored, weights_bytes, report.threads);
