@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "runtime_eval/numbers/half.h"
 #include "tool/error.h"
 #include "validate/light/neural/dense_training.h"
 #include "validate/light/neural/light_samples.h"
