@@ -54,6 +54,11 @@ void describe(BakeOptions& o, OptionTable& table) {
             "light solved: errors count as shares of a place's light plus this share of the level's mean light", 1e-6, 1e6);
   table.add("light_outlier", &o.light_outlier,
             "light solved: errors far beyond this many times a place's light, as beside lamps, lose their say", 1e-3, 1e9);
+  table.add(
+      "thin_error", &o.thin_error,
+      "leave out functions and probes that this light does not need, where it adds no more than this to errors, as a share of "
+      "light: .03 is not seen. Other light may need them: such a grid is not lit anew. 0: none are left out",
+      0.0, kMostThinError);
   describe(o.diffusion, table);
   table.group("Weighting functions");
   table.add("duplicate_rms", &o.duplicate_rms,
@@ -74,6 +79,8 @@ void describe(BakeOptions& o, OptionTable& table) {
             "what the file's form of light may add to a probe's error, as a share of its light: the fewest bytes a probe that "
             "keep it are taken",
             kLeastLightError, kMostLightError);
+  table.add("max_bytes", &o.max_bytes,
+            "bytes that the file may have: thin_error becomes as large as that takes. 0: as many as there are", 0.0, 1e15);
   table.group("Machine");
   table.add("simd", &o.simd, "vector instructions to use: sse4, avx2, avx512, … None: the best");
   table.add("threads", &o.threads, "threads. 0: as many as the machine runs at once. The light grid does not depend on them", 0,

@@ -40,13 +40,18 @@ struct BakeOptions {
   double light_pull = 0.1;
   double light_dark_share = 0.03;
   double light_outlier = 1.0;
+  double thin_error = 0.0;                               // of thinning.h; 0: nothing is left out
   double refine_seconds = 0.0;                           // 0: as long as it takes
   std::string theta_precision = kDefaultThetaPrecision;  // becomes the policy's by takeThetaPrecision
   double light_error = kLightError;                      // that the file's form of light may add (packed_light.h)
+  double max_bytes = 0.0;                                // of the file; 0: as many as it takes
   std::string simd;                                      // empty: the best
   int threads = 0;                                       // 0: as many as the machine runs at once
   uint64_t seed = 1;
 };
+
+// Of thin_error: beyond it little is left of a level's light.
+inline constexpr double kMostThinError = 0.5;
 
 // Of the options that say how probes are lit.
 inline constexpr const char* kLightGroup = "Light";

@@ -38,7 +38,7 @@ nlohmann::ordered_json bakedOptions(const OptionTable& table) {
 
 std::set<std::string> lightSettings(const OptionTable& table) {
   std::set<std::string> names(std::begin(kOfFunctions), std::end(kOfFunctions));
-  names.insert("light_error");
+  names.insert({"light_error", "max_bytes"});
   LightOptions of_scene;
   OptionTable scene_table("bake");
   describe(of_scene, scene_table);

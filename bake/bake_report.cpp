@@ -49,6 +49,27 @@ nlohmann::ordered_json keptJson(const BakeStatistics& s) {
           {"thread_seconds", s.function_times.kept_s}};
 }
 
+nlohmann::ordered_json thinnedJson(const LightStatistics& light) {
+  if (light.thin_error == 0.0) return nullptr;
+  const Thinned& thinned = light.thinned;
+  return {{"error", light.thin_error},
+          {"functions", thinned.functions},
+          {"probes", thinned.probes},
+          {"largest_change", thinned.largest_change},
+          {"largest_at_m", {thinned.largest_at_m.x, thinned.largest_at_m.y, thinned.largest_at_m.z}}};
+}
+
+std::string thinnedSummary(const LightStatistics& light) {
+  if (light.thin_error == 0.0) return {};
+  const glm::dvec3 at = glm::round(10.0 * light.thinned.largest_at_m) / 10.0 + 0.0;
+  return fmt::format(
+      "thinned by {:.2g}: {} and the functions of {} more left out; the error grows most, by {:.2g} of the light, at {:.1f}, "
+      "{:.1f}, "
+      "{:.1f}\n",
+      light.thin_error, countText(light.thinned.probes, "probe"), countText(light.thinned.functions, "probe"),
+      light.thinned.largest_change, at.x, at.y, at.z);
+}
+
 nlohmann::ordered_json lightJson(const LightStatistics& light) {
   if (!light.is_lit) return nullptr;
   return {{"groups", light.groups},
@@ -60,6 +81,7 @@ nlohmann::ordered_json lightJson(const LightStatistics& light) {
           {"rays_per_place", light.rays_per_place},
           {"cache_cells", light.cache_cells},
           {"cache_divided", light.cache_divided},
+          {"thinned", thinnedJson(light)},
           {"unread_probes", light.unread_probes},
           {"solve_iterations", light.solve_iterations},
           {"mean_radiance", light.mean},
@@ -98,7 +120,8 @@ std::string firstLine(const std::string& path, uint64_t probes, uint64_t file_by
 std::string lightSummary(const LightStatistics& light) {
   if (!light.is_lit) return "light: none\n";
   const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
-  return fmt::format(
+  return thinnedSummary(light) +
+         fmt::format(
              "light: half of {} err by less than {:.1f} % of what was measured there, 1 in 20 by more than {:.0f} %, noise "
              "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
              countText(light.places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,

@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "light/air.h"
 #include "light/surface_cache.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
+#include "tool/progress.h"
 #include "tool/quantity.h"
 
 namespace nlg {
@@ -33,6 +36,85 @@ double meanOf(const std::vector<LightSh>& light) {
   double sum = 0.0;
   for (const LightSh& sh : light) sum += 0.28209479 * (sh[0].r + sh[0].g + sh[0].b) / 3.0;
   return light.empty() ? 0.0 : sum / static_cast<double>(light.size());
+}
+
+void takeLight(const ProbeLight& lit, const std::vector<std::string>& group_names, LightGrid* grid) {
+  grid->light = floatsOf(lit.light);
+  grid->groups.clear();
+  for (size_t g = 0; g < lit.groups.size(); ++g) grid->groups.push_back({group_names[g], floatsOf(lit.groups[g])});
+}
+
+std::vector<const std::vector<LightSh>*> lightsOf(const std::vector<LightSh>& light, const LightByGroup& groups) {
+  std::vector<const std::vector<LightSh>*> all;
+  for (const std::vector<LightSh>& of_group : groups) all.push_back(&of_group);
+  if (all.empty()) all.push_back(&light);
+  return all;
+}
+
+// The file of a grid, but for its header.
+size_t bytesWith(LightGrid grid, const BakeOptions& options, const ProbeLight& lit, const std::vector<std::string>& group_names) {
+  grid.dropUnusedFunctions();
+  takeLight(lit, group_names, &grid);
+  return lightGridBytes(grid, {options.policy.theta_precision, options.light_error}).total();
+}
+
+struct ThinningInputs {
+  const BakeScene& scene;
+  const BakeOptions& options;
+  const std::vector<LightSh>& place_light;
+  const LightByGroup& place_groups;
+  const std::function<ProbeLight()>& solve;  // with the grid's functions as they are
+  int threads;
+};
+
+// Leaves out what thin_error allows, and more and more where max_bytes asks for it.
+// returns  light solved for with what is left
+ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, LightStatistics* statistics) {
+  constexpr double kHeaderBytes = 8192.0;                   // at most, as nlg-bake writes it
+  constexpr double kFirstError = 0.01, kErrorGrowth = 1.3;  // of rounds until the budget is kept
+  const BakeOptions& options = inputs.options;
+  const Scene& scene = inputs.scene.source.scene;
+  const std::vector<std::string>& group_names = scene.light.groups.names;
+  const double most_bytes = options.max_bytes - kHeaderBytes;
+  const auto isWithin = [&](const ProbeLight& now) {
+    return options.max_bytes == 0.0 || static_cast<double>(bytesWith(*grid, options, now, group_names)) <= most_bytes;
+  };
+  double error = options.thin_error;
+  if (error == 0.0 && isWithin(lit)) return lit;
+  const Progress progress("thinning");
+  std::vector<glm::dvec3> near;
+  for (size_t i = 0; i < inputs.scene.air.places.size(); i += kBesideEvery) near.push_back(inputs.scene.air.places[i]);
+  const std::vector<glm::dvec3> beside = placesBesideSurfaces(inputs.scene.rays, near, options.spacing_m, options.seed);
+  const ProbeLight whole = std::move(lit);
+  GridThinner thinner(grid, scene.origin_m, inputs.scene.air.places, lightsOf(inputs.place_light, inputs.place_groups), beside,
+                      lightsOf(whole.light, whole.groups), options.light_dark_share, inputs.threads);
+  if (error > 0.0) thinner.thinTo(error);
+  // light that is solved for anew takes about as many bytes a probe: it is made when those would do
+  lit = whole;
+  for (bool is_solved = false;;) {
+    const bool is_within = isWithin(lit);
+    if (is_within && is_solved) break;
+    if (is_within) {
+      lit = inputs.solve();
+      is_solved = true;
+      continue;
+    }
+    if (error == kMostThinError) {
+      throw UsageError("max_bytes",
+                       fmt::format("{} or more, or a spacing_m above {:g}",
+                                   bytesText(kHeaderBytes + static_cast<double>(bytesWith(*grid, options, lit, group_names))),
+                                   options.spacing_m),
+                       bytesText(options.max_bytes));
+    }
+    error = std::min(kMostThinError, std::max(kFirstError, kErrorGrowth * error));
+    thinner.thinTo(error);
+    is_solved = false;
+  }
+  grid->dropUnusedFunctions();
+  statistics->thin_error = error;
+  statistics->thinned = thinner.thinned();
+  statistics->thinned.largest_at_m += scene.origin_m;
+  return lit;
 }
 
 }  // namespace
@@ -119,8 +201,13 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   }
 
   start = Clock::now();
-  const ProbeLight lit = lightProbes(transport, scene.tree, scene.air.places, place_light,
-                                     weightsOf(*grid, scene.source.scene.origin_m), light_options, threads, place_groups);
+  const auto solve = [&] {
+    return lightProbes(transport, scene.tree, scene.air.places, place_light, weightsOf(*grid, scene.source.scene.origin_m),
+                       light_options, threads, place_groups);
+  };
+  ProbeLight lit = solve();
+  if (options.thin_error > 0.0 || options.max_bytes > 0.0)
+    lit = thin({scene, options, place_light, place_groups, solve, threads}, std::move(lit), grid, &statistics);
   statistics.solve_wall_s = secondsSince(start);
   statistics.unread_probes = lit.unread;
   statistics.solve_iterations = lit.iterations;
@@ -128,9 +215,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.median_error = lit.median_error;
   statistics.p95_error = lit.p95_error;
   if (!scene.air.places.empty()) statistics.worst_m = scene.source.scene.origin_m + scene.air.places[lit.worst_place];
-  grid->light = floatsOf(lit.light);
-  for (size_t g = 0; g < lit.groups.size(); ++g)
-    grid->groups.push_back({scene.source.scene.light.groups.names[g], floatsOf(lit.groups[g])});
+  takeLight(lit, scene.source.scene.light.groups.names, grid);
   for (const float coefficient : grid->light) statistics.largest = std::max(statistics.largest, std::fabs(double{coefficient}));
   if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);
   statistics.packing = roundGridLight(options.light_error, grid);

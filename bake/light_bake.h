@@ -6,6 +6,7 @@
 
 #include "bake/scene_functions.h"
 #include "light/probe_light.h"
+#include "light/thinning.h"
 #include "runtime_eval/light_grid/light_grid.h"
 
 namespace nlg {
@@ -22,6 +23,8 @@ struct LightStatistics {
   double cache_wall_s = 0.0;                                // bounces between surfaces
   double measure_wall_s = 0.0;                              // light at places
   double solve_wall_s = 0.0;                                // weights at places, and the solve
+  double thin_error = 0.0;                                  // with which thinned came about; 0: nothing was left out
+  Thinned thinned;                                          // largest_at_m: world coordinates
   LightPacking packing;                                     // what the file's form of it adds
   uint64_t file_bytes = 0;                                  // of light
   double error = 0.0, median_error = 0.0, p95_error = 0.0;  // as ProbeLight has them
@@ -42,7 +45,8 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options);
 // Fills grid->light by options.light, as the file will hold it; leaves it empty for "none".
 //
 // grid   of this scene and its tree, moved to the world's coordinates
-// throws   UsageError on an unknown way; InputError when light is beyond kMaxGridLight
+// Leaves functions and probes of it out by options.thin_error and options.max_bytes (thinning.h).
+// throws   UsageError on an unknown way, and on max_bytes that no thinning keeps; InputError when light is beyond kMaxGridLight
 LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid);
 
 }  // namespace nlg

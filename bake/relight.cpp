@@ -71,6 +71,10 @@ void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const 
   forEachChange(table, origin, [&](const std::string& name, const std::string& before, const std::string& now) {
     if (of_light.count(name) == 0) throw InputError(path, name, before + ", as the grid was baked with", now);
   });
+  for (const char* name : {"thin_error", "max_bytes"}) {
+    if (const Json thinned_by = origin["options"].value(name, Json(0.0)); thinned_by != Json(0.0))
+      throw InputError(path, name, "0: a grid that keeps what only other light may need", thinned_by.dump());
+  }
   std::vector<std::string> representations;
   for (const Representation& representation : baked.grid.representations)
     representations.emplace_back(representationName(representation));

@@ -59,6 +59,15 @@ const float* floatsOf(const LightSh& light) { return &light[0][0]; }
 
 }  // namespace
 
+float irradianceSquares(const LightSh& light) {
+  float sum = 0.0f;
+  for (int k = 0; k < kShCount; ++k) {
+    const float band = kCosineBand[k] / kCosineBand[0];
+    sum += band * band * glm::dot(light[k], light[k]);
+  }
+  return sum / kShChannels;
+}
+
 LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_count, int thread_count)
     : samples_(samples), thread_count_(thread_count), row_begin_(probe_count + 1, 0) {
   std::vector<std::vector<uint32_t>> beside(probe_count);

@@ -18,6 +18,9 @@
 
 namespace nlg {
 
+// The mean square of irradiance over all normals and channels, in the unit of a first coefficient: of a difference, how far it is seen.
+float irradianceSquares(const LightSh& light);
+
 // What a blend at one place should give.
 struct LightSample {
   std::array<uint32_t, 8> probe{};

@@ -125,15 +125,10 @@ std::vector<float> pullOf(const std::vector<LightSample>& samples, size_t probe_
   return pull;
 }
 
-// Of irradiance, over all normals and channels, in the unit of a first coefficient.
 float squaredError(const LightSample& sample, const LightSh& blend) {
-  float sum = 0.0f;
-  for (int k = 0; k < kShCount; ++k) {
-    const glm::vec3 error = blend[k] - sample.light[k];
-    const float band = kCosineBand[k] / kCosineBand[0];
-    sum += band * band * glm::dot(error, error);
-  }
-  return sum / kShChannels;
+  LightSh error = blend;
+  for (int k = 0; k < kShCount; ++k) error[k] -= sample.light[k];
+  return irradianceSquares(error);
 }
 
 // An eye sees shares: the unit of an error is the light where it stands. What was measured there has noise, and as the unit it

@@ -212,7 +212,9 @@ class Watch {
 std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, const std::string& grid, const std::string& preview,
                                  const BakeOptions& options) {
   if (changes == "") return {};
-  Words quick = changes == grid + ": light changed\n" ? Words{"--relight", grid} : Words{};
+  const bool is_thinned = options.thin_error > 0.0 || options.max_bytes > 0.0;  // then only a grid that is not can be lit anew
+  Words quick = !is_thinned && changes == grid + ": light changed\n" ? Words{"--relight", grid} : Words{};
+  if (is_thinned) quick.insert(quick.end(), {"--thin-error", "0", "--max-bytes", "0"});
   quick.insert(quick.end(), {"--light-rays", std::to_string(std::min(options.light_rays, kPreviewRays)), "--light-places",
                              std::to_string(std::min(options.light_places, kPreviewPlaces)), "--light-probe-rays",
                              std::to_string(std::min(options.light_probe_rays, kPreviewProbeRays))});

@@ -8,6 +8,7 @@
 #include "light/methods/target_functions.h"
 #include "light/methods/tetrahedra.h"
 #include "light/surface_cache.h"
+#include "light/thinning.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr uint64_t kProbeStream = 0x70726f6265, kNormalStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076,
                    kOctreeStream = 0x6f637472;
 
+const std::string kThinned = ", thinned";
 const std::string kDdgiAsShipped = "DDGI as shipped", kRelocated = ", relocated";
 
 // Weights that look at the normal are solved for with any one: the same for the same place.
@@ -277,6 +279,7 @@ void MethodSet::addShOctrees(const std::vector<glm::dvec3>& places, const std::v
 }
 
 void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways) {
+  const bool is_thinned = name.ends_with(kThinned);
   const LightGrid& kept = grids_.emplace_back(std::move(grid));
   const LightGridBytes bytes = lightGridBytes(kept, {options_.theta, {}});
   size_t with_weight = 0;
@@ -286,11 +289,25 @@ void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, 
   addBlends({name, std::make_unique<GridWeighting>(kept, origin_m), with_weight,
              bytesOf(bytes.theta + bytes.dictionaries + bytes.functions + bytes.probe_function), bake_s, nullptr, ways,
              kept.probe_function});
-  for (size_t m = first; m < methods_.size(); ++m) {
+  for (size_t m = first, end = methods_.size(); m < end; ++m) {
     LightGrid& lit = grids_.emplace_back(kept);
     lit.light = floatsOf(*methods_[m].probe_light);
     methods_[m].irradiance_at = lookedUpLight(lit, origin_m);
+    if (options_.thin_error > 0.0 && methods_[m].light == "solved" && !is_thinned) addThinned(methods_[m], kept);
   }
+}
+
+void MethodSet::addThinned(const LightMethod& whole, LightGrid grid) {
+  const double start = processorSeconds();
+  const glm::dvec3& origin_m = scene_.transport.scene().origin_m;
+  std::vector<glm::dvec3> near;
+  for (size_t i = 0; i < scene_.air.places.size(); i += kBesideEvery) near.push_back(scene_.air.places[i]);
+  const auto beside = placesBesideSurfaces(scene_.transport.rays(), near, scene_.tree.frame().spacing_m, options_.seed);
+  GridThinner thinner(&grid, origin_m, scene_.air.places, {&place_light_}, beside, {whole.probe_light}, options_.solve.dark_share,
+                      options_.thread_count);
+  thinner.thinTo(options_.thin_error);
+  grid.dropUnusedFunctions();
+  addGrid(whole.weights + kThinned, std::move(grid), whole.weights_s + processorSeconds() - start, {LightWay::solved});
 }
 
 }  // namespace nlg

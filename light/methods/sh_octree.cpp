@@ -29,15 +29,6 @@ constexpr double kHelped = 0.95;      // of the error before: more is no help
 // Probes that a cell adds when it becomes 8 or 64: between those of a cell by itself and those of one among its like.
 constexpr double kProbesOfHalving = 12.0, kProbesOfQuartering = 90.0;
 
-float bandSquares(const LightSh& light) {
-  float sum = 0.0f;
-  for (int k = 0; k < kShCount; ++k) {
-    const float band = kCosineBand[k] / kCosineBand[0];
-    sum += band * band * glm::dot(light[k], light[k]);
-  }
-  return sum / kShChannels;
-}
-
 LightSample sampleAt(const ProbeTree& tree, const glm::dvec3& place) {
   LightSample sample;
   ProbesAround around;
@@ -128,9 +119,9 @@ class Grower {
          const ShOctreeOptions& options)
       : transport_(transport), places_(places), light_(light), options_(options), sides_(places) {
     float mean = 0.0f;
-    for (const LightSh& sh : light) mean += std::sqrt(bandSquares({sh[0]})) / static_cast<float>(light.size());
+    for (const LightSh& sh : light) mean += std::sqrt(irradianceSquares({sh[0]})) / static_cast<float>(light.size());
     for (size_t i = 0; i < light.size(); ++i) {
-      const float unit = std::sqrt(bandSquares({light[i][0]})) + kMeanShare * mean + 1e-12f;
+      const float unit = std::sqrt(irradianceSquares({light[i][0]})) + kMeanShare * mean + 1e-12f;
       importance_.push_back(1.0f / (unit * unit));
       is_held_out_.push_back(mixSeed(options.seed, kHeldOutStream, i) % 2);
     }
@@ -226,7 +217,7 @@ class Grower {
       const LightSample sample = sampleAt(tree_, places_[i]);
       LightSh difference = sample.count > 0 ? blendOf(sample, solved_) : LightSh{};
       for (int k = 0; k < kShCount; ++k) difference[k] -= light_[i][k];
-      const double squares = importance_[i] * bandSquares(difference);
+      const double squares = importance_[i] * irradianceSquares(difference);
       error_[sides_.cubeOf(places_[i])] += squares / (1.0 + squares);  // Cauchy's, as the solve has it
     }
   }

@@ -26,7 +26,15 @@ void addDarkest(const LightGrid& grid, const ProbesAround& around, ProbeWeights*
     tents += weight[c];
     light += weight[c] * luminance[c];
   }
-  if (!(tents > 0.0f)) return;
+  if (!(tents > 0.0f)) {
+    // the place is that of a probe without weight, where the tents of all others end: they count alike
+    for (size_t c = 0; c < 8; ++c) {
+      weight[c] = grid.probe_function[around.corners[c].probe] == kNoWeight ? 0.0f : 1.0f;
+      tents += weight[c];
+      light += weight[c] * luminanceOf(grid.probeLight(around.corners[c].probe));
+    }
+    if (tents == 0.0f) return;
+  }
   const float mean = light / tents + kNoLight;
   float sum = 0.0f;
   for (size_t c = 0; c < 8; ++c) {

@@ -150,6 +150,30 @@ uint32_t LightGrid::addFunction(uint8_t representation, const float* theta_D) {
   return static_cast<uint32_t>(functionCount() - 1);
 }
 
+void LightGrid::dropUnusedFunctions() {
+  LightGrid kept;
+  std::vector<uint32_t> function_now(functionCount(), kNoWeight);
+  std::vector<int> representation_now(representations.size(), -1);
+  for (uint32_t& function : probe_function) {
+    if (function == kFreeSpace || function == kNoWeight) continue;
+    if (function_now[function] == kNoWeight) {
+      int& representation = representation_now[function_representation[function]];
+      if (representation < 0) {
+        representation = static_cast<int>(kept.representations.size());
+        kept.representations.push_back(representations[function_representation[function]]);
+      }
+      function_now[function] = kept.addFunction(static_cast<uint8_t>(representation), functionTheta(function));
+    }
+    function = function_now[function];
+  }
+  representations = std::move(kept.representations);
+  function_representation = std::move(kept.function_representation);
+  theta_begin = std::move(kept.theta_begin);
+  theta = std::move(kept.theta);
+  function_brick = std::move(kept.function_brick);
+  quads = std::move(kept.quads);
+}
+
 void LightGrid::makeBricks() {
   function_brick.clear();
   quads.clear();

@@ -77,6 +77,8 @@ struct LightGrid {
   uint32_t addFunction(uint8_t representation, const float* theta_D);
   // quadCount words. function   of a code
   const uint32_t* functionQuads(size_t function) const { return &quads[function_brick[function].begin]; }
+  // Leaves out functions that no probe has, and representations that no function has.
+  void dropUnusedFunctions();
   // All bricks anew, of functions as they are. A code whose theta checkLightGrid refuses, or whose dictionary is not known, has none.
   void makeBricks();
 };

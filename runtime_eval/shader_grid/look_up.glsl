@@ -452,7 +452,8 @@ NlgShares nlgSharesAt(vec3 position_m) {
   float sum = 0.0f, believed = 0.0f, tents[8];
   for (int c = 0; c < 8; ++c) {
     NlgCorner corner = nlgCornerOf(cell, c);
-    tents[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
+    // at a place that is that of a probe without weight the tents of all others end: then all count alike
+    tents[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : max(1e-20f, corner.tent * corner.ratio);
     float above = nlgTentShare(corner) - NLG_RESIDUE, weight = above * corner.tent * corner.ratio;
     shares.record[c] = corner.record;
     shares.share[c] = weight >= NLG_LEAST_WEIGHT * (1.0f - NLG_RESIDUE) ? weight : 0.0f;

@@ -352,7 +352,8 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
     const NlgCorner corner = nlgCornerOf(grid, &cell, c);
     const float above = nlgTentShare(grid, &corner) - NLG_RESIDUE;
     record[c] = corner.record;
-    tent[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : corner.tent * corner.ratio;
+    /* at a place that is that of a probe without weight the tents of all others end: then all count alike */
+    tent[c] = (corner.kind & 7) == NLG_KIND_NONE ? 0.0f : fmaxf(1e-20f, corner.tent * corner.ratio);
     weight[c] = above * corner.tent * corner.ratio;
     if (!(weight[c] >= 1e-6f * (1.0f - NLG_RESIDUE))) weight[c] = 0.0f;
     sum += weight[c];
