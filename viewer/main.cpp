@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   OptionTable table("bake");
   describe(bake, table);
   table.addNote(stagesHelp({}));
-  table.common({"out", "grid", "watch", "weights", "rivals", "unit", "spacing_m", "sky", "sun", "threads"});
+  table.common({"out", "grid", "watch", "weights", "rivals", "unit", "spacing_m", "sky", "sun"});
   describe(request, app);
   return runTool(argc, argv, app, table, [&] {
     request.rivals_are_given = app.get_option("--rivals")->count() > 0;
