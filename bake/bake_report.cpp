@@ -55,6 +55,7 @@ nlohmann::ordered_json thinnedJson(const LightStatistics& light) {
   return {{"error", light.thin_error},
           {"functions", thinned.functions},
           {"probes", thinned.probes},
+          {"distinct_functions", light.functions_thinned},
           {"largest_change", thinned.largest_change},
           {"largest_at_m", {thinned.largest_at_m.x, thinned.largest_at_m.y, thinned.largest_at_m.z}}};
 }
@@ -63,11 +64,11 @@ std::string thinnedSummary(const LightStatistics& light) {
   if (light.thin_error == 0.0) return {};
   const glm::dvec3 at = glm::round(10.0 * light.thinned.largest_at_m) / 10.0 + 0.0;
   return fmt::format(
-      "thinned by {:.2g}: {} and the functions of {} more left out; the error grows most, by {:.2g} of the light, at {:.1f}, "
-      "{:.1f}, "
-      "{:.1f}\n",
-      light.thin_error, countText(light.thinned.probes, "probe"), countText(light.thinned.functions, "probe"),
-      light.thinned.largest_change, at.x, at.y, at.z);
+      "thinned by {:.2g}: {} and the functions of {} more left out, {} of {} functions stay; the error grows most, by {:.2g} of "
+      "the "
+      "light, at {:.1f}, {:.1f}, {:.1f}\n",
+      light.thin_error, countText(light.thinned.probes, "probe"), light.thinned.functions, light.functions_thinned,
+      light.functions_whole, light.thinned.largest_change, at.x, at.y, at.z);
 }
 
 nlohmann::ordered_json lightJson(const LightStatistics& light) {

@@ -110,7 +110,9 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
     thinner.thinTo(error);
     is_solved = false;
   }
+  statistics->functions_whole = grid->functionCount();
   grid->dropUnusedFunctions();
+  statistics->functions_thinned = grid->functionCount();
   statistics->thin_error = error;
   statistics->thinned = thinner.thinned();
   statistics->thinned.largest_at_m += scene.origin_m;

@@ -25,6 +25,7 @@ struct LightStatistics {
   double solve_wall_s = 0.0;                                // weights at places, and the solve
   double thin_error = 0.0;                                  // with which thinned came about; 0: nothing was left out
   Thinned thinned;                                          // largest_at_m: world coordinates
+  uint64_t functions_whole = 0, functions_thinned = 0;      // distinct ones, before and after
   LightPacking packing;                                     // what the file's form of it adds
   uint64_t file_bytes = 0;                                  // of light
   double error = 0.0, median_error = 0.0, p95_error = 0.0;  // as ProbeLight has them

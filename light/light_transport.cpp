@@ -185,11 +185,11 @@ struct LightTransport::Impl {
       const Lamp* chosen = nullptr;
       float share = 0.0f;
       for (const Lamp& lamp : scene.light.lamps) {
-        const float light = openLight(lamp, from);
-        if (light <= 0.0f) continue;
+        const float open = openLight(lamp, from);
+        if (open <= 0.0f) continue;
         chosen = &lamp;
-        share = light / total;
-        if ((at -= light) < 0.0f) break;
+        share = open / total;
+        if ((at -= open) < 0.0f) break;
       }
       if (chosen != nullptr && lampLight(*chosen, from, random.uniform(), random.uniform(), &arriving))
         addArriving(LightGroups::of(groups().of_lamp, static_cast<size_t>(chosen - scene.light.lamps.data())), cosine() / share);
