@@ -57,7 +57,7 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add(
       "thin_error", &o.thin_error,
       "leave out functions and probes that this light does not need, where it adds no more than this to errors, as a share of "
-      "light: .03 is not seen. Other light may need them: such a grid is not lit anew. 0: none are left out",
+      "light: .03 is hardly seen. Other light may need them: such a grid is not lit anew. 0: none are left out",
       0.0, kMostThinError);
   describe(o.diffusion, table);
   table.group("Weighting functions");

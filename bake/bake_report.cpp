@@ -64,7 +64,8 @@ std::string thinnedSummary(const LightStatistics& light) {
   if (light.thin_error == 0.0) return {};
   const glm::dvec3 at = glm::round(10.0 * light.thinned.largest_at_m) / 10.0 + 0.0;
   return fmt::format(
-      "thinned by {:.2g}: {} and the functions of {} more left out, {} of {} functions stay; the error grows most, by {:.2g} of "
+      "thinned by {:.2g}: {} left out, and the functions of {} others; {} of {} functions stay; the error grows most, by {:.2g} "
+      "of "
       "the "
       "light, at {:.1f}, {:.1f}, {:.1f}\n",
       light.thin_error, countText(light.thinned.probes, "probe"), light.thinned.functions, light.functions_thinned,

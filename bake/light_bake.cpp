@@ -70,12 +70,11 @@ struct ThinningInputs {
 // Leaves out what thin_error allows, and more and more where max_bytes asks for it.
 // returns  light solved for with what is left
 ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, LightStatistics* statistics) {
-  constexpr double kHeaderBytes = 8192.0;                   // at most, as nlg-bake writes it
   constexpr double kFirstError = 0.01, kErrorGrowth = 1.3;  // of rounds until the budget is kept
   const BakeOptions& options = inputs.options;
   const Scene& scene = inputs.scene.source.scene;
   const std::vector<std::string>& group_names = scene.light.groups.names;
-  const double most_bytes = options.max_bytes - kHeaderBytes;
+  const double most_bytes = options.max_bytes - static_cast<double>(options.header_bytes);
   const auto isWithin = [&](const ProbeLight& now) {
     return options.max_bytes == 0.0 || static_cast<double>(bytesWith(*grid, options, now, group_names)) <= most_bytes;
   };
@@ -100,11 +99,9 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
       continue;
     }
     if (error == kMostThinError) {
-      throw UsageError("max_bytes",
-                       fmt::format("{} or more, or a spacing_m above {:g}",
-                                   bytesText(kHeaderBytes + static_cast<double>(bytesWith(*grid, options, lit, group_names))),
-                                   options.spacing_m),
-                       bytesText(options.max_bytes));
+      const size_t least = bytesWith(*grid, options, lit, group_names) + options.header_bytes;
+      throw UsageError("max_bytes", fmt::format("{} or more, or a spacing_m above {:g}", least, options.spacing_m),
+                       fmt::format("{:.0f}", options.max_bytes));
     }
     error = std::min(kMostThinError, std::max(kFirstError, kErrorGrowth * error));
     thinner.thinTo(error);
@@ -211,7 +208,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   if (options.thin_error > 0.0 || options.max_bytes > 0.0)
     lit = thin({scene, options, place_light, place_groups, solve, threads}, std::move(lit), grid, &statistics);
   statistics.solve_wall_s = secondsSince(start);
-  statistics.unread_probes = lit.unread;
+  statistics.unread_probes = lit.unread - statistics.thinned.probes;
   statistics.solve_iterations = lit.iterations;
   statistics.error = lit.error;
   statistics.median_error = lit.median_error;

@@ -92,6 +92,14 @@ void writeJson(const std::string& path, const nlohmann::ordered_json& json) {
   }
 }
 
+bool isSameFile(const std::string& a, const std::string& b) {
+  const auto whole = [](const std::string& name) {
+    std::error_code error;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(name), error);
+  };
+  return whole(a) == whole(b);
+}
+
 // Before anything is read: a bake takes minutes.
 void checkOutputs(const Request& request, const std::vector<std::string>& inputs) {
   if (request.out_is_given) {
@@ -104,8 +112,9 @@ void checkOutputs(const Request& request, const std::vector<std::string>& inputs
   }
   if (!request.json.empty() && request.json != "-") {
     refuseToReplaceInputs(request.json, inputs, "--json");
-    if (request.json == request.kept) throw UsageError("--json", "another file than --keep", request.json);
-    if (request.json == request.out) throw UsageError("--json", "another file than --out", request.json);
+    if (!request.kept.empty() && isSameFile(request.json, request.kept))
+      throw UsageError("--json", "another file than --keep", request.json);
+    if (isSameFile(request.json, request.out)) throw UsageError("--json", "another file than --out", request.json);
     requireOutputFile(request.json);
   }
 }
@@ -116,7 +125,8 @@ void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, R
     refuseToReplaceInputs(request->out, inputs);
     requireOutputFile(request->out);
   }
-  if (request->kept == request->out) throw UsageError("--keep", "another file than the light grid", request->kept);
+  if (!request->kept.empty() && isSameFile(request->kept, request->out))
+    throw UsageError("--keep", "another file than the light grid", request->kept);
 }
 
 BakeScene readScene(const Request& request, const BakeOptions& options, int threads, const KnownAir& known = {}) {
@@ -128,10 +138,19 @@ BakeScene readScene(const Request& request, const BakeOptions& options, int thre
   return {std::move(source), options, known};
 }
 
+// At most, of a grid's file: the metadata, what tensors are called and where they lie, and fillers between them.
+size_t headerBytes(const GridMetadata& metadata, const BakeScene& scene) {
+  constexpr size_t kOfTensors = 3584, kOfGroup = 64;
+  size_t bytes = nlohmann::json(metadata).dump().size() + kOfTensors;
+  for (const std::string& name : scene.source.scene.light.groups.names) bytes += name.size() + kOfGroup;
+  return bytes;
+}
+
 std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const GridMetadata& metadata) {
   std::string bytes;
   const FileResult result = serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes);
   if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": no number that the file can hold");
+  NLG_CHECK(options.max_bytes == 0.0 || static_cast<double>(bytes.size()) <= options.max_bytes, ==, true);
   return bytes;
 }
 
@@ -166,7 +185,7 @@ void runCheck(Request request, const BakeOptions& options, const OptionTable& ta
 }
 
 // Light alone, for a grid whose functions stay.
-void runRelight(Request request, const BakeOptions& options, const OptionTable& table) {
+void runRelight(Request request, BakeOptions options, const OptionTable& table) {
   const std::vector<std::string> inputs = {request.scene, request.config, request.relit};
   checkOutputs(request, inputs);
   if (!request.weights.empty())
@@ -179,6 +198,7 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   const int threads = options.threads > 0 ? options.threads : machineThreadCount();
   const BakeScene scene = readScene(request, options, threads, knownAir(request.relit, baked));
   requireFunctionsOf(scene, table, options.representation, request.relit, baked);
+  options.header_bytes = headerBytes(baked.metadata, scene);
   const LightStatistics light = relight(scene, options, table, &baked);
   const std::string bytes = fileBytes(baked.grid, options, baked.metadata);
   writeFileAtomically(request.out, bytes);
@@ -206,6 +226,8 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   checkOutputs(request, inputs);
   if (!request.kept.empty() && options.refine_seconds > 0.0)
     throw UsageError("--keep", "refine_seconds 0: what a limit of time left is not what a bake makes", "a limit of time");
+  if (options.light == "none" && (options.thin_error > 0.0 || options.max_bytes > 0.0))
+    throw UsageError(options.thin_error > 0.0 ? "thin_error" : "max_bytes", "0, since thinning goes by light", "--light none");
   const GridPrecision stored{options.policy.theta_precision, options.light_error};
   const auto [generators, weight_files] = loadGenerators(request.weights);
   std::vector<WeightsUsed> weights;
@@ -231,9 +253,11 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   if (!told.empty()) std::cerr << "kept: " << told << '\n';
   const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   chooseOut(scene, inputs, &request);
+  const GridMetadata metadata = bakeMetadata(scene, bakedOptions(table), weights_sha256);
+  options.header_bytes = headerBytes(metadata, scene);
   Bake bake = bakeScene(scene, generators, options, temporaryFolder(), is_keeping ? &kept : nullptr);
 
-  const std::string bytes = fileBytes(bake.grid, options, bakeMetadata(scene, bakedOptions(table), weights_sha256));
+  const std::string bytes = fileBytes(bake.grid, options, metadata);
   writeFileAtomically(request.out, bytes);
   if (is_keeping) writeFileAtomically(request.kept, keptBytes(kept, origin));
 

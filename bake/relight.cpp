@@ -73,7 +73,7 @@ void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const 
   });
   for (const char* name : {"thin_error", "max_bytes"}) {
     if (const Json thinned_by = origin["options"].value(name, Json(0.0)); thinned_by != Json(0.0))
-      throw InputError(path, name, "0: a grid that keeps what only other light may need", thinned_by.dump());
+      throw InputError(path, name, "0, since what thinning leaves out other light may need", thinned_by.dump());
   }
   std::vector<std::string> representations;
   for (const Representation& representation : baked.grid.representations)
