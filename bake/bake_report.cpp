@@ -66,8 +66,7 @@ std::string thinnedSummary(const LightStatistics& light) {
   return fmt::format(
       "thinned by {:.2g}: {} left out, and the functions of {} others; {} of {} functions stay; the error grows most, by {:.2g} "
       "of "
-      "the "
-      "light, at {:.1f}, {:.1f}, {:.1f}\n",
+      "the light, at {:.1f}, {:.1f}, {:.1f}\n",
       light.thin_error, countText(light.thinned.probes, "probe"), light.thinned.functions, light.functions_thinned,
       light.functions_whole, light.thinned.largest_change, at.x, at.y, at.z);
 }

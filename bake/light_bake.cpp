@@ -81,9 +81,8 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   double error = options.thin_error;
   if (error == 0.0 && isWithin(lit)) return lit;
   const Progress progress("thinning");
-  std::vector<glm::dvec3> near;
-  for (size_t i = 0; i < inputs.scene.air.places.size(); i += kBesideEvery) near.push_back(inputs.scene.air.places[i]);
-  const std::vector<glm::dvec3> beside = placesBesideSurfaces(inputs.scene.rays, near, options.spacing_m, options.seed);
+  const std::vector<glm::dvec3> beside =
+      placesBesideSurfaces(inputs.scene.rays, inputs.scene.air.places, options.spacing_m, options.seed, kBesideEvery);
   const ProbeLight whole = std::move(lit);
   GridThinner thinner(grid, scene.origin_m, inputs.scene.air.places, lightsOf(inputs.place_light, inputs.place_groups), beside,
                       lightsOf(whole.light, whole.groups), options.light_dark_share, inputs.threads);

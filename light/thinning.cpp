@@ -23,11 +23,11 @@ float meanLightOf(const LightSh& light) { return std::sqrt(irradianceSquares({li
 }  // namespace
 
 std::vector<glm::dvec3> placesBesideSurfaces(const RayScene& rays, const std::vector<glm::dvec3>& places, double reach_m,
-                                             uint64_t seed) {
+                                             uint64_t seed, size_t every) {
   std::vector<glm::dvec3> beside;
   const auto before_m = static_cast<float>(kBefore * reach_m);
-  for (size_t i = 0; i < places.size(); ++i) {
-    Random random(mixSeed(seed, kBesideStream, i));
+  for (size_t i = 0; i < places.size(); i += every) {
+    Random random(mixSeed(seed, kBesideStream, i / every));
     glm::vec3 at(places[i]);
     glm::vec3 direction = sphereDirection(random.uniform(), random.uniform());
     // along a surface to the next, and along both to a third

@@ -24,10 +24,10 @@ struct Thinned {
 // Of places in air one in so many is enough to begin from.
 inline constexpr size_t kBesideEvery = 3;
 
-// Three places in front of surfaces for each place in air, 3 % of reach_m away from them: before one, in an edge, in a corner, as far as
+// Three places in front of surfaces for one in `every` places in air, 3 % of reach_m away from them: before one, in an edge, in a corner, as far as
 // rays find these within reach_m. A pure function of its arguments.
 std::vector<glm::dvec3> placesBesideSurfaces(const RayScene& rays, const std::vector<glm::dvec3>& places, double reach_m,
-                                             uint64_t seed);
+                                             uint64_t seed, size_t every = 1);
 
 class GridThinner {
  public:

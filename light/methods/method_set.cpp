@@ -300,9 +300,8 @@ void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, 
 void MethodSet::addThinned(const LightMethod& whole, LightGrid grid) {
   const double start = processorSeconds();
   const glm::dvec3& origin_m = scene_.transport.scene().origin_m;
-  std::vector<glm::dvec3> near;
-  for (size_t i = 0; i < scene_.air.places.size(); i += kBesideEvery) near.push_back(scene_.air.places[i]);
-  const auto beside = placesBesideSurfaces(scene_.transport.rays(), near, scene_.tree.frame().spacing_m, options_.seed);
+  const auto beside = placesBesideSurfaces(scene_.transport.rays(), scene_.air.places, scene_.tree.frame().spacing_m,
+                                           options_.seed, kBesideEvery);
   GridThinner thinner(&grid, origin_m, scene_.air.places, {&place_light_}, beside, {whole.probe_light}, options_.solve.dark_share,
                       options_.thread_count);
   thinner.thinTo(options_.thin_error);
