@@ -1,6 +1,7 @@
 #include "light/methods/method_set.h"
 
 #include <bit>
+#include <sstream>
 
 #include "light/directions.h"
 #include "light/methods/grid_weighting.h"
@@ -20,7 +21,7 @@ namespace {
 constexpr uint64_t kProbeStream = 0x70726f6265, kNormalStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076,
                    kOctreeStream = 0x6f637472;
 
-const std::string kThinned = ", thinned";
+const std::string kThinned = ", thinned ";
 const std::string kDdgiAsShipped = "DDGI as shipped", kRelocated = ", relocated";
 
 // Weights that look at the normal are solved for with any one: the same for the same place.
@@ -279,7 +280,6 @@ void MethodSet::addShOctrees(const std::vector<glm::dvec3>& places, const std::v
 }
 
 void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways) {
-  const bool is_thinned = name.ends_with(kThinned);
   const LightGrid& kept = grids_.emplace_back(std::move(grid));
   const LightGridBytes bytes = lightGridBytes(kept, {options_.theta, {}});
   size_t with_weight = 0;
@@ -293,20 +293,23 @@ void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, 
     LightGrid& lit = grids_.emplace_back(kept);
     lit.light = floatsOf(*methods_[m].probe_light);
     methods_[m].irradiance_at = lookedUpLight(lit, origin_m);
-    if (options_.thin_error > 0.0 && methods_[m].light == "solved" && !is_thinned) addThinned(methods_[m], kept);
+    if (ways != kGatheredAndSolved || methods_[m].light != "solved") continue;
+    for (const double error : options_.thin_errors) addThinned(methods_[m], kept, error);
   }
 }
 
-void MethodSet::addThinned(const LightMethod& whole, LightGrid grid) {
+void MethodSet::addThinned(const LightMethod& whole, LightGrid grid, double error) {
   const double start = processorSeconds();
   const glm::dvec3& origin_m = scene_.transport.scene().origin_m;
   const auto beside = placesBesideSurfaces(scene_.transport.rays(), scene_.air.places, scene_.tree.frame().spacing_m,
                                            options_.seed, kBesideEvery);
   GridThinner thinner(&grid, origin_m, scene_.air.places, {&place_light_}, beside, {whole.probe_light}, options_.solve.dark_share,
                       options_.thread_count);
-  thinner.thinTo(options_.thin_error);
+  thinner.thinTo(error);
   grid.dropUnusedFunctions();
-  addGrid(whole.weights + kThinned, std::move(grid), whole.weights_s + processorSeconds() - start, {LightWay::solved});
+  std::ostringstream name;
+  name << whole.weights << kThinned << error;
+  addGrid(name.str(), std::move(grid), whole.weights_s + processorSeconds() - start, {LightWay::solved});
 }
 
 }  // namespace nlg

@@ -22,7 +22,7 @@ namespace nlg {
 struct MethodSetOptions {
   GatherOptions probe;                          // of every probe
   ProbeLightOptions solve;                      // of places in air, as a bake measures and solves with the same seed
-  double thin_error = 0.0;                      // above 0: grids whose light is solved for are there thinned, too (thinning.h)
+  std::vector<double> thin_errors;              // each above 0: grids are there thinned so, too, their light solved for
   double light_error = kLightError;             // with which every method keeps harmonics (packed_light.h)
   ThetaPrecision theta = ThetaPrecision::int8;  // in which grids are counted: that of their bakes
   int thread_count = 1;
@@ -71,7 +71,8 @@ class MethodSet {
   // "SH octree, 64 kB" …: of light at these places, which must outlive this object; a kB is 1024 bytes.
   void addShOctrees(const std::vector<glm::dvec3>& places, const std::vector<LightSh>& light,
                     const std::vector<size_t>& kilobytes);
-  // grid   baked without light, in the world's coordinates. "NAME, thinned" follows it where options say so
+  // grid   baked without light, in the world's coordinates. One that is lit in every way is followed by "NAME, thinned 0.03" …, as
+  //        options say (thinning.h)
   void addGrid(const std::string& name, LightGrid grid, double bake_s, const std::vector<LightWay>& ways = kGatheredAndSolved);
 
  private:
@@ -92,7 +93,7 @@ class MethodSet {
   void addBlends(Blends blends);
   void addApv(const std::string& name, size_t probe_bytes, const std::vector<LightSh>& light, const std::vector<LightWay>& ways);
   const DdgiMaps& makeDdgi(bool relocates);
-  void addThinned(const LightMethod& whole, LightGrid grid);
+  void addThinned(const LightMethod& whole, LightGrid grid, double error);
   void addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes);
 
   const MethodScene scene_;

@@ -67,15 +67,26 @@ class Light(unittest.TestCase):
             for name in ("DDGI float", "DDGI as shipped", "DDGI, exact visibility", "DDGI float, relocated", "DDGI as shipped, relocated"):
                 self.assertEqual(lights[name], ["own"], name)
 
-    def test_grids_are_the_same_without_rivals(self):
-        alone = os.path.join(self.folder.name, "alone.json")
-        run = light(*HOUSE, *weights("tent_mlp4", "pf3 pf5"), "--spacings", "1.5", "3", "--grids-only", "--out", alone)
+    def test_grids_are_the_same_without_rivals_and_beside_thinned_ones(self):
+        out = os.path.join(self.folder.name, "thinned.json")
+        run = light(*HOUSE, *weights("tent_mlp4", "pf3 pf5"), "--spacings", "1.5", "--grid-spacings", "3", "--thin-errors", ".02", ".2", "--words", "--out", out)
         self.assertEqual(run.returncode, 0, run.stderr)
-        with open(alone) as file:
-            spacings = without_times(json.load(file))["spacings"]
-        for of_grids, of_all in zip(spacings, without_times(copy.deepcopy(self.result))["spacings"], strict=True):
-            self.assertEqual({method["weights"] for method in of_grids["methods"]}, {"target functions", "tent_mlp4", "pf3 or pf5"})
-            self.assertEqual(of_grids["methods"], [method for method in of_all["methods"] if method in of_grids["methods"]])
+        with open(out) as file:
+            result = json.load(file)
+        self.assertEqual(result["provenance"]["options"]["thin_error"], [.02, .2])
+        fine, coarse = without_times(result)["spacings"]
+        both, alone = without_times(copy.deepcopy(self.result))["spacings"]
+        is_thinned = lambda method: ", thinned" in method["weights"]
+        self.assertEqual([method for method in fine["methods"] if not is_thinned(method)], both["methods"])
+        self.assertEqual(fine["words"], both["words"], "what is not stored is not thinned")
+        grids = ("tent_mlp4", "pf3 or pf5")
+        self.assertEqual([method for method in coarse["methods"] if not is_thinned(method)], [method for method in alone["methods"] if method["weights"] in grids])
+        for methods in (fine["methods"], coarse["methods"]):
+            size = {(method["weights"], method["light"]): method["bytes"]["total"] for method in methods}
+            self.assertEqual([name for name in size if ", thinned" in name[0]], [(f"{name}, thinned {error}", "solved") for name in grids for error in (.02, .2)])
+            for name in grids:
+                self.assertLess(size[f"{name}, thinned 0.2", "solved"], size[f"{name}, thinned 0.02", "solved"])
+                self.assertLess(size[f"{name}, thinned 0.02", "solved"], size[name, "solved"])
 
     def test_words_lead_from_the_network_to_what_is_stored(self):
         fine, coarse = self.result["spacings"]

@@ -49,7 +49,7 @@ MethodSetOptions methodSetOptions(const BakeOptions& options, const GatherOption
   MethodSetOptions method_options;
   method_options.probe = probe;
   method_options.solve = probeLightOptions(options);
-  method_options.thin_error = options.thin_error;
+  if (options.thin_error > 0.0) method_options.thin_errors = {options.thin_error};
   method_options.light_error = options.light_error;
   method_options.theta = options.policy.theta_precision;
   method_options.thread_count = thread_count;

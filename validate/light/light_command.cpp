@@ -40,6 +40,8 @@ constexpr uint64_t kPlaceStream = 0x706c6163, kTruthStream = 0x7472757468, kFloo
 struct Request {
   std::string scene, out;
   std::vector<double> spacings_m;
+  std::vector<double> grid_spacings_m;  // more of them, of grids alone
+  std::vector<double> thin_errors;
   std::vector<std::string> weights;  // each a bake: one file, or several with commas between them, of which the bake chooses
   int air_places = 2000, surface_places = 1600, walks = 40, edge_places = 400;
   LightPlaceOptions places;  // these numbers from those above
@@ -86,8 +88,9 @@ Json learnedJson(const LearnedCost& cost) {
           {"words", {{"by_place", cost.words_by_place}, {"shared", cost.words_shared}}}};
 }
 
-// What is measured at one spacing alone, the finest.
-struct FinestOnly {
+struct AtSpacing {
+  bool grids_alone = false;
+  // at the finest alone
   bool pictures = false;  // of the worst places of every grid, its light solved for
   bool words = false;     // grids of one generator before they are stored, their light solved for
   bool learned = false;   // methods that learn light
@@ -129,10 +132,12 @@ class LightMeasurement {
 
   // scene   as it is at this spacing
   Json spacingFigures(const BakeScene& scene, const BakeOptions& options, const GeneratorSets& sets,
-                      const FinestOnly& finest) const {
+                      const AtSpacing& asked) const {
     const LightTransport transport(scene.source.scene, scene.rays);
-    MethodSet methods({transport, scene.links, scene.tree, scene.air}, methodSetOptions(options, request_.probe, threads_));
-    if (!request_.grids_only) {
+    MethodSetOptions method_options = methodSetOptions(options, request_.probe, threads_);
+    if (!request_.thin_errors.empty()) method_options.thin_errors = request_.thin_errors;
+    MethodSet methods({transport, scene.links, scene.tree, scene.air}, method_options);
+    if (!asked.grids_alone && !request_.grids_only) {
       methods.addTrilinear();
       methods.addTetrahedra();
       methods.addApv();
@@ -140,9 +145,9 @@ class LightMeasurement {
       // holds what the level's own compiler put there, direct light too: no answer where that is left out
       if (request_.probe.direct == DirectLight::all) methods.addQuakeGrid();
     }
-    std::vector<glm::dvec3> asked;
-    for (const LightPlace& place : places_.places) asked.push_back(place.position_m);
-    methods.addTargetFunctions(asked, options.diffusion);
+    std::vector<glm::dvec3> positions_m;
+    for (const LightPlace& place : places_.places) positions_m.push_back(place.position_m);
+    if (!asked.grids_alone) methods.addTargetFunctions(positions_m, options.diffusion);
     for (const auto& [name, generators] : sets) {
       BakeOptions without_light = options;
       without_light.light = "none";
@@ -154,7 +159,7 @@ class LightMeasurement {
     std::vector<ThetaWord> words;  // of the methods from there on
     for (const auto& [name, generators] : sets) {
       // of a choice between generators there are no words before the last
-      if (!finest.words || generators.size() > 1) continue;
+      if (!asked.words || generators.size() > 1) continue;
       for (WordGrid& at : wordGrids(scene, generators.front(), options, threads_)) {
         words.push_back(at.word);
         methods.addGrid(name, std::move(at.grid), 0.0, {LightWay::solved});
@@ -166,11 +171,11 @@ class LightMeasurement {
     for (size_t m = 0; m < first_word; ++m) {
       const LightMethod& method = methods.methods()[m];
       const bool is_grid = std::any_of(sets.begin(), sets.end(), [&](const auto& set) { return set.first == method.weights; });
-      const bool is_drawn = finest.pictures && is_grid && method.light == "solved";
+      const bool is_drawn = asked.pictures && is_grid && method.light == "solved";
       json["methods"].push_back(measured(method, is_drawn ? Draws::pictures : Draws::nothing));
     }
-    if (finest.learned) addLearned({transport, scene.links, scene.tree, scene.air}, options, &methods, &json["methods"]);
-    if (finest.words) json["words"] = Json::array();
+    if (asked.learned) addLearned({transport, scene.links, scene.tree, scene.air}, options, &methods, &json["methods"]);
+    if (asked.words) json["words"] = Json::array();
     for (size_t w = 0; w < words.size(); ++w) {
       json["words"].push_back({{"word", wordName(words[w])}});
       json["words"].back().update(measured(methods.methods()[first_word + w]));
@@ -287,6 +292,8 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used.erase("threads");
   used.erase("representation");
   used["spacings_m"] = request.spacings_m;
+  used["grid_spacings_m"] = request.grid_spacings_m;
+  if (!request.thin_errors.empty()) used["thin_error"] = request.thin_errors;
   used["air_places"] = request.places.air;
   used["surface_places"] = request.places.surface;
   used["edge_places"] = request.places.edges;
@@ -319,11 +326,14 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   const auto finest =
       static_cast<size_t>(std::min_element(request.spacings_m.begin(), request.spacings_m.end()) - request.spacings_m.begin());
   std::vector<std::unique_ptr<BakeScene>> others;
-  for (size_t s = 0; s < request.spacings_m.size(); ++s) {
-    options.spacing_m = request.spacings_m[s];
+  std::vector<double> spacings_m = request.spacings_m;
+  spacings_m.insert(spacings_m.end(), request.grid_spacings_m.begin(), request.grid_spacings_m.end());
+  for (size_t s = 0; s < spacings_m.size(); ++s) {
+    options.spacing_m = spacings_m[s];
     if (s > 0) others.push_back(std::make_unique<BakeScene>(request.scene, options));
-    const FinestOnly only = s == finest ? FinestOnly{!request.pictures.empty(), request.words, request.neural} : FinestOnly{};
-    json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, only));
+    AtSpacing asked{s >= request.spacings_m.size()};
+    if (s == finest) asked = {asked.grids_alone, !request.pictures.empty(), request.words, request.neural};
+    json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, asked));
   }
   writeFileAtomically(request.out, json.dump(1) + "\n");
   std::cout << request.out << '\n';
@@ -362,6 +372,11 @@ int lightMain(int argc, char** argv) {
                  "exported generators, each a bake of its own. Several with commas between them: a bake that chooses");
   app.add_option("--spacings", request.spacings_m, "finest distances between probes, metres. None: the bake's spacing_m")
       ->check(CLI::Range(0.01, 1000.0));
+  app.add_option("--grid-spacings", request.grid_spacings_m, "more of them, at which grids alone are measured")
+      ->check(CLI::Range(0.01, 1000.0));
+  app.add_option("--thin-errors", request.thin_errors,
+                 "what grids are thinned to, each a method of its own. None: the bake's thin_error")
+      ->check(CLI::Range(1e-6, kMostThinError));
   app.add_flag("--grids-only", request.grids_only,
                "leave out rivals: measure grids and target functions alone, in a fraction of the time");
   app.add_flag(
