@@ -179,7 +179,8 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   Clock::time_point start = Clock::now();
   std::unique_ptr<SurfaceCache> cache;
   if (light_options.caches_surfaces)
-    cache = makeSurfaceCache(transport, scene.air.places, options.spacing_m, light_options.seed, threads);
+    cache =
+        makeSurfaceCache(transport, scene.air.places, options.spacing_m, light_options.place.rays, light_options.seed, threads);
   if (cache != nullptr) {
     statistics.cache_cells = cache->cellCount();
     statistics.cache_divided = cache->dividedCount();

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "tool/error.h"
-#include "tool/parallel_for.h"
 
 namespace nlg {
 namespace {
@@ -13,32 +14,18 @@ using Vector = std::vector<LightSh>;
 static_assert(sizeof(LightSh) == kShFloats * sizeof(float), "light is floats, three a coefficient");
 
 // Sums by coefficient and channel.
-struct Sums {
-  std::array<glm::dvec3, kShCount> value{};
-};
+using Sums = std::array<double, kShFloats>;
 
-Sums dot(const Vector& a, const Vector& b) {
-  Sums sums;
-  for (size_t i = 0; i < a.size(); ++i) {
-    for (int k = 0; k < kShCount; ++k) sums.value[k] += glm::dvec3(a[i][k] * b[i][k]);
-  }
-  return sums;
-}
-
-double total(const Sums& sums) {
-  double sum = 0.0;
-  for (const glm::dvec3& value : sums.value) sum += value.r + value.g + value.b;
-  return sum;
-}
+double total(const Sums& sums) { return std::accumulate(sums.begin(), sums.end(), 0.0); }
 
 // Where the divisor is 0 there is nothing left to do: that right-hand side stands still.
-glm::vec3 quotient(const glm::dvec3& a, const glm::dvec3& b) {
-  glm::vec3 result(0.0f);
-  for (int c = 0; c < kShChannels; ++c) result[c] = b[c] > 0.0 ? static_cast<float>(a[c] / b[c]) : 0.0f;
+std::array<float, kShFloats> quotients(const Sums& a, const Sums& b) {
+  std::array<float, kShFloats> result;
+  for (size_t i = 0; i < kShFloats; ++i) result[i] = b[i] > 0.0 ? static_cast<float>(a[i] / b[i]) : 0.0f;
   return result;
 }
 
-constexpr uint64_t kBlockProbes = 1024;
+size_t orderOf(size_t coefficient) { return coefficient < 3 ? 0 : coefficient < 12 ? 1 : 2; }
 
 // Calls visit(first, end) for every run of samples that read the same probes: those of one cell mostly.
 template <class Visit>
@@ -69,7 +56,7 @@ float irradianceSquares(const LightSh& light) {
 }
 
 LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_count, int thread_count)
-    : samples_(samples), thread_count_(thread_count), row_begin_(probe_count + 1, 0) {
+    : samples_(samples), thread_count_(thread_count), row_begin_(probe_count + 1, 0), read_begin_(probe_count + 1, 0) {
   std::vector<std::vector<uint32_t>> beside(probe_count);
   forEachRun(samples_, [&](size_t first, size_t) {
     const LightSample& sample = samples_[first];
@@ -87,6 +74,15 @@ LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_c
     beside[p] = {};
   }
   values_.resize(columns_.size());
+  for (const LightSample& sample : samples_) {
+    for (int j = 0; j < sample.count; ++j) ++read_begin_[sample.probe[j] + 1];
+  }
+  std::partial_sum(read_begin_.begin(), read_begin_.end(), read_begin_.begin());
+  reads_.resize(read_begin_.back());
+  std::vector<size_t> next = read_begin_;
+  for (uint32_t i = 0; i < samples_.size(); ++i) {
+    for (int j = 0; j < samples_[i].count; ++j) reads_[next[samples_[i].probe[j]]++] = i;
+  }
 }
 
 float& LightSolver::valueAt(uint32_t row, uint32_t column) {
@@ -121,75 +117,75 @@ LightSolution LightSolver::solve(const Vector& prior, const std::vector<float>& 
   NLG_CHECK(prior.size(), ==, start.size());
   NLG_CHECK(prior.size() + 1, ==, row_begin_.size());
   weigh();
-  std::array<float, kShFloats> order_pull;
-  for (size_t i = 0; i < kShFloats; ++i) order_pull[i] = options.order_pull[i < 3 ? 0 : i < 12 ? 1 : 2];
-
+  // by passes over blocks of probes, whose sums are added up in their order
+  const auto overBlocks = [&](const auto& work) {
+    std::vector<Sums> sums((prior.size() + kBlockProbes - 1) / kBlockProbes, Sums{});
+    forEachProbe([&](size_t p) { work(p, &sums[p / kBlockProbes]); });
+    Sums all{};
+    for (const Sums& sum : sums) std::transform(sum.begin(), sum.end(), all.begin(), all.begin(), std::plus<>());
+    return all;
+  };
   // of the normal equations
-  const auto apply = [&](const Vector& light) {
-    Vector image(light.size());
-    parallelFor((light.size() + kBlockProbes - 1) / kBlockProbes, thread_count_, [&](uint64_t block, int) {
-      const size_t end = std::min<size_t>((block + 1) * kBlockProbes, light.size());
-      for (size_t p = block * kBlockProbes; p < end; ++p) {
-        float* sum = floatsOf(image[p]);
-        const float* own = floatsOf(light[p]);
-        for (size_t i = 0; i < kShFloats; ++i) sum[i] = pull[p] * order_pull[i] * own[i];
-        for (size_t e = row_begin_[p]; e < row_begin_[p + 1]; ++e) {
-          const float* other = floatsOf(light[columns_[e]]);
-          for (size_t i = 0; i < kShFloats; ++i) sum[i] += values_[e] * other[i];
-        }
-      }
+  const auto rowTimes = [&](size_t p, const Vector& light, float* sum) {
+    const float* own = floatsOf(light[p]);
+    for (size_t i = 0; i < kShFloats; ++i) sum[i] = pull[p] * options.order_pull[orderOf(i)] * own[i];
+    for (size_t e = row_begin_[p]; e < row_begin_[p + 1]; ++e) {
+      const float* other = floatsOf(light[columns_[e]]);
+      for (size_t i = 0; i < kShFloats; ++i) sum[i] += values_[e] * other[i];
+    }
+  };
+  const auto preconditioned = [&](size_t p, const float* residual, float* result) {
+    std::array<float, 3> inverse;
+    for (size_t order = 0; order < 3; ++order) inverse[order] = 1.0f / (diagonal_[p] + pull[p] * options.order_pull[order]);
+    for (size_t i = 0; i < kShFloats; ++i) result[i] = residual[i] * inverse[orderOf(i)];
+  };
+  Vector right(prior.size()), residual(prior.size()), direction(prior.size()), image(prior.size());
+  forEachProbe([&](size_t p) {
+    float* sum = floatsOf(right[p]);
+    for (size_t i = 0; i < kShFloats; ++i) sum[i] = pull[p] * options.order_pull[orderOf(i)] * floatsOf(prior[p])[i];
+    forEachRead(p, [&](size_t s, float weight) {
+      for (size_t i = 0; i < kShFloats; ++i) sum[i] += samples_[s].importance * weight * floatsOf(samples_[s].light)[i];
     });
-    return image;
-  };
-  const auto preconditioned = [&](const Vector& residual) {
-    Vector result = residual;
-    for (size_t p = 0; p < result.size(); ++p) {
-      float* value = floatsOf(result[p]);
-      for (size_t i = 0; i < kShFloats; ++i) value[i] /= diagonal_[p] + pull[p] * order_pull[i];
-    }
-    return result;
-  };
-  Vector right(prior.size());
-  for (size_t p = 0; p < prior.size(); ++p) {
-    for (size_t i = 0; i < kShFloats; ++i) floatsOf(right[p])[i] = pull[p] * order_pull[i] * floatsOf(prior[p])[i];
-  }
-  for (const LightSample& sample : samples_) {
-    for (int j = 0; j < sample.count; ++j) {
-      const float weight = sample.importance * sample.weight[j];
-      for (int k = 0; k < kShCount; ++k) right[sample.probe[j]][k] += weight * sample.light[k];
-    }
-  }
-  const auto residualAt = [&](const Vector& light) {
-    Vector residual = apply(light);
-    for (size_t p = 0; p < residual.size(); ++p) {
-      for (int k = 0; k < kShCount; ++k) residual[p][k] = right[p][k] - residual[p][k];
-    }
-    return residual;
+  });
+  // what is left at a light, and where to go from there; returns the square of its length
+  const auto begin = [&](const Vector& light) {
+    return overBlocks([&](size_t p, Sums* energy) {
+      float *left = floatsOf(residual[p]), *way = floatsOf(direction[p]);
+      rowTimes(p, light, left);
+      for (size_t i = 0; i < kShFloats; ++i) left[i] = floatsOf(right[p])[i] - left[i];
+      preconditioned(p, left, way);
+      for (size_t i = 0; i < kShFloats; ++i) (*energy)[i] += left[i] * way[i];
+    });
   };
 
   LightSolution solution{start, 0, 0.0};
-  const Vector at_prior = residualAt(prior);
-  const double first = total(dot(at_prior, preconditioned(at_prior)));
-  Vector residual = residualAt(start);
-  Vector direction = preconditioned(residual);
-  Sums energy = dot(residual, direction);
+  const double first = total(begin(prior));
+  Sums energy = begin(start);
   while (solution.iterations < options.max_iterations && total(energy) > options.tolerance * options.tolerance * first) {
-    const Vector image = apply(direction);
-    const Sums curvature = dot(direction, image);
-    LightSh step, share;
-    for (int k = 0; k < kShCount; ++k) step[k] = quotient(energy.value[k], curvature.value[k]);
-    for (size_t p = 0; p < direction.size(); ++p) {
-      for (int k = 0; k < kShCount; ++k) {
-        solution.light[p][k] += step[k] * direction[p][k];
-        residual[p][k] -= step[k] * image[p][k];
+    const Sums curvature = overBlocks([&](size_t p, Sums* sum) {
+      const float *way = floatsOf(direction[p]), *row = floatsOf(image[p]);
+      rowTimes(p, direction, floatsOf(image[p]));
+      for (size_t i = 0; i < kShFloats; ++i) (*sum)[i] += way[i] * row[i];
+    });
+    const std::array<float, kShFloats> step = quotients(energy, curvature);
+    const Sums next_energy = overBlocks([&](size_t p, Sums* sum) {
+      float *light = floatsOf(solution.light[p]), *left = floatsOf(residual[p]);
+      const float *way = floatsOf(direction[p]), *row = floatsOf(image[p]);
+      for (size_t i = 0; i < kShFloats; ++i) {
+        light[i] += step[i] * way[i];
+        left[i] -= step[i] * row[i];
       }
-    }
-    const Vector next = preconditioned(residual);
-    const Sums next_energy = dot(residual, next);
-    for (int k = 0; k < kShCount; ++k) share[k] = quotient(next_energy.value[k], energy.value[k]);
-    for (size_t p = 0; p < direction.size(); ++p) {
-      for (int k = 0; k < kShCount; ++k) direction[p][k] = next[p][k] + share[k] * direction[p][k];
-    }
+      std::array<float, kShFloats> next;
+      preconditioned(p, left, next.data());
+      for (size_t i = 0; i < kShFloats; ++i) (*sum)[i] += left[i] * next[i];
+    });
+    const std::array<float, kShFloats> share = quotients(next_energy, energy);
+    forEachProbe([&](size_t p) {
+      std::array<float, kShFloats> next;
+      preconditioned(p, floatsOf(residual[p]), next.data());
+      float* way = floatsOf(direction[p]);
+      for (size_t i = 0; i < kShFloats; ++i) way[i] = next[i] + share[i] * way[i];
+    });
     energy = next_energy;
     ++solution.iterations;
   }

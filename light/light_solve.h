@@ -10,11 +10,13 @@
 // values that only the sums need. Conjugate gradients with a diagonal preconditioner; all 27 right-hand sides at once.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
 #include "light/light_transport.h"
+#include "tool/parallel_for.h"
 
 namespace nlg {
 
@@ -60,16 +62,38 @@ class LightSolver {
   LightSolution solve(const std::vector<LightSh>& prior, const std::vector<float>& pull, const std::vector<LightSh>& start,
                       const LightSolveOptions& options = {});
 
+  // Calls visit(p) for every probe, in blocks of neighbours on several threads.
+  template <class Visit>
+  void forEachProbe(const Visit& visit) const {
+    const size_t count = read_begin_.size() - 1;
+    parallelFor((count + kBlockProbes - 1) / kBlockProbes, thread_count_, [&](uint64_t block, int) {
+      for (size_t p = block * kBlockProbes; p < std::min<size_t>((block + 1) * kBlockProbes, count); ++p) visit(p);
+    });
+  }
+  // Calls visit(i, weight) for every sample i that reads a probe, in their order.
+  template <class Visit>
+  void forEachRead(size_t probe, const Visit& visit) const {
+    for (size_t r = read_begin_[probe]; r < read_begin_[probe + 1]; ++r) {
+      const LightSample& sample = samples_[reads_[r]];
+      const auto at = std::find(sample.probe.begin(), sample.probe.end(), static_cast<uint32_t>(probe));
+      visit(reads_[r], sample.weight[static_cast<size_t>(at - sample.probe.begin())]);
+    }
+  }
+
  private:
+  static constexpr uint64_t kBlockProbes = 1024;
+
   float& valueAt(uint32_t row, uint32_t column);
   void weigh();
 
   const std::vector<LightSample>& samples_;
   const int thread_count_;
-  std::vector<size_t> row_begin_;  // by probe, into columns_ and values_; one more at the end
-  std::vector<uint32_t> columns_;  // probes, rising within a row
-  std::vector<float> values_;      // sum over samples of importance * weight * weight
-  std::vector<float> diagonal_;    // by probe: that of the probe with itself
+  std::vector<size_t> row_begin_;   // by probe, into columns_ and values_; one more at the end
+  std::vector<uint32_t> columns_;   // probes, rising within a row
+  std::vector<float> values_;       // sum over samples of importance * weight * weight
+  std::vector<float> diagonal_;     // by probe: that of the probe with itself
+  std::vector<size_t> read_begin_;  // by probe, into reads_; one more at the end
+  std::vector<uint32_t> reads_;     // samples that read it, rising
 };
 
 // The same once, on the calling thread.

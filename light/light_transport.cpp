@@ -23,7 +23,8 @@ constexpr int kSetCount = 8;          // of directions, whose means say how sure
 constexpr int kSurePathVertices = 3;  // no roulette before
 constexpr float kSurvival = 0.95f;    // at most
 constexpr int kLampSamples = 16;      // of one lamp at a place, at least
-constexpr uint64_t kPathStream = 0x70617468, kLampStream = 0x6c616d70, kSunStream = 0x73756e, kSkyStream = 0x736b79;
+constexpr uint64_t kPathStream = 0x70617468, kEmitterStream = 0x656d6974, kLampStream = 0x6c616d70, kSunStream = 0x73756e,
+                   kSkyStream = 0x736b79;
 
 // What of a spot's intensity goes this way.
 float spotShare(const Lamp& lamp, const glm::vec3& from_lamp) {
@@ -145,10 +146,9 @@ struct LightTransport::Impl {
     return comesFromSky(from, arriving);
   }
 
-  // Whether a ray that met this goes on to the sky.
   // Whether nothing but veils stands between a place and the sky: flux loses what these stop.
   bool comesFromSky(const glm::vec3& from, Arriving* arriving) const {
-    const bool is_open = isOpenSky(scene, rays.lightHit(from, arriving->direction));
+    const bool is_open = comesFromOpenSky(scene, rays, from, arriving->direction);
     if (is_open) arriving->flux *= passing(from, arriving->direction, INFINITY);
     return is_open;
   }
@@ -310,8 +310,9 @@ struct LightTransport::Impl {
     if (hits != nullptr) hits->assign(static_cast<size_t>(count), {});
     Arriving arriving;
     uint8_t group = 0;
+    // one for all rays: to make one costs a tenth of a ray. Emitters have their own, so that paths are the same without them
+    Random random(mixSeed(seed, kPathStream, index)), emitter_random(mixSeed(seed, kEmitterStream, index));
     for (int i = 0; i < count; ++i) {
-      Random random(mixSeed(seed, kPathStream, i, index));
       const int set = i % kSetCount;
       const glm::vec3 direction = direction_of(i, count);
       const float direction_density = density(direction);
@@ -322,7 +323,7 @@ struct LightTransport::Impl {
       }
       // each set goes evenly through all emitters
       if (options.direct != DirectLight::reflected &&
-          emitterLight(draws, (i + random.uniform()) / count, from, random, density, &arriving, &group))
+          emitterLight(draws, (i + emitter_random.uniform()) / count, from, emitter_random, density, &arriving, &group))
         add(set, arriving.direction, arriving.flux * share, group);
       if (sky.empty()) continue;
       const auto [u, v] = sky_lattice.point(i, count);

@@ -109,16 +109,16 @@ std::vector<LightSample> samplesOf(const std::vector<ProbeWeights>& weights, con
   return samples;
 }
 
-std::vector<float> pullOf(const std::vector<LightSample>& samples, size_t probe_count, double share) {
+std::vector<float> pullOf(const LightSolver& solver, const std::vector<LightSample>& samples, size_t probe_count, double share) {
   // by the weight itself, not its square: what is read by small shares alone is hardly known
-  std::vector<float> pull(probe_count, 0.0f);
-  double total = 0.0;
-  for (const LightSample& sample : samples) {
-    for (int j = 0; j < sample.count; ++j) {
-      pull[sample.probe[j]] += sample.importance * sample.weight[j];
-      total += sample.importance * sample.weight[j] * sample.weight[j];
-    }
-  }
+  std::vector<float> pull(probe_count, 0.0f), squares(probe_count, 0.0f);
+  solver.forEachProbe([&](size_t p) {
+    solver.forEachRead(p, [&](size_t i, float weight) {
+      pull[p] += samples[i].importance * weight;
+      squares[p] += samples[i].importance * weight * weight;
+    });
+  });
+  const double total = std::accumulate(squares.begin(), squares.end(), 0.0);
   // probes that are hardly read follow their mean
   const double least = 1e-3 * total / std::max<double>(1.0, static_cast<double>(probe_count)) + 1e-12;
   for (float& value : pull) value = static_cast<float>(share * value + least);
@@ -140,24 +140,24 @@ float unitOf(const LightSample& sample, const LightSh& blend, float least) {
 
 // What a probe is held at: the mean of light under its shares, where a probe has any. By the plain mean a hundredth of a share of a
 // sunlit place outweighs all that a cellar has.
-// say   by sample
-std::vector<LightSh> priorOf(const std::vector<LightSample>& samples, const std::vector<float>& say,
-                             std::vector<LightSh> without_any) {
-  std::vector<LightSh> sum(without_any.size());
-  std::vector<float> weight(without_any.size(), 0.0f);
-  for (size_t i = 0; i < samples.size(); ++i) {
-    for (int j = 0; j < samples[i].count; ++j) {
-      add(&sum[samples[i].probe[j]], say[i] * samples[i].weight[j], samples[i].light);
-      weight[samples[i].probe[j]] += say[i] * samples[i].weight[j];
-    }
-  }
+// say           by sample
+// without_any   by probe, where it has none
+std::vector<LightSh> priorOf(const LightSolver& solver, const std::vector<LightSample>& samples, const std::vector<float>& say,
+                             const std::vector<LightSh>& without_any) {
+  std::vector<LightSh> prior = without_any;
   constexpr float kLeast = 1e-9f;
-  for (size_t p = 0; p < sum.size(); ++p) {
-    if (weight[p] < kLeast) continue;
-    for (glm::vec3& value : sum[p]) value /= weight[p];
-    without_any[p] = sum[p];
-  }
-  return without_any;
+  solver.forEachProbe([&](size_t p) {
+    LightSh sum{};
+    float all = 0.0f;
+    solver.forEachRead(p, [&](size_t i, float weight) {
+      add(&sum, say[i] * weight, samples[i].light);
+      all += say[i] * weight;
+    });
+    if (all < kLeast) return;
+    for (glm::vec3& value : sum) value /= all;
+    prior[p] = sum;
+  });
+  return prior;
 }
 
 // Beside a lamp light changes within less than probes are apart. Squares of the errors there would rule all that those probes
@@ -189,8 +189,8 @@ ProbeLight solved(std::vector<LightSample>& samples, const Means& means, float m
         if (of_all != nullptr) samples[i].importance = std::sqrt(samples[i].importance * (*of_all)[i].importance);
       }
     });
-    LightSolution solution =
-        solver.solve(priorOf(samples, say, means.light), pullOf(samples, means.light.size(), options.pull), result.light, solve);
+    LightSolution solution = solver.solve(priorOf(solver, samples, say, means.light),
+                                          pullOf(solver, samples, means.light.size(), options.pull), result.light, solve);
     result.light = std::move(solution.light);
     result.iterations += solution.iterations;
   }

@@ -16,15 +16,15 @@ namespace nlg {
 
 struct SurfaceCacheOptions {
   float cell_m = 0.25f;     // side of a cube, > 0
-  int rays_per_cell = 64;   // >= 8
-  int discovery_rays = 32;  // from every place, to find the cells
-  int max_places = 40000;   // that discover; more are thinned out evenly
+  int rays_per_cell = 32;   // >= 8
+  int discovery_rays = 16;  // from every place, to find the cells
   uint64_t seed = 1;
 };
 
 class SurfaceCache {
  public:
-  // places   in air, relative to the scene's origin: the cells are those that their rays meet, and that the cells' own rays meet
+  // places   in air, relative to the scene's origin: the cells are those that their rays meet. Those that follow one another should be
+  //          neighbours
   // The same bits for any number of threads.
   SurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places, const SurfaceCacheOptions& options,
                int thread_count);
@@ -33,56 +33,66 @@ class SurfaceCache {
   // cell is, or one that is not used.
   const glm::vec3* irradiance(const glm::vec3& point, const glm::vec3& normal) const;
 
-  size_t cellCount() const { return keys_.size(); }
+  size_t cellCount() const { return keys_.size() + divided_count_; }
   size_t dividedCount() const { return divided_count_; }
   int iterations() const { return iterations_; }
 
  private:
-  struct Found {
-    uint64_t key;
-    SurfacePoint point;
-  };
-  struct Link {
-    uint32_t cell;         // that a ray ended in
-    uint32_t reflectance;  // of the point where it did: into reflectances_, since most scenes have few
-  };
-
-  uint64_t keyOf(const glm::vec3& point, const glm::vec3& normal) const;
-  uint32_t indexOf(uint64_t key) const;                                    // kNone without a cell
-  uint32_t cellAt(const glm::vec3& point, const glm::vec3& normal) const;  // one that holds there; kNone without
-  void addCells(std::vector<Found> found);
-  void keepOutermost(const Found* begin, const Found* end);
-  void findDivided(const LightTransport& transport, int thread_count);
-  void measure(const LightTransport& transport, const SurfaceCacheOptions& options, int thread_count);
-  void exchange();
-  void exchange(size_t group);
-  void buildTable();
-
   static constexpr uint32_t kNone = ~0u;
   static constexpr size_t kPointsPerCell = 4;
+
+  // A surface point that a ray met, and the cell that it lies in.
+  struct Found {
+    uint64_t key;
+    glm::vec3 position, normal;
+  };
+  // Where a point lies: its cell, and where across that, in 255ths of its side.
+  struct Spot {
+    uint64_t key;
+    std::array<uint8_t, 2> across;
+  };
+  // A quarter of a cache line, all that a look-up needs to know of a cell.
+  struct Slot {
+    uint64_t key = 0;
+    uint32_t cell = kNone;
+    std::array<uint8_t, 2> low{}, high{};  // across the cell: between these it holds
+  };
+  struct Link {
+    uint32_t cell;                        // that a ray ended in
+    std::array<uint16_t, 3> reflectance;  // of the point where it did, in steps of kReflectanceStep
+  };
+
+  Spot spotOf(const glm::vec3& point, const glm::vec3& normal) const;
+  uint32_t cellAt(const glm::vec3& point, const glm::vec3& normal) const;  // one that holds there; kNone without
+  std::vector<Found> outermost(std::vector<Found> found) const;
+  void findCells(const LightTransport& transport, const std::vector<glm::dvec3>& places, const SurfaceCacheOptions& options,
+                 int thread_count);
+  void addCells(const LightTransport& transport, const std::vector<std::vector<Found>>& blocks, int thread_count);
+  void buildTable();
+  size_t firstSlot(uint64_t key) const;  // where the search for a cell begins
+  void measure(const LightTransport& transport, const SurfaceCacheOptions& options, int thread_count);
+  void exchange(size_t group, int thread_count);
 
   float cells_per_m_;
   size_t group_count_;
   std::vector<uint64_t> keys_;         // by cell, rising
   std::vector<uint32_t> first_point_;  // by cell, into points_; one more at the end
-  std::vector<SurfacePoint> points_;
-  std::vector<std::array<float, 4>> reach_;  // by cell: low and high along the two axes across the way it faces
-  std::vector<uint8_t> is_divided_;          // by cell
+  std::vector<Found> points_;
   std::vector<glm::vec3> direct_;     // by cell and group: irradiance of lamps, suns, sky, emitters, and of what is no cell
   std::vector<uint32_t> first_link_;  // by cell, into links_; one more at the end
   std::vector<Link> links_;
-  std::vector<glm::vec3> reflectances_;
   std::vector<float> link_share_;      // by cell: what a link's radiance times albedo adds to irradiance
   std::vector<glm::vec3> irradiance_;  // by cell and group
-  std::vector<uint32_t> table_;        // open addressing: cells by hash of their keys
+  std::vector<Slot> table_;            // open addressing, by hash of the key
   size_t divided_count_ = 0;
   int iterations_ = 0;
 };
 
 // As every bake has it, and whoever is held against one: cells of a quarter of the probes' spacing, bounces that probes cannot tell
-// apart anyway; finer in scenes that are small beside it.
+// apart anyway; finer in scenes that are small beside it. Where places have few rays, as in a preview, cells are larger and have few, too.
+// place_rays   of every place whose light is then gathered
 // returns   null of a scene with baked light, whose rays end at their first hit
 std::unique_ptr<SurfaceCache> makeSurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places,
-                                               double spacing_m, uint64_t seed, int thread_count);
+                                               double spacing_m, int place_rays, uint64_t seed, int thread_count);
 
 }  // namespace nlg

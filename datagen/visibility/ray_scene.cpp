@@ -125,8 +125,8 @@ RTCRay rayAlong(const glm::vec3& origin, const glm::vec3& direction, float near,
   return {origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0.0f, far, ~0u, 0, 0};
 }
 
-bool isOccluded(RTCScene against, const glm::vec3& from, const glm::vec3& to) {
-  RTCRay ray = rayAlong(from, to - from, 0.0f, 1.0f);
+bool isOccluded(RTCScene against, const glm::vec3& from, const glm::vec3& direction, float far) {
+  RTCRay ray = rayAlong(from, direction, 0.0f, far);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(against, &context, &ray);
@@ -313,7 +313,7 @@ LightHit RayScene::Impl::surfaceHit(const RTCRayHit& hit, uint32_t triangle, con
   result.distance = hit.ray.tfar;
   result.u = hit.hit.u;
   result.v = hit.hit.v;
-  const glm::vec3 out = glm::normalize(normal(triangle));
+  const glm::vec3 out = glm::normalize(glm::vec3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z));
   result.is_front = glm::dot(out, direction) < 0.0f;
   result.normal = result.is_front ? out : -out;
   return result;
@@ -350,10 +350,16 @@ LightHit RayScene::veilHit(const glm::vec3& origin, const glm::vec3& direction, 
   return impl_->surfaceHit(hit, impl_->veils[hit.hit.primID], direction);
 }
 
-bool RayScene::isBlocked(const glm::vec3& from, const glm::vec3& to) const { return isOccluded(impl_->scene, from, to); }
+bool RayScene::isBlocked(const glm::vec3& from, const glm::vec3& to) const {
+  return isOccluded(impl_->scene, from, to - from, 1.0f);
+}
 
 bool RayScene::isOpaqueBetween(const glm::vec3& from, const glm::vec3& to) const {
-  return isOccluded(impl_->opaqueScene(), from, to);
+  return isOccluded(impl_->opaqueScene(), from, to - from, 1.0f);
+}
+
+bool RayScene::isOpaqueAlong(const glm::vec3& from, const glm::vec3& direction) const {
+  return isOccluded(impl_->opaqueScene(), from, direction, kInfinity);
 }
 
 bool RayScene::isLightBlocked(const glm::vec3& from, const glm::vec3& to) const {

@@ -72,6 +72,8 @@ class RayScene {
 
   // The same of what stops light wholly: veils do not count.
   bool isOpaqueBetween(const glm::vec3& from, const glm::vec3& to) const;
+  // The same of all that lies this way; sky faces do not count.
+  bool isOpaqueAlong(const glm::vec3& from, const glm::vec3& direction) const;
 
   // Whether light that leaves `from` is stopped before `to`: by a surface, or by a sky face that it meets from the front.
   bool isLightBlocked(const glm::vec3& from, const glm::vec3& to) const;

@@ -73,7 +73,7 @@ MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
   std::unique_ptr<SurfaceCache> cache;
   if (options.solve.caches_surfaces) {
     const double spacing_m = scene.tree.frame().spacing_m;
-    cache = makeSurfaceCache(scene.transport, scene.air.places, spacing_m, options.solve.seed, options.thread_count);
+    cache = makeSurfaceCache(scene.transport, scene.air.places, spacing_m, place.rays, options.solve.seed, options.thread_count);
     place.cache = cache.get();
   }
   place_light_ = measureLight(scene.transport, scene.air.places, place, options.solve.seed, options.thread_count);

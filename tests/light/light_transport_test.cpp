@@ -62,8 +62,10 @@ TEST(LightTransport, ClosedFurnaceIsConstant) {
         EXPECT_NEAR(sent_back.irradiance[c], expected, 4.0f * sent_back.deviation[c] + 0.002f * expected);
       }
     }
-    const LightSh light = lit.transport.gather(place, {4096, 64}, 3).light;
-    EXPECT_NEAR(irradiance(light, {0, 0, 1}).r, kPi * 2.0f, 0.1f);
+    float mean = 0.0f;  // one gather has a standard deviation of .07
+    for (uint64_t seed = 0; seed < 8; ++seed)
+      mean += irradiance(lit.transport.gather(place, {4096, 64}, seed).light, {0, 0, 1}).r / 8.0f;
+    EXPECT_NEAR(mean, kPi * 2.0f, 0.1f);
   }
 }
 
@@ -319,7 +321,8 @@ TEST(LightTransport, ASpotOfASkysImageIsFoundBySamplingAtPlacesAndAtBounces) {
     EXPECT_NEAR(above.irradiance.r, expected, 0.02f * expected) << seed;
     EXPECT_LT(above.deviation.r, 0.02f * expected);
     const GatheredIrradiance below = lit.transport.gatherIrradiance({0, 1, 0}, {0, -1, 0}, {64, 64}, seed);
-    EXPECT_NEAR(below.irradiance.r, 0.5f * expected, 0.02f * expected) << seed;
+    EXPECT_NEAR(below.irradiance.r, 0.5f * expected, 4.0f * below.deviation.r) << seed;
+    EXPECT_LT(below.deviation.r, 0.03f * expected);
   }
 }
 

@@ -32,7 +32,7 @@ LitPlaces drawLitPlaces(const LightTransport& transport, const ProbeTree& tree, 
   std::unique_ptr<SurfaceCache> cache;
   const uint64_t seed = mixSeed(solve.seed, kMoreLightStream);
   if (solve.caches_surfaces) {
-    cache = makeSurfaceCache(transport, more, tree.frame().spacing_m, seed, thread_count);
+    cache = makeSurfaceCache(transport, more, tree.frame().spacing_m, gather.rays, seed, thread_count);
     gather.cache = cache.get();
   }
   const std::vector<LightSh> measured = measureLight(transport, more, gather, seed, thread_count);
