@@ -316,7 +316,8 @@ struct LightTransport::Impl {
       const int set = i % kSetCount;
       const glm::vec3 direction = direction_of(i, count);
       const float direction_density = density(direction);
-      GroupedLight light{};
+      GroupedLight light;
+      std::fill_n(light.begin(), group_count, glm::vec3(0.0f));  // most scenes have one group of sixteen
       addRadiance(from, direction, options, direction_density, random, &light, hits != nullptr ? &(*hits)[i] : nullptr);
       for (size_t g = 0; g < group_count; ++g) {
         if (light[g] != glm::vec3(0.0f)) add(set, direction, light[g] * (share / direction_density), g);
