@@ -17,6 +17,8 @@ constexpr uint64_t kPlaceStream = 0x706c6163, kProbeStream = 0x70726f62;
 constexpr uint64_t kBlockPlaces = 64, kBlockSamples = 4096;
 // Rounds of the solve: each weighs places anew by the answer of the one before.
 constexpr int kRounds = 5;
+// Of the rounds before the last: places are weighed anew after each, and answers are the same to four digits at half of the steps.
+constexpr double kRoughTolerance = 1e-2;
 // Light that a round blends at a place is believed within this factor of what was measured there: more than the noise of most places.
 constexpr float kMostNoise = 3.0f;
 // Of the tent in the mean that a probe begins with: too little to count where its function has weight anywhere.
@@ -175,6 +177,7 @@ ProbeLight solved(std::vector<LightSample>& samples, const Means& means, float m
   ProbeLight result{means.light, {}, 0, 0};
   LightSolveOptions solve;
   solve.order_pull = kOrderPull;
+  solve.tolerance = kRoughTolerance;
   LightSolver solver(samples, means.light.size(), thread_count);
   std::vector<float> say(samples.size());
   for (int round = 0; round < kRounds; ++round) {
@@ -189,6 +192,7 @@ ProbeLight solved(std::vector<LightSample>& samples, const Means& means, float m
         if (of_all != nullptr) samples[i].importance = std::sqrt(samples[i].importance * (*of_all)[i].importance);
       }
     });
+    if (round + 1 == kRounds) solve.tolerance = LightSolveOptions().tolerance;
     LightSolution solution = solver.solve(priorOf(solver, samples, say, means.light),
                                           pullOf(solver, samples, means.light.size(), options.pull), result.light, solve);
     result.light = std::move(solution.light);

@@ -550,6 +550,9 @@ FileResult unpackLight(const PackedLight& packed, size_t probe_count, std::vecto
   const auto words = static_cast<size_t>(lightWords(packed));
   light->resize(probe_count * kShFloats);
   if (words == 0) return {};
+  std::vector<Numbers> axes(packed.axes.size());
+  for (size_t k = 0; k < axes.size(); ++k)
+    std::transform(packed.axes[k].direction.begin(), packed.axes[k].direction.end(), axes[k].begin(), floatFromHalf);
   for (size_t probe = 0; probe < probe_count; ++probe) {
     const uint32_t* record = &packed.records[probe * words];
     const uint32_t s = numberOf(record, fields[0]);
@@ -557,9 +560,8 @@ FileResult unpackLight(const PackedLight& packed, size_t probe_count, std::vecto
     // exact until the last product: whatever a machine fuses, the floats are the same
     Numbers sum{};
     for (size_t k = 0; k < packed.axes.size(); ++k) {
-      const LightAxis& axis = packed.axes[k];
-      const auto steps = static_cast<double>(static_cast<int32_t>(numberOf(record, fields[k + 1])) + axis.offset);
-      for (size_t i = 0; i < kShFloats; ++i) sum[i] += steps * double{floatFromHalf(axis.direction[i])};
+      const auto steps = static_cast<double>(static_cast<int32_t>(numberOf(record, fields[k + 1])) + packed.axes[k].offset);
+      for (size_t i = 0; i < kShFloats; ++i) sum[i] += steps * axes[k][i];
     }
     const double scale = double{packed.unit} * scaleOf(s);
     for (size_t i = 0; i < kShFloats; ++i) (*light)[probe * kShFloats + i] = static_cast<float>(scale * sum[i]);
