@@ -218,8 +218,7 @@ EmitterPoint Emitters::Draws::draw(double u, Random& random) const {
   const float before = chosen > 0 ? sums_[chosen - 1] : 0.0f;
   const float within = std::clamp((reached - before) / std::max(sums_[chosen] - before, 1e-30f), 0.0f, 1.0f);
   const size_t index = indexIn(&emitters_.sums_[cluster.first], cluster.count, within * cluster.power);
-  const auto chosen_patch = static_cast<uint32_t>(cluster.first + index);
-  const Patch& patch = emitters_.patches_[chosen_patch];
+  const Patch& patch = emitters_.patches_[cluster.first + index];
   auto a = static_cast<float>(random.uniform()), b = static_cast<float>(random.uniform());
   if (a + b > 1.0f) {
     a = 1.0f - a;
@@ -227,19 +226,18 @@ EmitterPoint Emitters::Draws::draw(double u, Random& random) const {
   }
   const std::array<glm::vec2, 3> corners = cornersOfPart(patch.side, patch.part);
   const glm::vec2 at = corners[0] + a * (corners[1] - corners[0]) + b * (corners[2] - corners[0]);
-  return {patch.triangle, pointOf(emitters_.scene_, patch.triangle, at), at.x, at.y, patchDensity(chosen_patch)};
+  return {patch.triangle, pointOf(emitters_.scene_, patch.triangle, at), at.x, at.y, density(chosen, patch.luminance)};
 }
 
-float Emitters::Draws::patchDensity(uint32_t patch) const {
-  const uint32_t own = emitters_.cluster_of_[patch];
-  return chance(own) * emitters_.patches_[patch].luminance / emitters_.clusters_[own].power;
+float Emitters::Draws::density(size_t cluster, float luminance) const {
+  return chance(cluster) * luminance / emitters_.clusters_[cluster].power;
 }
 
 float Emitters::Draws::areaDensity(uint32_t triangle, float u, float v) const {
   if (emitters_.empty() || emitters_.shining_of_[triangle] == kNone) return 0.0f;
   const Shining& shining = emitters_.shining_[emitters_.shining_of_[triangle]];
   const uint32_t patch = emitters_.patch_at_[shining.first_part + static_cast<uint32_t>(partAt(shining.side, u, v))];
-  return patch == kNone ? 0.0f : patchDensity(patch);
+  return patch == kNone ? 0.0f : density(emitters_.cluster_of_[patch], emitters_.patches_[patch].luminance);
 }
 
 }  // namespace nlg

@@ -43,7 +43,7 @@ class Emitters {
     float areaDensity(uint32_t triangle, float u, float v) const;
 
    private:
-    float patchDensity(uint32_t patch) const;
+    float density(size_t cluster, float luminance) const;  // of a patch of it
     float chance(size_t cluster) const;
 
     const Emitters& emitters_;
