@@ -19,6 +19,7 @@ constexpr uint64_t kBlock = 64, kDiscoveryBlock = 512;
 constexpr size_t kParts = 128;  // that the cells are put together in, by ranges of their keys
 constexpr int kCoordinateBits = 20;
 constexpr uint64_t kDiscoveryStream = 0x646973, kCellStream = 0x63656c6c, kPathStream = 0x72657374;
+constexpr int kLeastRays = 8;  // of a point that gathers
 constexpr int kMostIterations = 64;
 constexpr float kSettled = 1e-4f;             // of the largest irradiance: a change that ends the exchange
 constexpr float kMarginShare = 0.05f;         // of a cell: how far beyond the points that were found it holds
@@ -232,8 +233,9 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
       const auto addDirect = [&](const GroupedLight& light, float weight) {
         for (size_t g = 0; g < group_count_; ++g) direct_[cell * group_count_ + g] += light[g] * weight;
       };
-      const uint32_t first = first_point_[cell], points = first_point_[cell + 1] - first;
-      const int rays = std::max(8, options.rays_per_cell / static_cast<int>(points) / 8 * 8);
+      const uint32_t first = first_point_[cell];
+      const uint32_t points = std::min<uint32_t>(first_point_[cell + 1] - first, std::max(1, options.rays_per_cell / kLeastRays));
+      const int rays = std::max(kLeastRays, options.rays_per_cell / static_cast<int>(points) / kLeastRays * kLeastRays);
       const float ray_share = kPi / static_cast<float>(rays * static_cast<int>(points));
       link_share_[cell] = ray_share / kPi;
       for (uint32_t p = 0; p < points; ++p) {
