@@ -58,8 +58,11 @@ float irradianceSquares(const LightSh& light) {
 LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_count, int thread_count)
     : samples_(samples), thread_count_(thread_count), row_begin_(probe_count + 1, 0), read_begin_(probe_count + 1, 0) {
   std::vector<std::vector<uint32_t>> beside(probe_count);
-  forEachRun(samples_, [&](size_t first, size_t) {
+  size_t pair_count = 0;
+  forEachRun(samples_, [&](size_t first, size_t end) {
     const LightSample& sample = samples_[first];
+    runs_.push_back({first, end, pair_count});
+    pair_count += static_cast<size_t>(sample.count * sample.count);
     for (int a = 0; a < sample.count; ++a) {
       std::vector<uint32_t>& row = beside[sample.probe[a]];
       for (int b = 0; b < sample.count; ++b) {
@@ -74,6 +77,12 @@ LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_c
     beside[p] = {};
   }
   values_.resize(columns_.size());
+  for (const Run& run : runs_) {
+    const LightSample& sample = samples_[run.first];
+    for (int a = 0; a < sample.count; ++a) {
+      for (int b = 0; b < sample.count; ++b) pairs_.push_back(indexOf(sample.probe[a], sample.probe[b]));
+    }
+  }
   for (const LightSample& sample : samples_) {
     for (int j = 0; j < sample.count; ++j) ++read_begin_[sample.probe[j] + 1];
   }
@@ -85,30 +94,30 @@ LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_c
   }
 }
 
-float& LightSolver::valueAt(uint32_t row, uint32_t column) {
+// Into columns_ and values_: the row has such a column.
+size_t LightSolver::indexOf(uint32_t row, uint32_t column) const {
   const auto begin = columns_.begin() + static_cast<ptrdiff_t>(row_begin_[row]);
   const auto end = columns_.begin() + static_cast<ptrdiff_t>(row_begin_[row + 1]);
-  return values_[static_cast<size_t>(std::lower_bound(begin, end, column) - columns_.begin())];
+  return static_cast<size_t>(std::lower_bound(begin, end, column) - columns_.begin());
 }
 
 void LightSolver::weigh() {
-  std::fill(values_.begin(), values_.end(), 0.0f);
-  diagonal_.assign(row_begin_.size() - 1, 0.0f);
-  forEachRun(samples_, [&](size_t first, size_t end) {
-    float sums[8][8] = {};
-    const int count = samples_[first].count;
-    for (size_t i = first; i < end; ++i) {
-      const LightSample& sample = samples_[i];
-      for (int a = 0; a < count; ++a) {
-        for (int b = 0; b <= a; ++b) sums[a][b] += sample.importance * sample.weight[a] * sample.weight[b];
+  std::vector<float> sums(pairs_.size(), 0.0f);
+  constexpr uint64_t kBlockRuns = 256;
+  parallelFor((runs_.size() + kBlockRuns - 1) / kBlockRuns, thread_count_, [&](uint64_t block, int) {
+    for (size_t r = block * kBlockRuns; r < std::min<size_t>((block + 1) * kBlockRuns, runs_.size()); ++r) {
+      const Run& run = runs_[r];
+      for (size_t i = run.first; i < run.end; ++i) {
+        const LightSample& sample = samples_[i];
+        float* sum = &sums[run.first_pair];
+        for (int a = 0; a < sample.count; ++a) {
+          for (int b = 0; b < sample.count; ++b) *sum++ += sample.importance * (sample.weight[a] * sample.weight[b]);
+        }
       }
     }
-    const std::array<uint32_t, 8>& probe = samples_[first].probe;
-    for (int a = 0; a < count; ++a) {
-      diagonal_[probe[a]] += sums[a][a];
-      for (int b = 0; b < count; ++b) valueAt(probe[a], probe[b]) += b <= a ? sums[a][b] : sums[b][a];
-    }
   });
+  std::fill(values_.begin(), values_.end(), 0.0f);
+  for (size_t i = 0; i < pairs_.size(); ++i) values_[pairs_[i]] += sums[i];
 }
 
 LightSolution LightSolver::solve(const Vector& prior, const std::vector<float>& pull, const Vector& start,
@@ -117,6 +126,10 @@ LightSolution LightSolver::solve(const Vector& prior, const std::vector<float>& 
   NLG_CHECK(prior.size(), ==, start.size());
   NLG_CHECK(prior.size() + 1, ==, row_begin_.size());
   weigh();
+  std::vector<float> diagonal(prior.size(), 0.0f);
+  for (uint32_t p = 0; p < prior.size(); ++p) {
+    if (row_begin_[p] < row_begin_[p + 1]) diagonal[p] = values_[indexOf(p, p)];  // who is read at all is read with itself
+  }
   // by passes over blocks of probes, whose sums are added up in their order
   const auto overBlocks = [&](const auto& work) {
     std::vector<Sums> sums((prior.size() + kBlockProbes - 1) / kBlockProbes, Sums{});
@@ -136,7 +149,7 @@ LightSolution LightSolver::solve(const Vector& prior, const std::vector<float>& 
   };
   const auto preconditioned = [&](size_t p, const float* residual, float* result) {
     std::array<float, 3> inverse;
-    for (size_t order = 0; order < 3; ++order) inverse[order] = 1.0f / (diagonal_[p] + pull[p] * options.order_pull[order]);
+    for (size_t order = 0; order < 3; ++order) inverse[order] = 1.0f / (diagonal[p] + pull[p] * options.order_pull[order]);
     for (size_t i = 0; i < kShFloats; ++i) result[i] = residual[i] * inverse[orderOf(i)];
   };
   Vector right(prior.size()), residual(prior.size()), direction(prior.size()), image(prior.size());

@@ -83,15 +83,21 @@ class LightSolver {
  private:
   static constexpr uint64_t kBlockProbes = 1024;
 
-  float& valueAt(uint32_t row, uint32_t column);
+  // Samples that read the same probes one after the other, those of one cell mostly.
+  struct Run {
+    size_t first, end;
+    size_t first_pair;  // into pairs_: every of these probes with every of them
+  };
+  size_t indexOf(uint32_t row, uint32_t column) const;
   void weigh();
 
   const std::vector<LightSample>& samples_;
   const int thread_count_;
-  std::vector<size_t> row_begin_;   // by probe, into columns_ and values_; one more at the end
-  std::vector<uint32_t> columns_;   // probes, rising within a row
-  std::vector<float> values_;       // sum over samples of importance * weight * weight
-  std::vector<float> diagonal_;     // by probe: that of the probe with itself
+  std::vector<size_t> row_begin_;  // by probe, into columns_ and values_; one more at the end
+  std::vector<uint32_t> columns_;  // probes, rising within a row
+  std::vector<float> values_;      // sum over samples of importance * weight * weight
+  std::vector<Run> runs_;
+  std::vector<size_t> pairs_;       // into values_
   std::vector<size_t> read_begin_;  // by probe, into reads_; one more at the end
   std::vector<uint32_t> reads_;     // samples that read it, rising
 };
