@@ -17,7 +17,7 @@ namespace nlg {
 struct SurfaceCacheOptions {
   float cell_m = 0.25f;     // side of a cube, > 0
   int rays_per_cell = 16;   // >= 8
-  int discovery_rays = 16;  // from every place, to find the cells
+  int discovery_rays = 24;  // from every place, to find the cells
   uint64_t seed = 1;
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/datagen/hand_built_scenes.h"
 
@@ -80,6 +81,22 @@ TEST(SurfaceCache, GivesWhatPathsGive) {
     EXPECT_NEAR(cached, traced, 0.05f * traced + 4.0f * deviation.r) << "place " << i;
   }
   EXPECT_LT(error, 0.02 * 0.02 * reference);
+}
+
+// Where a cell does not reach a path goes on, which takes ten times as long as the ray that found it.
+TEST(SurfaceCache, HoldsWhereMostRaysEnd) {
+  const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {-0.2, 2.9, 1.9}, 1000, 3);
+  const CachedScene scene(twoRooms(), places);
+  Random random(7);
+  int ended = 0, held = 0;
+  for (const glm::dvec3& place : placesIn({-3.9, 0.1, -1.9}, {-0.2, 2.9, 1.9}, 2000, 4)) {
+    const glm::vec3 from(place), direction = sphereDirection(random.uniform(), random.uniform());
+    const LightHit hit = scene.transport().rays().lightHit(from, direction);
+    if (hit.kind != LightHit::Kind::surface) continue;
+    ++ended;
+    held += scene.cache().irradiance(from + direction * hit.distance, hit.normal) != nullptr;
+  }
+  EXPECT_GT(held, 0.8 * ended) << held << " of " << ended;
 }
 
 TEST(SurfaceCache, DarkRoomStaysDark) {
