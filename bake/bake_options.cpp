@@ -66,6 +66,10 @@ void describe(BakeOptions& o, OptionTable& table) {
             16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
             "such functions may differ in validity at no more than so many support points", 0, 8192);
+  table.add("share_rmse", &o.share_rmse,
+            "a function has no theta of its own where that of another passes the check for it, or is in no more trouble than its "
+            "own, and has no larger an RMSE, dark points weighed as in fits, than this or than its own has. 0: every one has",
+            0.0, 1.0);
   describePolicy(o.policy, table);
   table.group("Machine");
   table.add(

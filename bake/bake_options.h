@@ -28,6 +28,7 @@ struct BakeOptions {
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
+  double share_rmse = 0.0;  // of function_sharing.h; 0: every function has a theta of its own
   PolicyOptions policy;
   LightOptions scene_light;  // sky and sun
   SceneReading reading;

@@ -174,6 +174,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"empty", counts.empty},
           {"duplicates", counts.duplicates},
           {"functions", counts.functions},
+          {"shared_thetas", s.shared_thetas},
           {"air",
            {{"cells", s.air.cells},
             {"airless_cells", s.air.airless_cells},
@@ -190,7 +191,11 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
             {"duplicates", s.function_times.duplicates_s},
             {"stages", stage_seconds}}},
           {"wall_seconds",
-           {{"load", s.load_wall_s}, {"functions", s.functions_wall_s}, {"refinement", s.refinement_wall_s}, {"all", s.wall_s}}},
+           {{"load", s.load_wall_s},
+            {"functions", s.functions_wall_s},
+            {"sharing", s.sharing_wall_s},
+            {"refinement", s.refinement_wall_s},
+            {"all", s.wall_s}}},
           {"threads", report.threads},
           {"simd", report.simd},
           {"tau_rmse", report.policy.check().tau_rmse},
@@ -220,7 +225,9 @@ std::string toSummary(const BakeReport& report, const std::string& path) {
                         countText(s.counts.grid_probes, "probe"), countText(s.counts.functions - s.kept_thetas),
                         countText(s.counts.functions, "function"));
   }
-  text += countText(s.counts.functions, "function").append(" stored");
+  text += countText(s.counts.functions, "function");
+  if (s.shared_thetas > 0) text += fmt::format(", {}", countText(s.counts.functions - s.shared_thetas));
+  text += " stored";
   if (s.counts.functions > 0) {
     const nlohmann::ordered_json errors = errorsJson(report, ThetaWord::stored);
     text += fmt::format("; RMSE {:.4f} on average, {:.4f} or more of 1 in 20", errors.at("mean").get<double>(),

@@ -145,16 +145,17 @@ class SavingsCount {
         thetas(counts_.in_solid), "without an eye in air: no links, function or theta; less what it took to look for the eye");
     add("probes whose function is 0 everywhere", counts_.empty, probes, times(counts_.empty, unit_.theta_s),
         thetas(counts_.empty), "no theta");
-    int64_t shared = 0;
-    std::vector<uint64_t> uses(grid_.functionCount(), 0);
-    for (const uint32_t function : grid_.probe_function) {
-      if (function < uses.size() && uses[function]++ > 0) shared += bytesOf(function);
-    }
-    add("duplicates", counts_.duplicates, probes, sum(times(counts_.duplicates, unit_.theta_s), -spent.duplicates_s), shared,
-        "one theta for all that are alike; less what it took to find them");
+    add("duplicates", counts_.duplicates, probes, sum(times(counts_.duplicates, unit_.theta_s), -spent.duplicates_s),
+        thetas(counts_.duplicates), "one theta for all that are alike; less what it took to find them");
     add("functions that are all but the bare tent", tents, tents + counts_.duplicates + counts_.functions,
         sum(times(tents, unit_.theta_s), -spent.bare_tent_s), thetas(tents),
         "bare_tent_rmse: no theta, and nothing to evaluate in the look-up; less what it took to find out");
+    if (statistics_.shared_thetas > 0) {
+      const auto names = static_cast<int64_t>(statistics_.shared_thetas * (grid_.functionCount() <= 65536 ? 2 : 4));
+      add("functions that the theta of another stands for", statistics_.shared_thetas, counts_.functions,
+          -statistics_.sharing_wall_s * threads_, thetas(statistics_.shared_thetas) - names,
+          "share_rmse: less the bytes of a probe that say whose; seconds: what it took to find out");
+    }
   }
 
   void addGeometry() {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "bake/function_sharing.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
@@ -49,6 +50,7 @@ class SceneBake {
     refineWorstFirst();
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     roundAll();
+    share();
     finishStatistics();
     if (kept_ != nullptr) keepAll();
     LightGrid grid = makeGrid();
@@ -111,6 +113,19 @@ class SceneBake {
     });
   }
 
+  void share() {
+    if (!(options_.share_rmse > 0.0)) return;
+    const Clock::time_point start = Clock::now();
+    SharedThetas shared = shareThetas(
+        made_, generators_,
+        [this](uint64_t function, std::vector<uint8_t>* samples) { return functions_.read(function, samples); },
+        options_.policy.check(), options_.share_rmse, thread_count_);
+    whose_ = std::move(shared.whose);
+    statistics_.shared_thetas = shared.count;
+    statistics_.sharing_wall_s = secondsSince(start);
+    shared_check_ = std::move(shared.check);
+  }
+
   void finishStatistics() {
     statistics_.air.cells = scene_.air.cells.size();
     statistics_.air.airless_cells = scene_.full_tree.cellCount() - scene_.tree.cellCount();
@@ -125,6 +140,7 @@ class SceneBake {
     statistics_.bare_tents = functions_.bareTents();
     for (size_t i = 0; i < made_.size(); ++i) {
       statistics_.records.push_back(made_[i].record);
+      if (!whose_.empty()) statistics_.records.back().at(ThetaWord::stored) = shared_check_[i];
       statistics_.generator.push_back(made_[i].generator);
       statistics_.larger_ran.push_back(made_[i].larger_ran);
       statistics_.raised.push_back(made_[i].generator != chosen_first_[i]);
@@ -165,6 +181,11 @@ class SceneBake {
       grid.representations.push_back(generators_[g].representation());
     }
     for (const MadeTheta& made : made_) grid.addFunction(index_of_generator[made.generator], made.theta.data());
+    if (whose_.empty()) return grid;
+    for (uint32_t& function : grid.probe_function) {
+      if (function < whose_.size()) function = whose_[function];
+    }
+    grid.dropUnusedFunctions();
     return grid;
   }
 
@@ -174,9 +195,11 @@ class SceneBake {
   int thread_count_;
   SceneFunctions functions_;
   std::vector<std::unique_ptr<BakeThread>> threads_;
-  std::vector<MadeTheta> made_;        // by function
-  std::vector<uint8_t> chosen_first_;  // by function: the generator before refinement
-  std::vector<bool> is_final_;         // by function: whether an earlier bake has made its theta, to the end
+  std::vector<MadeTheta> made_;              // by function
+  std::vector<uint8_t> chosen_first_;        // by function: the generator before refinement
+  std::vector<bool> is_final_;               // by function: whether an earlier bake has made its theta, to the end
+  std::vector<uint32_t> whose_;              // by function: whose theta the grid has for it; empty: each its own
+  std::vector<FunctionCheck> shared_check_;  // by function: of that theta
   KeptProbes* kept_;
   std::optional<KeptIndex> known_;  // of kept_, where somebody asks
   std::vector<KeptKey> keys_;       // by function, then

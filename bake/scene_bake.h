@@ -37,6 +37,8 @@ struct BakeStatistics {
   std::vector<uint8_t> generator;    // by function: the representation that was chosen
   std::vector<uint8_t> larger_ran;   // by function: whether more than the smallest representation was tried
   std::vector<uint8_t> raised;       // by function: whether refinement took a larger representation than the choice
+  uint64_t shared_thetas = 0;        // functions that the theta of another stands for
+  double sharing_wall_s = 0.0;       // to find these
   bool is_keeping = false;           // whether functions of an earlier bake were taken where they are known again
   uint64_t kept_thetas = 0;          // functions whose theta is of one
 
