@@ -31,6 +31,11 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.group("Scene");
   describe(o.reading, table);
   describe(o.scene_light, table);
+  table.addRepeated(
+      "light_set", &o.light_set,
+      "a light of its own in the same grid, for the engine to mix: NAME, this scene as other options light it; NAME=SCENE, "
+      "another file of the same geometry; and behind blanks what of these options is otherwise in this set, as "
+      "'night=night.glb sky=0 sun=0'. Once for each; the grid begins with the first");
   table.group(kLightGroup);
   table.add("light", &o.light,
             "how probes are lit: solved (least squares over places in air), integrated (by the weighting functions), point (at "

@@ -30,7 +30,8 @@ struct BakeOptions {
   int duplicate_validity_points = 16;
   double share_rmse = 0.0;  // of function_sharing.h; 0: every function has a theta of its own
   PolicyOptions policy;
-  LightOptions scene_light;  // sky and sun
+  LightOptions scene_light;            // sky and sun
+  std::vector<std::string> light_set;  // each a light of its own for the same level (light_sets.h)
   SceneReading reading;
   std::string light = "solved";      // how probes are lit; "none": they are not
   std::string light_direct = "all";  // which light of lamps and suns probes hold themselves

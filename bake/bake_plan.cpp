@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "scene/floor_survey.h"
+#include "scene/light_sets.h"
 #include "tool/quantity.h"
 
 namespace nlg {
@@ -46,7 +47,8 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, int thr
   plan.memory_bytes = kBaseBytes + kProbeBytes * plan.probes + kTriangleBytes * static_cast<double>(scene.triangles.size());
   plan.machine_bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   double seconds = kFunctionSeconds;
-  if (options.light != "none") seconds += kLightSeconds * options.light_rays * options.light_places;
+  if (options.light != "none")
+    seconds += kLightSeconds * options.light_rays * options.light_places * static_cast<double>(litScenes(source).size());
   plan.seconds = 0.2 + seconds * plan.probes / thread_count;
   return plan;
 }

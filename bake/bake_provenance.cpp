@@ -9,6 +9,7 @@
 #include "bake/bake_options.h"
 #include "runtime_eval/simd/simd_target.h"
 #include "runtime_eval/support/support_pattern.h"
+#include "scene/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/provenance.h"
@@ -38,7 +39,7 @@ nlohmann::ordered_json bakedOptions(const OptionTable& table) {
 
 std::set<std::string> lightSettings(const OptionTable& table) {
   std::set<std::string> names(std::begin(kOfFunctions), std::end(kOfFunctions));
-  names.insert({"light_error", "max_bytes"});
+  names.insert({"light_error", "max_bytes", "light_set"});
   LightOptions of_scene;
   OptionTable scene_table("bake");
   describe(of_scene, scene_table);
@@ -62,7 +63,7 @@ GridMetadata bakeMetadata(const BakeScene& scene, const nlohmann::ordered_json& 
                           const std::map<std::string, std::string>& weights) {
   std::map<std::string, std::string> inputs = weights;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
-  inputs[kLightRole] = sceneLightSha256(scene.source.scene);
+  inputs[kLightRole] = lightSha256(scene.source);
   inputs[kSearchedRole] = scene.searched_sha256;
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }

@@ -71,26 +71,35 @@ std::string thinnedSummary(const LightStatistics& light) {
       light.functions_whole, light.thinned.largest_change, at.x, at.y, at.z);
 }
 
-nlohmann::ordered_json lightJson(const LightStatistics& light) {
-  if (!light.is_lit) return nullptr;
-  return {{"groups", light.groups},
-          {"gathered", light.is_gathered},
-          {"bytes", light.file_bytes},
-          {"packing_error", light.packing.error},
-          {"packing_worst", light.packing.worst},
-          {"places", light.places},
-          {"rays_per_place", light.rays_per_place},
-          {"cache_cells", light.cache_cells},
-          {"cache_divided", light.cache_divided},
-          {"thinned", thinnedJson(light)},
-          {"unread_probes", light.unread_probes},
-          {"solve_iterations", light.solve_iterations},
-          {"mean_radiance", light.mean},
+nlohmann::ordered_json atPlacesJson(const LightAtPlaces& light) {
+  return {{"mean_radiance", light.mean},
           {"error", light.error},
           {"median_error", light.median_error},
           {"p95_error", light.p95_error},
-          {"worst_m", {light.worst_m.x, light.worst_m.y, light.worst_m.z}},
-          {"wall_seconds", {{"cache", light.cache_wall_s}, {"measure", light.measure_wall_s}, {"solve", light.solve_wall_s}}}};
+          {"worst_m", {light.worst_m.x, light.worst_m.y, light.worst_m.z}}};
+}
+
+nlohmann::ordered_json lightJson(const LightStatistics& light) {
+  if (!light.is_lit) return nullptr;
+  nlohmann::ordered_json sets = nlohmann::ordered_json::object();
+  for (const auto& [set, at_places] : light.of_sets) sets[set] = atPlacesJson(at_places);
+  nlohmann::ordered_json json = {
+      {"groups", light.groups},
+      {"gathered", light.is_gathered},
+      {"bytes", light.file_bytes},
+      {"packing_error", light.packing.error},
+      {"packing_worst", light.packing.worst},
+      {"places", light.places},
+      {"rays_per_place", light.rays_per_place},
+      {"cache_cells", light.cache_cells},
+      {"cache_divided", light.cache_divided},
+      {"thinned", thinnedJson(light)},
+      {"unread_probes", light.unread_probes},
+      {"solve_iterations", light.solve_iterations},
+      {"sets", sets},
+      {"wall_seconds", {{"cache", light.cache_wall_s}, {"measure", light.measure_wall_s}, {"solve", light.solve_wall_s}}}};
+  json.update(atPlacesJson(light));
+  return json;
 }
 
 double lightWallSeconds(const LightStatistics& light) { return light.cache_wall_s + light.measure_wall_s + light.solve_wall_s; }
@@ -118,18 +127,25 @@ std::string firstLine(const std::string& path, uint64_t probes, uint64_t file_by
                      bytesText(static_cast<double>(memory_bytes)));
 }
 
+// set   the name of one of several; empty: all light is one
+std::string placesSummary(const std::string& set, uint64_t places, const LightAtPlaces& light) {
+  const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
+  return fmt::format(
+      "light{}: half of {} err by less than {:.1f} % of what was measured there, 1 in 20 by more than {:.0f} %, noise "
+      "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
+      set.empty() ? "" : " set " + set, countText(places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x,
+      worst.y, worst.z, light.mean);
+}
+
 std::string lightSummary(const LightStatistics& light) {
   if (!light.is_lit) return "light: none\n";
-  const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
-  return thinnedSummary(light) +
-         fmt::format(
-             "light: half of {} err by less than {:.1f} % of what was measured there, 1 in 20 by more than {:.0f} %, noise "
-             "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
-             countText(light.places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,
-             light.mean) +
-         fmt::format("stored light: {}, which adds {:.1f} % to the error of a probe, {:.0f} % at most{}\n",
-                     bytesText(static_cast<double>(light.file_bytes)), 100.0 * light.packing.error, 100.0 * light.packing.worst,
-                     light.groups.empty() ? std::string() : fmt::format("; in groups: {}", fmt::join(light.groups, ", ")));
+  std::string text = thinnedSummary(light);
+  if (light.of_sets.empty()) text += placesSummary("", light.places, light);
+  for (const auto& [set, at_places] : light.of_sets) text += placesSummary(set, light.places, at_places);
+  return text + fmt::format("stored light: {}, which adds {:.1f} % to the error of a probe, {:.0f} % at most{}\n",
+                            bytesText(static_cast<double>(light.file_bytes)), 100.0 * light.packing.error,
+                            100.0 * light.packing.worst,
+                            light.groups.empty() ? std::string() : fmt::format("; in groups: {}", fmt::join(light.groups, ", ")));
 }
 
 std::string unreadSummary(size_t unread) {

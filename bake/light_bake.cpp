@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <functional>
+#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include "light/surface_cache.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/light_sets.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
@@ -38,32 +41,113 @@ double meanOf(const std::vector<LightSh>& light) {
   return light.empty() ? 0.0 : sum / static_cast<double>(light.size());
 }
 
-void takeLight(const ProbeLight& lit, const std::vector<std::string>& group_names, LightGrid* grid) {
+// The groups of a grid: names in their order, the first so many of which shine to begin with.
+struct GroupsOfGrid {
+  std::vector<std::string> names;
+  size_t first_count = 0;
+};
+
+void takeLight(const ProbeLight& lit, const GroupsOfGrid& groups, LightGrid* grid) {
   grid->light = floatsOf(lit.light);
   grid->groups.clear();
-  for (size_t g = 0; g < lit.groups.size(); ++g) grid->groups.push_back({group_names[g], floatsOf(lit.groups[g])});
+  for (size_t g = 0; g < lit.groups.size(); ++g)
+    grid->groups.push_back({groups.names[g], floatsOf(lit.groups[g]), g >= groups.first_count});
 }
 
-std::vector<const std::vector<LightSh>*> lightsOf(const std::vector<LightSh>& light, const LightByGroup& groups) {
-  std::vector<const std::vector<LightSh>*> all;
-  for (const std::vector<LightSh>& of_group : groups) all.push_back(&of_group);
-  if (all.empty()) all.push_back(&light);
+// Of each group of a grid; of one without groups all of it.
+void addLights(const std::vector<LightSh>& light, const LightByGroup& groups, std::vector<const std::vector<LightSh>*>* all) {
+  for (const std::vector<LightSh>& of_group : groups) all->push_back(&of_group);
+  if (groups.empty()) all->push_back(&light);
+}
+
+// One of the ways in which a scene is lit.
+struct LitSet {
+  LitSet(const Scene& scene, const RayScene& rays) : transport(scene, rays) {}
+  LightTransport transport;
+  std::unique_ptr<SurfaceCache> cache;
+  ProbeLightOptions options;
+  std::vector<LightSh> place_light;
+  LightByGroup place_groups;
+};
+
+// Bounces between surfaces, once for all places of a set.
+void cacheSurfaces(const BakeScene& scene, double spacing_m, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
+  for (LitSet& set : *sets) {
+    set.cache = makeSurfaceCache(set.transport, scene.air.places, spacing_m, set.options.place.rays, set.options.seed, threads);
+    if (set.cache == nullptr) continue;
+    statistics->cache_cells += set.cache->cellCount();
+    statistics->cache_divided += set.cache->dividedCount();
+    set.options.place.cache = set.options.probe.cache = set.cache.get();
+  }
+}
+
+void measureSets(const BakeScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
+  const glm::dvec3& origin_m = scene.source.scene.origin_m;
+  std::vector<glm::dvec3>& buried_m = statistics->buried_lamps_m;
+  for (LitSet& set : *sets) {
+    set.place_light =
+        measureLight(set.transport, scene.air.places, set.options.place, set.options.seed, threads, &set.place_groups);
+    for (const Lamp& lamp : set.transport.scene().light.lamps) {
+      const glm::dvec3 at(lamp.position);
+      // most lamps are in all sets
+      if (!isInAir(scene.rays, at) && std::find(buried_m.begin(), buried_m.end(), origin_m + at) == buried_m.end())
+        buried_m.push_back(origin_m + at);
+    }
+  }
+}
+
+// Each set by itself, by the same functions at the same places: what a bake of it alone would give.
+std::vector<ProbeLight> solveSets(const BakeScene& scene, const LightGrid& grid, const std::deque<LitSet>& sets, int threads,
+                                  LightStatistics* statistics) {
+  const glm::dvec3& origin_m = scene.source.scene.origin_m;
+  const std::vector<std::string>& names = scene.source.light_sets;
+  std::vector<ProbeLight> lit;
+  statistics->of_sets.clear();
+  statistics->largest = 0.0;
+  for (const LitSet& set : sets) {
+    lit.push_back(lightProbes(set.transport, scene.tree, scene.air.places, set.place_light, weightsOf(grid, origin_m),
+                              set.options, threads, set.place_groups));
+    const ProbeLight& of_set = lit.back();
+    LightAtPlaces at_places{meanOf(set.place_light), of_set.error, of_set.median_error, of_set.p95_error};
+    if (!scene.air.places.empty()) at_places.worst_m = origin_m + scene.air.places[of_set.worst_place];
+    if (lit.size() == 1) static_cast<LightAtPlaces&>(*statistics) = at_places;
+    if (!names.empty()) statistics->of_sets.emplace_back(names[lit.size() - 1], at_places);
+    const std::vector<float> coefficients = floatsOf(of_set.light);
+    for (const float coefficient : coefficients)
+      statistics->largest = std::max(statistics->largest, std::fabs(double{coefficient}));
+    if (!checkLight(coefficients).ok()) throw tooBright(scene.source.id);
+  }
+  return lit;
+}
+
+// What the grid begins with, and the groups of all.
+// lit   of each set; not none
+ProbeLight joined(std::vector<ProbeLight> lit, const GroupsOfGrid& groups) {
+  if (groups.names.empty()) return std::move(lit.front());
+  ProbeLight all;
+  all.light = lit.front().light;
+  all.unread = lit.front().unread;
+  for (ProbeLight& of_set : lit) {
+    if (of_set.groups.empty()) of_set.groups.push_back(std::move(of_set.light));
+    std::move(of_set.groups.begin(), of_set.groups.end(), std::back_inserter(all.groups));
+    all.iterations += of_set.iterations;
+  }
   return all;
 }
 
 // The file of a grid, but for its header.
-size_t bytesWith(LightGrid grid, const BakeOptions& options, const ProbeLight& lit, const std::vector<std::string>& group_names) {
+size_t bytesWith(LightGrid grid, const BakeOptions& options, const ProbeLight& lit, const GroupsOfGrid& groups) {
   grid.dropUnusedFunctions();
-  takeLight(lit, group_names, &grid);
+  takeLight(lit, groups, &grid);
   return lightGridBytes(grid, {options.policy.theta_precision, options.light_error}).total();
 }
 
 struct ThinningInputs {
   const BakeScene& scene;
   const BakeOptions& options;
-  const std::vector<LightSh>& place_light;
-  const LightByGroup& place_groups;
-  const std::function<ProbeLight()>& solve;  // with the grid's functions as they are
+  const GroupsOfGrid& groups;
+  const std::vector<const std::vector<LightSh>*>& measured;  // by group, at places
+  const std::function<ProbeLight()>& solve;                  // with the grid's functions as they are
   int threads;
 };
 
@@ -73,10 +157,9 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   constexpr double kFirstError = 0.01, kErrorGrowth = 1.3;  // of rounds until the budget is kept
   const BakeOptions& options = inputs.options;
   const Scene& scene = inputs.scene.source.scene;
-  const std::vector<std::string>& group_names = scene.light.groups.names;
   const double most_bytes = options.max_bytes - static_cast<double>(options.header_bytes);
   const auto isWithin = [&](const ProbeLight& now) {
-    return options.max_bytes == 0.0 || static_cast<double>(bytesWith(*grid, options, now, group_names)) <= most_bytes;
+    return options.max_bytes == 0.0 || static_cast<double>(bytesWith(*grid, options, now, inputs.groups)) <= most_bytes;
   };
   double error = options.thin_error;
   if (error == 0.0 && isWithin(lit)) return lit;
@@ -84,8 +167,10 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   const std::vector<glm::dvec3> beside =
       placesBesideSurfaces(inputs.scene.rays, inputs.scene.air.places, options.spacing_m, options.seed, kBesideEvery);
   const ProbeLight whole = std::move(lit);
-  GridThinner thinner(grid, scene.origin_m, inputs.scene.air.places, lightsOf(inputs.place_light, inputs.place_groups), beside,
-                      lightsOf(whole.light, whole.groups), options.light_dark_share, inputs.threads);
+  std::vector<const std::vector<LightSh>*> light;
+  addLights(whole.light, whole.groups, &light);
+  GridThinner thinner(grid, scene.origin_m, inputs.scene.air.places, inputs.measured, beside, light, options.light_dark_share,
+                      inputs.threads);
   if (error > 0.0) thinner.thinTo(error);
   // light that is solved for anew takes about as many bytes a probe: it is made when those would do
   lit = whole;
@@ -98,7 +183,7 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
       continue;
     }
     if (error == kMostThinError) {
-      const size_t least = bytesWith(*grid, options, lit, group_names) + options.header_bytes;
+      const size_t least = bytesWith(*grid, options, lit, inputs.groups) + options.header_bytes;
       throw UsageError("max_bytes", fmt::format("{} or more, or a spacing_m above {:g}", least, options.spacing_m),
                        fmt::format("{:.0f}", options.max_bytes));
     }
@@ -122,14 +207,19 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
   constexpr double kNearlyBlack = 0.01;
   std::vector<std::string> warnings;
   if (!statistics.is_lit) return warnings;
-  if (statistics.mean == 0.0) {
-    warnings.push_back("no light reaches any place in air: what shines is switched off, or walled in");
-  } else if (statistics.mean < kNearlyBlack) {
-    warnings.push_back(
-        fmt::format("nearly black: radiance is {:.2g} on average; --sky 1,1,1 or --sky FILE.hdr gives it a sky, --sun a sun, "
-                    "--intensity makes all light brighter; a closed room needs a lamp, or something that shines",
-                    statistics.mean));
-  }
+  const auto warnOfDarkness = [&](const std::string& of, double mean) {
+    if (mean == 0.0) {
+      warnings.push_back(of + "no light reaches any place in air: what shines is switched off, or walled in");
+    } else if (mean < kNearlyBlack) {
+      warnings.push_back(
+          of +
+          fmt::format("nearly black: radiance is {:.2g} on average; --sky 1,1,1 or --sky FILE.hdr gives it a sky, --sun a sun, "
+                      "--intensity makes all light brighter; a closed room needs a lamp, or something that shines",
+                      mean));
+    }
+  };
+  for (const auto& [name, light] : statistics.of_sets) warnOfDarkness("light set " + name + ": ", light.mean);
+  if (statistics.of_sets.empty()) warnOfDarkness("", statistics.mean);
   if (statistics.packing.too_dark > 0) {
     warnings.push_back(
         fmt::format("{} below 1e-12 of the brightest: dark in the file", countText(statistics.packing.too_dark, "probe")));
@@ -145,8 +235,6 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
                                    statistics.largest, kMaxEngineLight, intensityThatFits(statistics.largest)));
   return warnings;
 }
-
-static_assert(kMostLightGroups == kMaxLightGroups, "a grid holds every group of a scene");
 
 ProbeLightOptions probeLightOptions(const BakeOptions& options) {
   ProbeLightOptions light;
@@ -169,54 +257,35 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   ProbeLightOptions light_options = probeLightOptions(options);
   light_options.way = lightWayFromName(options.light);
   const int threads = options.threads > 0 ? options.threads : machineThreadCount();
-  const LightTransport transport(scene.source.scene, scene.rays);
+  const GroupsOfGrid groups{lightGroupNames(scene.source), firstGroupCount(scene.source)};
+  std::deque<LitSet> sets;
+  for (const Scene* lit : litScenes(scene.source)) sets.emplace_back(*lit, scene.rays).options = light_options;
   statistics.is_lit = true;
-  statistics.is_gathered = transport.isBaked();
-  statistics.groups = scene.source.scene.light.groups.names;
+  statistics.is_gathered = sets.front().transport.isBaked();
+  statistics.groups = groups.names;
   statistics.places = scene.air.places.size();
   statistics.rays_per_place = static_cast<uint64_t>(light_options.place.rays);
 
   Clock::time_point start = Clock::now();
-  std::unique_ptr<SurfaceCache> cache;
-  if (light_options.caches_surfaces)
-    cache =
-        makeSurfaceCache(transport, scene.air.places, options.spacing_m, light_options.place.rays, light_options.seed, threads);
-  if (cache != nullptr) {
-    statistics.cache_cells = cache->cellCount();
-    statistics.cache_divided = cache->dividedCount();
-    statistics.cache_wall_s = secondsSince(start);
-    light_options.place.cache = light_options.probe.cache = cache.get();
-  }
+  if (light_options.caches_surfaces) cacheSurfaces(scene, options.spacing_m, threads, &sets, &statistics);
+  statistics.cache_wall_s = secondsSince(start);
 
   start = Clock::now();
-  LightByGroup place_groups;
-  const std::vector<LightSh> place_light =
-      measureLight(transport, scene.air.places, light_options.place, light_options.seed, threads, &place_groups);
+  measureSets(scene, threads, &sets, &statistics);
   statistics.measure_wall_s = secondsSince(start);
-  statistics.mean = meanOf(place_light);
-  for (const Lamp& lamp : scene.source.scene.light.lamps) {
-    const glm::dvec3 at(lamp.position);
-    if (!isInAir(scene.rays, at)) statistics.buried_lamps_m.push_back(scene.source.scene.origin_m + at);
-  }
 
   start = Clock::now();
-  const auto solve = [&] {
-    return lightProbes(transport, scene.tree, scene.air.places, place_light, weightsOf(*grid, scene.source.scene.origin_m),
-                       light_options, threads, place_groups);
-  };
+  const auto solve = [&] { return joined(solveSets(scene, *grid, sets, threads, &statistics), groups); };
   ProbeLight lit = solve();
-  if (options.thin_error > 0.0 || options.max_bytes > 0.0)
-    lit = thin({scene, options, place_light, place_groups, solve, threads}, std::move(lit), grid, &statistics);
+  if (options.thin_error > 0.0 || options.max_bytes > 0.0) {
+    std::vector<const std::vector<LightSh>*> measured;
+    for (const LitSet& set : sets) addLights(set.place_light, set.place_groups, &measured);
+    lit = thin({scene, options, groups, measured, solve, threads}, std::move(lit), grid, &statistics);
+  }
   statistics.solve_wall_s = secondsSince(start);
   statistics.unread_probes = lit.unread - statistics.thinned.probes;
   statistics.solve_iterations = lit.iterations;
-  statistics.error = lit.error;
-  statistics.median_error = lit.median_error;
-  statistics.p95_error = lit.p95_error;
-  if (!scene.air.places.empty()) statistics.worst_m = scene.source.scene.origin_m + scene.air.places[lit.worst_place];
-  takeLight(lit, scene.source.scene.light.groups.names, grid);
-  for (const float coefficient : grid->light) statistics.largest = std::max(statistics.largest, std::fabs(double{coefficient}));
-  if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);
+  takeLight(lit, groups, grid);
   statistics.packing = roundGridLight(options.light_error, grid);
   statistics.file_bytes = packedLightBytes(grid->packed_light);
   if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);

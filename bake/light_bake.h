@@ -11,28 +11,33 @@
 
 namespace nlg {
 
-// Seconds by the clock.
-struct LightStatistics {
-  bool is_lit = false;              // whether light was baked at all
-  std::vector<std::string> groups;  // of light, which the grid keeps apart; none: it is one
-  bool is_gathered = false;         // all bounces came from the level's own light: one ray held them
+// Light at the places where it was measured, and how far blends are from it.
+struct LightAtPlaces {
+  double mean = 0.0;  // radiance over places and directions, the channels' mean: 0 where nothing shines
+  double error = 0.0, median_error = 0.0, p95_error = 0.0;  // as ProbeLight has them
+  glm::dvec3 worst_m{0.0};                                  // the place where it is worst, world coordinates
+};
+
+// Seconds by the clock. Of light sets what LightAtPlaces says is of the first, and all else of all together.
+struct LightStatistics : LightAtPlaces {
+  bool is_lit = false;                                         // whether light was baked at all
+  std::vector<std::string> groups;                             // of light, which the grid keeps apart; none: it is one
+  std::vector<std::pair<std::string, LightAtPlaces>> of_sets;  // by name; none where there are no sets
+  bool is_gathered = false;                                    // all bounces came from the level's own light: one ray held them
   uint64_t places = 0, rays_per_place = 0;
   uint64_t unread_probes = 0;  // that weigh nothing at any place
   int solve_iterations = 0;
-  uint64_t cache_cells = 0, cache_divided = 0;              // of surface; those that walls divide are not used
-  double cache_wall_s = 0.0;                                // bounces between surfaces
-  double measure_wall_s = 0.0;                              // light at places
-  double solve_wall_s = 0.0;                                // weights at places, and the solve
-  double thin_error = 0.0;                                  // with which thinned came about; 0: nothing was left out
-  Thinned thinned;                                          // largest_at_m: world coordinates
-  uint64_t functions_whole = 0, functions_thinned = 0;      // distinct ones, before and after
-  LightPacking packing;                                     // what the file's form of it adds
-  uint64_t file_bytes = 0;                                  // of light
-  double error = 0.0, median_error = 0.0, p95_error = 0.0;  // as ProbeLight has them
-  std::vector<glm::dvec3> buried_lamps_m;                   // in solid: nothing is lit by them; world coordinates
-  glm::dvec3 worst_m{0.0};                                  // the place where it is worst, world coordinates
-  double mean = 0.0;     // radiance over places and directions, the channels' mean: 0 in a scene without light
-  double largest = 0.0;  // |coefficient| of a probe
+  uint64_t cache_cells = 0, cache_divided = 0;          // of surface; those that walls divide are not used
+  double cache_wall_s = 0.0;                            // bounces between surfaces
+  double measure_wall_s = 0.0;                          // light at places
+  double solve_wall_s = 0.0;                            // weights at places, and the solve
+  double thin_error = 0.0;                              // with which thinned came about; 0: nothing was left out
+  Thinned thinned;                                      // largest_at_m: world coordinates
+  uint64_t functions_whole = 0, functions_thinned = 0;  // distinct ones, before and after
+  LightPacking packing;                                 // what the file's form of it adds
+  uint64_t file_bytes = 0;                              // of light
+  std::vector<glm::dvec3> buried_lamps_m;               // in solid: nothing is lit by them; world coordinates
+  double largest = 0.0;                                 // |coefficient| of a probe, of the set where it is largest
 };
 
 // What a bake's light may come to without an error, and is seldom what was meant: black, nearly black, or brighter than engines' files
@@ -43,7 +48,7 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics);
 // throws   UsageError on an unknown name in them
 ProbeLightOptions probeLightOptions(const BakeOptions& options);
 
-// Fills grid->light by options.light, as the file will hold it; leaves it empty for "none".
+// Fills grid->light, and the light of groups and sets, by options.light, as the file will hold it; leaves it empty for "none".
 //
 // grid   of this scene and its tree, moved to the world's coordinates
 // Leaves functions and probes of it out by options.thin_error and options.max_bytes (thinning.h).

@@ -21,6 +21,7 @@
 #include "bake/relight.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/simd/simd_target.h"
+#include "scene/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/file_info.h"
@@ -72,8 +73,10 @@ void warn(const BakeScene& scene, const std::string& what) {
 
 void warnOfDarkness(const BakeScene& scene, const BakeOptions& options, const LightStatistics& statistics) {
   for (const std::string& warning : lightWarnings(statistics)) warn(scene, warning);
-  const SceneLight& light = scene.source.scene.light;
-  if (options.light_direct != "all" && options.light_direct != "reflected" && light.lamps.empty() && light.suns.empty())
+  const std::vector<const Scene*> lit = litScenes(scene.source);
+  const bool has_own =
+      std::any_of(lit.begin(), lit.end(), [](const Scene* set) { return !set->light.lamps.empty() || !set->light.suns.empty(); });
+  if (options.light_direct != "all" && options.light_direct != "reflected" && !has_own)
     warn(scene, "light_direct leaves nothing out: the scene keeps no lamps and no suns of its own");
 }
 
@@ -142,7 +145,7 @@ BakeScene readScene(const Request& request, const BakeOptions& options, int thre
 size_t headerBytes(const GridMetadata& metadata, const BakeScene& scene) {
   constexpr size_t kOfTensors = 3584, kOfGroup = 64;
   size_t bytes = nlohmann::json(metadata).dump().size() + kOfTensors;
-  for (const std::string& name : scene.source.scene.light.groups.names) bytes += name.size() + kOfGroup;
+  for (const std::string& name : lightGroupNames(scene.source)) bytes += 2 * name.size() + kOfGroup;
   return bytes;
 }
 
@@ -321,7 +324,10 @@ nlohmann::ordered_json describeFile(const std::string& path) {
                                  {"has_light", !grid.light.empty()},
                                  {"light_axes", grid.packed_light.axes.size()},
                                  {"light_bytes", grid.light.empty() ? 0 : packedLightBytes(grid.packed_light)}};
-  for (const LightGroup& group : grid.groups) json["light_groups"].push_back(group.name);
+  for (const LightGroup& group : grid.groups) {
+    json["light_groups"].push_back(group.name);
+    if (group.begins_dark) json["light_groups_dark"].push_back(group.name);
+  }
   for (const Representation& representation : grid.representations)
     json["representations"].push_back(representationName(representation));
   json["verified"] = kVerifiedByDigest;

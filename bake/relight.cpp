@@ -7,6 +7,7 @@
 
 #include "bake/bake_provenance.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
+#include "scene/light_sets.h"
 #include "tool/error.h"
 #include "tool/require_read.h"
 
@@ -104,7 +105,7 @@ std::vector<std::string> changesSince(const std::string& path, const BakedGrid& 
   if (!sameGeometry(source, baked, origin)) changes.push_back("geometry changed");
   // the hash of light holds geometry, too
   const std::string light = origin["inputs"].value(kLightRole, std::string());
-  if (changes.empty() && light != sceneLightSha256(source.scene)) changes.push_back("light changed");
+  if (changes.empty() && light != lightSha256(source)) changes.push_back("light changed");
   forEachChange(table, origin, [&](const std::string& name, const std::string& before, const std::string& now) {
     // the instructions of another machine are no change of mind
     if (name != "simd") changes.push_back("setting changed: " + name + " from " + before + " to " + now);

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
+
+#include <fmt/format.h>
 
 #include "bake/bake_plan.h"
 #include "datagen/probes/probe_placement.h"
 #include "light/open_sky.h"
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/fit/theta_policy.h"
+#include "runtime_eval/light_grid/light_grid.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
 #include "runtime_eval/support/weighting_function.h"
+#include "scene/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -55,12 +60,52 @@ std::string searchedSha256(const ProbeTree& tree, const SkyFaces& sky) {
 
 }  // namespace
 
+namespace {
+
+// The level with a set's own lamps, sky, suns and materials, before its options are applied. What else a file says is the level's.
+Scene sceneOf(const LightSet& set, const std::string& request, const SceneReading& reading, SceneSource* level) {
+  if (set.scene.empty() || set.scene == request) return level->scene;
+  SceneSource source = loadScene(set.scene, reading);
+  if (const std::string difference = geometryDifference(level->scene, source.scene); !difference.empty())
+    throw InputError(set.scene, "light set " + set.name, "the geometry of " + request + ", in other light", difference);
+  for (const auto& [notes, told] :
+       {std::pair(&source.notes, &level->notes), std::pair(&source.light_notes, &level->light_notes)}) {
+    for (const std::string& note : *notes) {
+      if (std::find(told->begin(), told->end(), note) == told->end()) told->push_back(set.name + ": " + note);
+    }
+  }
+  source.scene.id = level->scene.id;
+  source.scene.viewpoints = level->scene.viewpoints;
+  return std::move(source.scene);
+}
+
+}  // namespace
+
 SceneSource loadLitScene(const std::string& request, const BakeOptions& options) {
   const Progress progress("reading");
+  const std::vector<LightSet> sets = lightSetsFrom(options.light_set, options.scene_light);
   SceneSource source = loadScene(request, options.reading);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
   const auto isOpen = [](const Scene& scene) { return openShare(scene) > kOpenShare; };
-  for (const std::string& done : applyLight(source.scene, options.scene_light, isOpen)) source.light_notes.push_back(done);
+  if (sets.empty()) {
+    for (const std::string& done : applyLight(source.scene, options.scene_light, isOpen)) source.light_notes.push_back(done);
+    return source;
+  }
+  std::vector<Scene> lit;
+  for (const LightSet& set : sets) {
+    lit.push_back(sceneOf(set, request, options.reading, &source));
+    for (const std::string& done : applyLight(lit.back(), set.options, isOpen))
+      source.light_notes.push_back(set.name + ": " + done);
+    source.light_sets.push_back(set.name);
+  }
+  if (std::none_of(sets.begin(), sets.end(), [&](const LightSet& set) { return set.scene.empty() || set.scene == request; }))
+    source.light_notes.push_back("what the level's own file is lit by is in no set");
+  source.scene = std::move(lit.front());
+  source.lit_otherwise.assign(std::move_iterator(lit.begin() + 1), std::move_iterator(lit.end()));
+  const std::vector<std::string> groups = lightGroupNames(source);
+  if (groups.size() > kMaxLightGroups)
+    throw UsageError("--light-set", fmt::format("{} groups of light in all sets together, at most", kMaxLightGroups),
+                     fmt::format("{}, the first too many '{}'", groups.size(), groups[kMaxLightGroups]));
   return source;
 }
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "datagen/visibility/ray_scene.h"
+#include "runtime_eval/light_grid/light_grid.h"
 #include "runtime_eval/light_grid/spherical_harmonics.h"
 #include "scene/scene.h"
 
@@ -28,7 +29,7 @@ using LightSh = std::array<glm::vec3, kShCount>;
 glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal);
 
 // By group of lights (LightGroups): what each gives adds up to the whole. Beyond the scene's groups all are 0.
-using GroupedLight = std::array<glm::vec3, kMostLightGroups>;
+using GroupedLight = std::array<glm::vec3, kMaxLightGroups>;
 
 class SurfaceCache;
 

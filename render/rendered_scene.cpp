@@ -12,6 +12,7 @@
 #include "bake/scene_bake.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -84,7 +85,7 @@ std::vector<std::string> differencesOf(const std::string& path, const BakedAs& b
   const auto isOther = [](const std::string& a, const std::string& b) { return !a.empty() && a != b; };
   if (isOther(baked.scene, asked.scene)) warn("baked of " + baked.scene + ", and drawn in " + asked.scene);
   if (isOther(baked.light_of_scene, asked.light_of_scene))
-    warn("baked with other light of the scene than it has here; --sky, --sun and --light-groups say which");
+    warn("baked with other light of the scene than it has here; --sky, --sun, --light-groups and --light-set say which");
   if (isOther(baked.light_direct, asked.light_direct))
     warn("baked with light_direct " + baked.light_direct + ", and drawn with " + asked.light_direct);
   if (has_rivals && baked.spacing_m > 0.0 && baked.spacing_m != asked.spacing_m)
@@ -137,8 +138,7 @@ void RenderedScene::makeGrid(bool has_rivals) {
   } else if (!request_.grid.empty()) {
     GridMetadata metadata;
     grid_ = readGrid(request_.grid, &metadata);
-    const BakedAs baked = bakedAs(metadata),
-                  asked{source().id, options_.light_direct, sceneLightSha256(scene()), options_.spacing_m};
+    const BakedAs baked = bakedAs(metadata), asked{source().id, options_.light_direct, lightSha256(source()), options_.spacing_m};
     warnings_ = differencesOf(request_.grid, baked, asked, has_rivals);
     for (const std::string& warning : warnings_) std::cerr << request_.program << ": " << warning << '\n';
   }

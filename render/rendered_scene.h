@@ -29,6 +29,7 @@ class RenderedScene {
   RenderedScene(const RenderRequest& request, const BakeOptions& options);
 
   const Scene& scene() const { return source().scene; }
+  const SceneSource& source() const { return baked_scene_ ? baked_scene_->source : source_; }
   const std::string& id() const { return source().id; }
   const std::vector<std::string>& lightNotes() const { return source().light_notes; }
   const LightTransport& transport() const { return *transport_; }
@@ -43,7 +44,6 @@ class RenderedScene {
   const MethodSet* rivals() const { return rivals_.get(); }  // null when none was asked for
 
  private:
-  const SceneSource& source() const { return baked_scene_ ? baked_scene_->source : source_; }
   void makeGrid(bool has_rivals);
   void makeRivals();
 

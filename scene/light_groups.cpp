@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "runtime_eval/light_grid/light_grid.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -63,8 +64,8 @@ class Grouping {
     std::vector<std::string>& names = scene_.light.groups.names;
     const auto found = std::find(names.begin(), names.end(), name);
     if (found != names.end()) return static_cast<uint8_t>(found - names.begin());
-    if (names.size() == kMostLightGroups) {
-      throw InputError(scene_.id, "light_groups", std::to_string(kMostLightGroups) + " groups of light at most",
+    if (names.size() == kMaxLightGroups) {
+      throw InputError(scene_.id, "light_groups", std::to_string(kMaxLightGroups) + " groups of light at most",
                        "more, the first too many '" + name + "': --light-groups kind, or lamps put together by light_group");
     }
     names.push_back(name);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <type_traits>
 
+#include <fmt/format.h>
+
 #include "scene/closed_shells.h"
 #include "tool/atomic_file.h"
 
@@ -213,6 +215,38 @@ std::string sceneSha256(const Scene& scene) {
     bytes.add(scene.extent->high_m);
   }
   return bytes.hash();
+}
+
+std::string geometryDifference(const Scene& scene, const Scene& other) {
+  const auto counted = [](size_t count, const char* what, size_t not_count) {
+    return fmt::format("{} {}, not {}", count, what, not_count);
+  };
+  if (other.triangles.size() != scene.triangles.size())
+    return counted(other.triangles.size(), "triangles", scene.triangles.size());
+  if (other.objects.size() != scene.objects.size()) return counted(other.objects.size(), "objects", scene.objects.size());
+  const auto cornerAt = [](const Scene& of, size_t triangle, int corner) {
+    return of.origin_m + glm::dvec3(of.positions[of.triangles[triangle][corner]]);
+  };
+  for (size_t o = 0; o < scene.objects.size(); ++o) {
+    const SceneObject &a = scene.objects[o], &b = other.objects[o];
+    if (a.first_triangle != b.first_triangle || a.triangle_count != b.triangle_count)
+      return fmt::format("{} triangles of '{}', not {} of '{}'", b.triangle_count, b.name, a.triangle_count, a.name);
+    for (size_t t = a.first_triangle; t < size_t{a.first_triangle} + a.triangle_count; ++t) {
+      for (int corner = 0; corner < 3; ++corner) {
+        const glm::dvec3 here = cornerAt(scene, t, corner), there = cornerAt(other, t, corner);
+        if (here != there)
+          return fmt::format("a corner of '{}' at {:.6g}, {:.6g}, {:.6g}, not at {:.6g}, {:.6g}, {:.6g}", b.name, there.x,
+                             there.y, there.z, here.x, here.y, here.z);
+      }
+      const Material &of_a = scene.materials[scene.triangle_material[t]], &of_b = other.materials[other.triangle_material[t]];
+      if (of_a.double_sided != of_b.double_sided)
+        return fmt::format("'{}' with {}", b.name, of_b.double_sided ? "two sides" : "one side");
+      if (of_a.veil != of_b.veil) return fmt::format("'{}' with a material that lets other light through", b.name);
+    }
+  }
+  const SkyFaces &sky = scene.light.sky_faces, &other_sky = other.light.sky_faces;
+  if (sky.positions != other_sky.positions || sky.triangles != other_sky.triangles) return "other faces of sky";
+  return sceneSha256(scene) == sceneSha256(other) ? "" : "vertices in another order, or another box nlg_extent";
 }
 
 std::string sceneLightSha256(const Scene& scene) {

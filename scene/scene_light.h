@@ -92,11 +92,9 @@ struct LightLabel {
   std::string name, group;
 };
 
-inline constexpr size_t kMostLightGroups = 16;
-
 // Light is linear: what each group gives by itself adds up to the whole (light_groups.h).
 struct LightGroups {
-  std::vector<std::string> names;                     // at most kMostLightGroups; none: all light is one group
+  std::vector<std::string> names;                     // at most kMaxLightGroups (light_grid.h); none: all light is one group
   std::vector<uint8_t> of_lamp, of_sun, of_material;  // by lamp, sun, material of the scene; empty without names
   uint8_t of_sky = 0, of_shine = 0, of_baked = 0;     // shine: what stands behind the faces of a sky
 

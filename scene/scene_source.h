@@ -17,8 +17,10 @@ struct SceneSource {
   std::string id;                // "house_3", the file's stem, or the map's name in lower case
   std::string sha256;            // of the scene as it was read: sceneSha256; empty for a procedural one
   Scene scene;
-  std::map<std::string, uint32_t> dropped_faces;     // of a .bsp, by why: bsp_reader.h
-  uint32_t materials_without_texture = 0;            // of a .bsp: these have the default colour
+  std::vector<std::string> light_sets;            // names of the ways in which it is lit (light_sets.h); none: by all its light
+  std::vector<Scene> lit_otherwise;               // the same geometry in the light of each set but the first, which scene has
+  std::map<std::string, uint32_t> dropped_faces;  // of a .bsp, by why: bsp_reader.h
+  uint32_t materials_without_texture = 0;         // of a .bsp: these have the default colour
   std::map<std::string, uint32_t> furniture_models;  // of an interior: interiors/interiors.h
   std::vector<std::string> light_notes;  // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
   double unit_m = 0.0;                   // metres of one of the file's units, as it was read; 0: its format has a unit of its own

@@ -41,7 +41,8 @@ struct Option {
   std::string help;
   Target target;
   std::string group;
-  std::string passed_from;  // a section of which only the workflow reads it; empty: the table's own
+  std::string passed_from;   // a section of which only the workflow reads it; empty: the table's own
+  bool is_repeated = false;  // of a list: whether its flag is given once for each text
   CLI::Option* flag = nullptr;
 };
 
@@ -332,6 +333,11 @@ void OptionTable::add(const std::string& name, std::vector<std::string>* value, 
   impl_->add(name, value, help);
 }
 
+void OptionTable::addRepeated(const std::string& name, std::vector<std::string>* value, const std::string& help) {
+  impl_->add(name, value, help);
+  impl_->options.back().is_repeated = true;
+}
+
 void OptionTable::group(const std::string& name) { impl_->present_group = name; }
 void OptionTable::passedFrom(const std::string& section) { impl_->present_source = section; }
 
@@ -348,6 +354,7 @@ void OptionTable::addFlags(CLI::App& app) {
     const bool is_switch = std::holds_alternative<bool*>(option.target);
     option.flag = is_switch ? app.add_flag(flagOf(option.name), help) : app.add_option(flagOf(option.name), help);
     option.flag->group(option.group);
+    if (option.is_repeated) option.flag->expected(1)->take_all();
   }
 }
 
@@ -375,9 +382,23 @@ void OptionTable::applyFlags() {
   for (const Option& option : impl_->options) {
     if (option.flag == nullptr || option.flag->count() == 0) continue;
     const std::vector<std::string> given = option.flag->results();
+    if (option.is_repeated) {
+      std::get<TextList*>(option.target)->clear();
+      for (const std::string& text : given) takeOrThrow(option, flagOf(option.name), text);
+      continue;
+    }
     if (given.size() != 1) throw UsageError(flagOf(option.name), "one value", fmt::format("{}", given.size()));
     takeFlag(option, flagOf(option.name), given[0]);
   }
+}
+
+void OptionTable::set(const std::string& name, const std::string& text, const std::string& place) {
+  std::vector<std::string> known;
+  for (const Option& option : impl_->options) {
+    if (option.name == name) return takeFlag(option, place, text);
+    known.push_back(option.name);
+  }
+  throwUnknownKey(place, name, known);
 }
 
 nlohmann::ordered_json OptionTable::toJson() const {

@@ -44,6 +44,8 @@ class OptionTable {
   void add(const std::string& name, std::string* value, const std::string& help);
   void add(const std::string& name, std::vector<std::string>* value,
            const std::string& help);  // a YAML sequence; the flag takes a comma-separated list
+  // The same of texts that may hold commas: the flag is given once for each.
+  void addRepeated(const std::string& name, std::vector<std::string>* value, const std::string& help);
 
   // The headline of --help-all and of the page of settings that the options added from here on stand under.
   void group(const std::string& name);
@@ -72,6 +74,10 @@ class OptionTable {
   // Writes the values of the flags that were given over whatever stood there.
   // throws   UsageError naming the flag
   void applyFlags();
+
+  // One value, as its flag would bring it.
+  // throws   UsageError naming the place: of an option that is not in the table, too
+  void set(const std::string& name, const std::string& text, const std::string& place);
 
   // The resolved options as a JSON object, keys in the order of the table.
   nlohmann::ordered_json toJson() const;

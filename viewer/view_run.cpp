@@ -17,6 +17,7 @@
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/numbers/rgb9e5.h"
+#include "scene/light_sets.h"
 #include "scene/surface_look.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -157,15 +158,12 @@ class ViewFolder {
 
   void addGeometry(DataScript* script) {
     const Scene& scene = scene_.scene();
-    std::vector<float> positions, albedo, emissive, sky_positions, sky_shine;
+    std::vector<float> positions, albedo, sky_positions, sky_shine;
     const auto append = [](std::vector<float>* to, const glm::vec3& v) { to->insert(to->end(), {v.x, v.y, v.z}); };
     std::vector<uint32_t> triangles;
     for (const glm::vec3& position : scene.positions) append(&positions, position);
     for (const glm::uvec3& t : scene.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
-    for (const Material& material : scene.materials) {
-      append(&albedo, albedoOf(material, material.base_color));
-      append(&emissive, material.emissive);
-    }
+    for (const Material& material : scene.materials) append(&albedo, albedoOf(material, material.base_color));
     const SkyFaces& faces = scene.light.sky_faces;
     for (size_t t = 0; t < faces.triangles.size(); ++t) {
       for (int corner = 0; corner < 3; ++corner) append(&sky_positions, faces.positions[faces.triangles[t][corner]]);
@@ -177,17 +175,40 @@ class ViewFolder {
     script->add("triangles", triangles);
     script->add("triangle_material", scene.triangle_material);
     script->add("albedo", albedo);
-    script->add("emissive", emissive);
-    if (const LightGroups& groups = scene.light.groups; !groups.names.empty()) {
-      script->facts["light_groups"] = groups.names;
-      script->add("material_groups", groups.of_material);
-    }
     addLooks(scene, script);
     script->add("sky_positions", sky_positions);
     script->add("sky_shine", sky_shine);
-    const Sky& sky = scene.light.sky;
-    script->facts["sky"] = {{"zenith", numbers(sky.zenith)}, {"horizon", numbers(sky.horizon)}, {"ground", numbers(sky.ground)}};
+    addShine(script);
     said_["triangles"] = scene.triangles.size();
+  }
+
+  // What is seen to shine, of each light set: its sky, and materials, by triangle where these are not those of the first. Each with the
+  // group of light that it is of.
+  void addShine(DataScript* script) {
+    const std::vector<std::string> names = lightGroupNames(scene_.source());
+    script->facts["light_groups"] = names;
+    script->facts["skies"] = Json::array();
+    size_t first_group = 0, set = 0;
+    for (const Scene* lit : litScenes(scene_.source())) {
+      const LightGroups& groups = lit->light.groups;
+      const auto nameOf = [&](uint8_t group) { return names.empty() ? "sky" : names[first_group + group]; };
+      const Sky& sky = lit->light.sky;
+      script->facts["skies"].push_back({{"group", nameOf(groups.of_sky)},
+                                        {"zenith", numbers(sky.zenith)},
+                                        {"horizon", numbers(sky.horizon)},
+                                        {"ground", numbers(sky.ground)}});
+      std::vector<float> emissive;
+      std::vector<uint8_t> group_of_material;
+      for (size_t m = 0; m < lit->materials.size(); ++m) {
+        for (int c = 0; c < 3; ++c) emissive.push_back(lit->materials[m].emissive[c]);
+        group_of_material.push_back(static_cast<uint8_t>(first_group + LightGroups::of(groups.of_material, m)));
+      }
+      script->add(fmt::format("emissive_{}", set), emissive);
+      script->add(fmt::format("emissive_groups_{}", set), group_of_material);
+      if (set > 0) script->add(fmt::format("triangle_material_{}", set), lit->triangle_material);
+      first_group += groups.count();
+      ++set;
+    }
   }
 
   // A place to go to, with the exposure that its own view asks for, lit by the grid.

@@ -183,12 +183,13 @@ size_t nlg_light_grid_probe_count(const nlg_light_grid* grid);
 /* 1 or 0; a grid without light is unlit everywhere. */
 int nlg_light_grid_has_light(const nlg_light_grid* grid);
 
-/* Groups of light, of a grid that nlg-bake --light-groups made: 0 where all light is one. Their order does not change. */
+/* Groups of light, of a grid that nlg-bake --light-groups or --light-set made: 0 where all light is one. Their order does not change. */
 size_t nlg_light_grid_group_count(const nlg_light_grid* grid);
 /* A group's name, as long as the grid lives; null where there is no such group. */
 const char* nlg_light_grid_group_name(const nlg_light_grid* grid, size_t group);
-/* Dims, colours and switches groups: look-ups that follow see the sum of their light, each times its colour. All are 1 to begin with.
- * About 30 multiply-adds a probe and group. No other thread may look up in this grid meanwhile.
+/* Dims, colours and switches groups: look-ups that follow see the sum of their light, each times its colour. All are 1 to begin
+ * with, but for light sets after the first, which are 0. About 30 multiply-adds a probe and group. No other thread may look up in this
+ * grid meanwhile.
  *
  * colours   3 floats a group, red, green and blue, linear, finite
  * returns   NLG_OK; NLG_OUT_OF_MEMORY; or NLG_INVALID_ARGUMENT where light would be beyond 2^30, and it stays as it was */

@@ -235,6 +235,12 @@ std::vector<const std::vector<float>*> lightByGroup(const LightGrid& grid) {
   return light;
 }
 
+std::vector<std::array<float, 3>> startingColours(const LightGrid& grid) {
+  std::vector<std::array<float, 3>> colours;
+  for (const LightGroup& group : grid.groups) colours.emplace_back().fill(group.begins_dark ? 0.0f : 1.0f);
+  return colours;
+}
+
 FileResult mixLight(const std::vector<std::array<float, 3>>& colours, LightGrid* grid) {
   std::vector<float> mixed(grid->probe_function.size() * kShFloats, 0.0f);
   for (size_t g = 0; g < grid->groups.size(); ++g) {
@@ -259,7 +265,7 @@ LightPacking roundGridLight(double max_error, LightGrid* grid) {
   if (grid->groups.empty()) {
     grid->light = std::move(light[0]);
   } else {
-    mixLight(std::vector<std::array<float, 3>>(grid->groups.size(), {1.0f, 1.0f, 1.0f}), grid);
+    mixLight(startingColours(*grid), grid);
   }
   return packing;
 }

@@ -45,10 +45,11 @@ struct FunctionBrick {
   int resolution = 0;  // of its representation
 };
 
-// Light that an engine may dim, colour or switch apart from the rest. All groups add up to the whole.
+// Light that an engine may dim, colour or switch apart from the rest.
 struct LightGroup {
   std::string name;          // unlike all others', not empty, without control characters
   std::vector<float> light;  // by probe, as LightGrid::light
+  bool begins_dark = false;  // of one of several ways in which the level may be lit: not of the first
 };
 inline constexpr size_t kMaxLightGroups = 16;
 
@@ -62,9 +63,10 @@ struct LightGrid {
   // Made of theta, by addFunction or makeBricks: whoever changes the theta of a code afterwards makes them anew.
   std::vector<FunctionBrick> function_brick;  // by function
   std::vector<uint32_t> quads;                // bricks (brick_quads.h), one after another in the order of functions
-  std::vector<float> light;        // by probe: kShFloats each, radiance (spherical_harmonics.h); empty: the grid holds no light
-  std::vector<LightGroup> groups;  // none: light is one. Otherwise light is what mixLight made of them, their sum to begin with
-  PackedLight packed_light;        // of the probes with weight, in their order, group after group; see holdsPackedLight
+  std::vector<float> light;  // by probe: kShFloats each, radiance (spherical_harmonics.h); empty: the grid holds no light
+  std::vector<LightGroup>
+      groups;  // none: light is one. Otherwise light is what mixLight made of them, by startingColours to begin with
+  PackedLight packed_light;  // of the probes with weight, in their order, group after group; see holdsPackedLight
 
   // kShFloats floats. probe   < probeCount(); of grids with light
   const float* probeLight(size_t probe) const { return &light[probe * kShFloats]; }
@@ -99,6 +101,9 @@ FileResult checkLight(const std::vector<float>& light);
 // colours   as many as groups, linear factors for red, green and blue, finite
 // returns   ok; or what checkLight says of the sum, and light is as it was
 FileResult mixLight(const std::vector<std::array<float, 3>>& colours, LightGrid* grid);
+
+// What groups are multiplied by in a grid as it was read: 1, and 0 for those that begin dark.
+std::vector<std::array<float, 3>> startingColours(const LightGrid& grid);
 
 // The light of each group; of a grid without groups, all of it. The grid must outlive it.
 std::vector<const std::vector<float>*> lightByGroup(const LightGrid& grid);

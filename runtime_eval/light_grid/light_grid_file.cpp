@@ -39,16 +39,18 @@ std::string slopeText(float slope) {
 
 bool isOwnKey(std::string_view key) {
   for (const std::string_view own :
-       {"kind", "version", "pattern_hash", "light", "light_groups", "representation_count", kDigestKey})
+       {"kind", "version", "pattern_hash", "light", "light_groups", "light_groups_dark", "representation_count", kDigestKey})
     if (key == own) return true;
   return key.substr(0, kRepresentationPrefix.size()) == kRepresentationPrefix ||
          key.substr(0, kSlopePrefix.size()) == kSlopePrefix;
 }
 
-// Their names, a line each.
-std::string groupsText(const LightGrid& grid) {
+// Names of all groups, or of those that begin dark, a line each.
+std::string groupsText(const LightGrid& grid, bool dark_alone) {
   std::string text;
-  for (const LightGroup& group : grid.groups) text += (text.empty() ? "" : "\n") + group.name;
+  for (const LightGroup& group : grid.groups) {
+    if (group.begins_dark || !dark_alone) text += (text.empty() ? "" : "\n") + group.name;
+  }
   return text;
 }
 
@@ -61,7 +63,8 @@ FileResult addOwnMetadata(const LightGrid& grid, bool has_light, GridMetadata* m
   (*metadata)["version"] = kVersion;
   (*metadata)["pattern_hash"] = patternHash();
   (*metadata)["light"] = has_light ? kPackedLight : kNoLight;
-  if (has_light && !grid.groups.empty()) (*metadata)["light_groups"] = groupsText(grid);
+  if (has_light && !grid.groups.empty()) (*metadata)["light_groups"] = groupsText(grid, false);
+  if (const std::string dark = groupsText(grid, true); has_light && !dark.empty()) (*metadata)["light_groups_dark"] = dark;
   (*metadata)["representation_count"] = std::to_string(grid.representations.size());
   for (size_t i = 0; i < grid.representations.size(); ++i) {
     const Representation& representation = grid.representations[i];
@@ -434,19 +437,32 @@ FileResult takeHasLight(GridMetadata* metadata, bool* has_light) {
                     text);
 }
 
-// Groups without light; none where all light is one.
-FileResult takeGroups(GridMetadata* metadata, LightGrid* grid) {
-  const auto found = metadata->find("light_groups");
-  if (found == metadata->end()) return {};
-  const std::string text = std::move(found->second);
+// The lines of a text of the metadata, which is taken out of it; false where there is none.
+bool takeLines(const char* key, GridMetadata* metadata, std::string* text, std::vector<std::string>* lines) {
+  const auto found = metadata->find(key);
+  if (found == metadata->end()) return false;
+  *text = std::move(found->second);
   metadata->erase(found);
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find('\n', begin), text.size());
-    if (grid->groups.size() == kMaxLightGroups)
-      return refuseText(FileStatus::value_out_of_range, "light_groups", "16 names at most", text);
-    grid->groups.push_back({text.substr(begin, end - begin), {}});
+  for (size_t begin = 0; begin <= text->size() && lines->size() <= kMaxLightGroups;) {
+    const size_t end = std::min(text->find('\n', begin), text->size());
+    lines->push_back(text->substr(begin, end - begin));
     begin = end + 1;
   }
+  return true;
+}
+
+// Groups without light; none where all light is one.
+FileResult takeGroups(GridMetadata* metadata, LightGrid* grid) {
+  std::string text;
+  std::vector<std::string> names, dark;
+  takeLines("light_groups", metadata, &text, &names);
+  if (names.size() > kMaxLightGroups) return refuseText(FileStatus::value_out_of_range, "light_groups", "16 names at most", text);
+  for (std::string& name : names) grid->groups.push_back({std::move(name), {}});
+  if (!takeLines("light_groups_dark", metadata, &text, &dark)) return {};
+  // in their order, each once: the one text that is written of them
+  for (LightGroup& group : grid->groups) group.begins_dark = std::find(dark.begin(), dark.end(), group.name) != dark.end();
+  if (groupsText(*grid, true) != text)
+    return refuseText(FileStatus::value_out_of_range, "light_groups_dark", "names of light_groups, in their order", text);
   return {};
 }
 
@@ -484,7 +500,7 @@ FileResult readLight(const TensorFileReader& reader, LightGrid* grid) {
     return {};
   }
   for (size_t g = 0; g < group_count; ++g) grid->groups[g].light = std::move(light[g]);
-  return mixLight(std::vector<std::array<float, 3>>(group_count, {1.0f, 1.0f, 1.0f}), grid);
+  return mixLight(startingColours(*grid), grid);
 }
 
 FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {

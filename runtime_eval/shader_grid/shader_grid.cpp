@@ -399,8 +399,10 @@ class Packer {
       }
       words[27] = light_fields_[k];
     }
-    for (size_t g = 0; g < grid_.groups.size(); ++g)
-      std::fill_n(&words_[(static_cast<size_t>(colourHeader()) + g) * kWordsAFour], kShChannels, bitsOf(1.0f));
+    const std::vector<std::array<float, 3>> colours = startingColours(grid_);
+    for (size_t g = 0; g < colours.size(); ++g)
+      std::transform(colours[g].begin(), colours[g].end(), &words_[(static_cast<size_t>(colourHeader()) + g) * kWordsAFour],
+                     bitsOf);
   }
 
   void describeFields() {

@@ -30,7 +30,7 @@
 //
 // and behind all classes 7 of each axis of light, floats times the light's unit over the grid's scale, a power of two: red's coefficients 1 to 4, 5 to 8, those of green,
 // those of blue, then the three coefficients 0 and, an int, where the axis's number stands: its word, shift << 3, bits << 8, offset << 16.
-// Behind the axes stands of each group the colour that its light is multiplied by, floats, 1 to begin with: engines write others.
+// Behind the axes stands of each group the colour that its light is multiplied by, floats, startingColours to begin with: engines write others.
 //
 // A block: first slot in bits 0 … 26, log2 of its brick's cells along an edge in 27, 28, log2 of a cell's side above; 0xffffffff
 // without a cell. A slot: the probe in bits 0 … 26, log2 of its spacing (units) in 27 … 29; bit 31: the cell above is used.

@@ -113,6 +113,23 @@ TEST_F(Options, TakeEveryTypeFromFlags) {
   EXPECT_TRUE(values_.families.empty());
 }
 
+TEST_F(Options, TakeAFlagAsOftenAsItIsGivenWhereAListSaysSo) {
+  std::vector<std::string> wishes = {"old"};
+  OptionTable table = tableOf(&values_);
+  table.addRepeated("wishes", &wishes, "one at a time");
+  parseFlags({"--wishes", "a,b c=d", "--jobs", "8", "--wishes=e"}, &table);
+  EXPECT_EQ(wishes, (std::vector<std::string>{"a,b c=d", "e"}));
+  EXPECT_THROW(parseFlags({"--wishes", ""}, &table), UsageError);
+}
+
+TEST_F(Options, TakeOneValueAsItsFlagDoes) {
+  OptionTable table = tableOf(&values_);
+  table.set("families", "mazes,caves", "here");
+  EXPECT_EQ(values_.families, (std::vector<std::string>{"mazes", "caves"}));
+  EXPECT_THROW(table.set("jobs", "0", "here"), UsageError);
+  EXPECT_THROW(table.set("job", "1", "here"), UsageError);
+}
+
 TEST_F(Options, PreferFlagsToYamlToDefaults) {
   OptionTable table = tableOf(&values_);
   CLI::App app;

@@ -43,6 +43,7 @@ Json partMeans(const Closure& closure) {
 void measure(const Request& request, const BakeOptions& options, const OptionTable& table) {
   refuseToReplaceInputs(request.out, {request.scene});
   requireOutputFile(request.out);
+  if (!options.light_set.empty()) throw UsageError("--light-set", "none: one light is looked at", options.light_set.front());
   SceneSource source = loadScene(request.scene, options.reading);
   for (const std::string& done : applyLight(source.scene, options.scene_light)) source.light_notes.push_back(done);
   const Closure closure = measureClosure(source.scene, request.closure, options.seed);

@@ -43,7 +43,7 @@ function levelGeometry(scene) {
     for (let k = 0; k < 3; ++k) {
       b.toArray(normals, 9 * t + 3 * k);
       albedo.set(scene.albedo.subarray(material, material + 3), 9 * t + 3 * k);
-      shine.set(scene.emissive.subarray(material, material + 3), 9 * t + 3 * k);
+      shine.set(scene.emissive_0.subarray(material, material + 3), 9 * t + 3 * k);
     }
   }
   const geometry = new THREE.BufferGeometry();
@@ -66,13 +66,13 @@ function evenColours(geometry, albedo) {
   return plain;
 }
 
-function skyMaterial(sky, side) {
-  const vector = (three) => ({ value: new THREE.Vector3(...three) });
+function skyMaterial(side) {
+  const vector = () => ({ value: new THREE.Vector3() });
   return new THREE.RawShaderMaterial({
     glslVersion: THREE.GLSL3,
     vertexShader: surfaceVertex,
     fragmentShader: skyFragment,
-    uniforms: { zenith: vector(sky.zenith), horizon: vector(sky.horizon), ground: vector(sky.ground), tint: vector([1, 1, 1]) },
+    uniforms: { zenith: vector(), horizon: vector(), ground: vector() },
     side,
   });
 }
@@ -115,10 +115,11 @@ export class Level {
 
     const dome = evenColours(new THREE.BoxGeometry(2, 2, 2), 0);
     dome.attributes.shine.array.fill(-1);
-    this.dome = this.add(new THREE.Mesh(dome, skyMaterial(scene.sky, THREE.BackSide)), -1);
+    this.dome = this.add(new THREE.Mesh(dome, skyMaterial(THREE.BackSide)), -1);
     this.dome.material.depthWrite = false;
     this.skies = [this.dome];
     if (scene.sky_positions.length > 0) this.addSkyFaces(scene);
+    this.tintSky(() => [1, 1, 1]);
 
     this.ball = this.add(new THREE.Mesh(evenColours(new THREE.SphereGeometry(0.15, 48, 32), CARRIED_ALBEDO), depth), 2);
     this.figure = this.add(new THREE.Group(), 2);
@@ -133,16 +134,20 @@ export class Level {
     this.materials = new Map();
   }
 
-  // What shines, in the colours of its groups of light.
+  // What shines, in the colours of its groups of light: the sum of all light sets.
   // colourOf   three factors by a group's name
   tintShine(colourOf) {
     const { scene } = this;
-    if (!scene.light_groups) return;
+    if (scene.light_groups.length === 0) return;
     const { shine } = this.geometry.attributes;
     const tints = scene.light_groups.map(colourOf);
-    scene.triangle_material.forEach((material, t) => {
-      const tint = tints[scene.material_groups[material]];
-      for (let i = 0; i < 9; ++i) shine.array[9 * t + i] = scene.emissive[3 * material + (i % 3)] * tint[i % 3];
+    shine.array.fill(0);
+    scene.skies.forEach((_, set) => {
+      const emissive = scene[`emissive_${set}`], groups = scene[`emissive_groups_${set}`];
+      (scene[`triangle_material_${set}`] ?? scene.triangle_material).forEach((material, t) => {
+        const tint = tints[groups[material]];
+        for (let i = 0; i < 9; ++i) shine.array[9 * t + i] += emissive[3 * material + (i % 3)] * tint[i % 3];
+      });
     });
     shine.needsUpdate = true;
   }
@@ -156,8 +161,11 @@ export class Level {
     for (const materials of this.materials.values()) for (const material of Object.values(materials)) material.dispose();
   }
 
-  tintSky(colour) {
-    for (const { material } of this.skies) material.uniforms.tint.value.set(...colour);
+  tintSky(colourOf) {
+    for (const part of ['zenith', 'horizon', 'ground']) {
+      const sum = [0, 1, 2].map((c) => this.scene.skies.reduce((all, sky) => all + sky[part][c] * colourOf(sky.group)[c], 0));
+      for (const { material } of this.skies) material.uniforms[part].value.set(...sum);
+    }
   }
 
   add(object, order) {
@@ -176,7 +184,7 @@ export class Level {
     geometry.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
     geometry.setAttribute('albedo', new THREE.BufferAttribute(new Float32Array(3 * corners), 3));
     geometry.setAttribute('shine', new THREE.BufferAttribute(shine, 3));
-    this.skies.push(this.add(new THREE.Mesh(geometry, skyMaterial(scene.sky, THREE.FrontSide)), 1));
+    this.skies.push(this.add(new THREE.Mesh(geometry, skyMaterial(THREE.FrontSide)), 1));
   }
 
   place(ball, figure) {

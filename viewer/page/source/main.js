@@ -30,6 +30,9 @@ const ASK_EVERY_MS = 500; // what goes on
 
 const bytesText = (bytes) => (bytes >= 1e6 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.round(bytes / 1e3)} kB`);
 
+// The light set that a group of light is of; empty: of none.
+const setOf = (group) => group.slice(0, Math.max(0, group.indexOf('/')));
+
 const option = (value, text) => Object.assign(document.createElement('option'), { value, textContent: text });
 
 class Viewer {
@@ -140,33 +143,47 @@ class Viewer {
     return Math.round(performance.now());
   }
 
-  // A slider and a colour for each group of light that the grid keeps apart. ?light=sky:0&light=lamps:1.5 sets them at once.
+  // A slider and a colour for each group of light that the grid keeps apart; groups that are called SET/GROUP have those of their set
+  // besides. ?light=sky:0&light=lamps:1.5 sets them at once.
   async fillLights() {
     const grid = await this.busy(this.methods.rendered('grid'));
     const given = new Map(asked.getAll('light').map((one) => [one.slice(0, one.lastIndexOf(':')), one.slice(one.lastIndexOf(':') + 1)]));
-    const rows = grid.groups.map((name) => {
+    const rows = [];
+    const add = (name, title, begins) => {
       const row = document.createElement('label');
       const before = this.lights.get(name);
-      const factor = Object.assign(document.createElement('input'), { type: 'range', min: 0, max: 2, step: 0.01, value: before?.factor.value ?? given.get(name) ?? 1 });
+      const factor = Object.assign(document.createElement('input'), { type: 'range', min: 0, max: 2, step: 0.01, value: before?.factor.value ?? given.get(name) ?? begins });
       const tint = Object.assign(document.createElement('input'), { type: 'color', value: before?.tint.value ?? '#ffffff', title: `colour of ${name}` });
       for (const input of [factor, tint]) input.addEventListener('input', () => this.mixLights(grid));
-      row.append(`${name} `, factor, tint);
+      row.append(`${title} `, factor, tint);
+      row.classList.toggle('ofSet', title !== name);
       this.lights.set(name, { factor, tint });
-      return row;
-    });
+      rows.push(row);
+    };
+    let last;
+    for (const name of grid.groups) {
+      const set = setOf(name);
+      if (set && set !== last) add(set, set, grid.begins.get(name));
+      last = set;
+      add(name, name.slice(set ? set.length + 1 : 0), set ? 1 : grid.begins.get(name));
+    }
     $('groups').replaceChildren(...rows);
     $('lights').hidden = rows.length === 0;
     if (rows.length > 0) this.mixLights(grid);
   }
 
   mixLights(grid) {
-    const colours = grid.groups.map((name) => {
+    const chosen = (name) => {
       const { factor, tint } = this.lights.get(name);
       return new THREE.Color(tint.value).toArray().map((channel) => channel * Number(factor.value));
+    };
+    const colours = grid.groups.map((name) => {
+      const own = chosen(name), set = setOf(name);
+      return set ? chosen(set).map((factor, channel) => factor * own[channel]) : own;
     });
     grid.mix(colours);
     const colourOf = (name) => colours[grid.groups.indexOf(name)] ?? [1, 1, 1];
-    this.level.tintSky(colourOf('sky'));
+    this.level.tintSky(colourOf);
     this.level.tintShine(colourOf);
     this.wake();
   }

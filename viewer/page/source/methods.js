@@ -93,6 +93,7 @@ class RenderedMethod {
     this.uniforms = { ...program.uniforms, offset_m: { value: 0.02 }, chosen_record: { value: 0 }, heat_full: { value: 1 } };
     this.groups = data.groups ?? []; // of light; their colours stand in the head of the grid, as floats
     if (this.groups.length > 0) this.colours = new Float32Array(this.uniforms.head.value.buffer).subarray(4 * data.first_colour);
+    this.begins = new Map(this.groups.map((name, group) => [name, this.colours[4 * group]])); // by group: its factor in the file
     this.text = program.text + signedHeat + looks.fragment + surfaceFragment;
   }
 
