@@ -21,7 +21,7 @@ What a level looks like under each way to light it, against ground truth by path
 - **surface**: 5 to 50 cm before surfaces, with the surface's normal.
 - **turned**: the same places, any normal.
 
-Light at probes is *point*, gathered where the probe stands; *solved*, fitted to light at places in air that no figure uses; or a method's *own* form. *Dark* is the mean light at places that should be dark, beyond what truth has there, over the level's mean. *Jumps* are what neighbouring places differ by beyond truth. Parentheses hold 95 % intervals, by bootstrap over scenes.
+Light at probes is *point*, gathered where the probe stands; *solved*, fitted to light at places in air that no figure uses; or a method's *own* form. *Dark* is the mean light at places that should be dark, beyond what truth has there, over the level's mean; of scenes that have enough such places to tell. *Jumps* are what neighbouring places differ by beyond truth. Parentheses hold 95 % intervals, by bootstrap over scenes.
 
 How it is measured, and what the methods are: [formats](formats.md#lightjson). How light is baked: [theory](../theory/light.md). What was tried: [lab](../lab/light.md).
 """

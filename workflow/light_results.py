@@ -148,7 +148,7 @@ def dark(points, ours):
         named = {"ours": (ours, "solved"), **DARK_RIVALS}
         found = {name: figures.of_method(of_spacing, method) for name, method in named.items()}
         if all(found.values()):
-            out[spacing_key(spacing_m)] = {name: estimate(figures.figure([point.dark for point in some])) for name, some in found.items()}
+            out[spacing_key(spacing_m)] = {name: estimate(figures.figure(figures.in_the_dark(some))) for name, some in found.items()}
     return out
 
 

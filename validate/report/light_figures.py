@@ -16,6 +16,7 @@ REFERENCE = ("valid trilinear", "point")
 GROUPS = ("air", "surface", "turned")
 GROUP_NAMES = {"air": "in air", "surface": "5–50 cm before surfaces", "turned": "the same, any normal"}
 LIGHTS = ("point", "own", "solved")
+LEAST_DARK = 30  # places: a scene with fewer says nothing of light in the dark
 FIGURES = ("smape", "colour", "dark", "jump_mean", "jump_largest", "unlit", "outside", "seconds", "per_probe")
 RESAMPLES, SEED = 4000, 1
 NOT_STORED = "target functions"  # whose bytes nobody would keep
@@ -61,6 +62,7 @@ class Point:
     per_probe: float
     seconds: float  # of the bake: weights and light
     look_ups_per_s: float = math.nan  # NaN: not measured
+    dark_places: int = LEAST_DARK
     leaks: dict = field(default_factory=dict)  # errors by room and what leaks, by BY_ROOM and LEAKS
     by_distance: list = field(default_factory=list)  # (from_m, to_m, RMSE) before surfaces
     worst: list = field(default_factory=list)
@@ -109,7 +111,8 @@ def read_method(node, scene, kind, spacing_m):
                  air["smape"].number(0.0, 1.0), air["colour"]["mean"].number(), node["dark"]["excess"].number(low=-math.inf), jumps["mean"].number(),
                  jumps["largest"].number(), air["unlit"].number(0.0, 1.0), air["outside"].number(0.0, 1.0), size["total"].count(), node["probes"].count(),
                  size["per_probe"].number(), times["weights_s"].number() + times["light_s"].number(),
-                 times["look_ups_per_s"].number() if "look_ups_per_s" in times else math.nan, read_leaks(node), distances, worst)
+                 times["look_ups_per_s"].number() if "look_ups_per_s" in times else math.nan,
+                 node["dark"]["places"].count() if "places" in node["dark"] else LEAST_DARK, read_leaks(node), distances, worst)
 
 
 def read_points(path):
@@ -189,6 +192,11 @@ def ratios_to(points, references, group, error=lambda point, group: point.rmse[g
     return [ours / theirs for ours, theirs in found if ours > 0.0 and theirs > 0.0]
 
 
+def in_the_dark(points):
+    """Light in the dark, of those that have enough dark places; of all where none has."""
+    return [point.dark for point in points if point.dark_places >= LEAST_DARK] or [point.dark for point in points]
+
+
 def method_figures(points, references):
     """points: of one method at one spacing; references: scene → the reference's point."""
     figures = {"scenes": sorted(point.scene for point in points)}
@@ -199,7 +207,7 @@ def method_figures(points, references):
         if ratios:
             figures[group]["ratio"] = figure(ratios, geometric_mean)
     for name in FIGURES:
-        figures[name] = figure([getattr(point, name) for point in points])
+        figures[name] = figure([getattr(point, name) for point in points] if name != "dark" else in_the_dark(points))
     for name in (*BY_ROOM.values(), *LEAKS):
         if all(name in point.leaks for point in points):
             figures[name] = figure([point.leaks[name] for point in points])
