@@ -9,6 +9,7 @@ KIND_TITLES = {"all": "All scenes", "levels": "Levels that hold their own light"
 LIGHT_ORDER = ("point", "own", "solved")
 BOX_BYTES = {8: 1000, 729: 60000}  # by probes
 SHOWN_SPACING = "1m"
+SHOWN_THINNED = (.03, .06)  # in tables of methods; what is thinned to more is for budgets of bytes
 
 INTRODUCTION = """# Light
 
@@ -37,6 +38,21 @@ def bytes_text(value):
 
 def spacing_text(key):
     return key.removesuffix("m").replace("_", ".") + " m"
+
+
+def shown(methods):
+    """Without grids that are thinned to more than tables show."""
+    return {slug: entry for slug, entry in methods.items() if entry.get("thinned_to", SHOWN_THINNED[0]) in SHOWN_THINNED}
+
+
+def missed_text(front):
+    """Of rivals' points that none of ours matches: which, where, and how large."""
+    if not front["missed"]:
+        return "none"
+    largest = max(entry["largest_bytes"] for entry in front["missed_in"].values())
+    rivals = "; ".join(f"{name} {count}" for name, count in front["missed"].items())
+    scenes = ", ".join(f"{scene} {entry['points']}" for scene, entry in front["missed_in"].items())
+    return f"{rivals} ({scenes}; the largest has {bytes_text(largest)})"
 
 
 def reached(holds):
@@ -111,13 +127,45 @@ def targets_section(results):
     found = results["targets"]
     front, most, unlit, outside = found["front"], found["per_probe"], found["unlit_largest"], found["outside_largest"]
     rows = [box_row(found["box"])] if found["box"] else []
-    rows += [["rivals' points, all that can be stored, that one of ours matches in error at no more bytes", "all", f"{front['met']:,} of {front['of']:,}", reached(front["met"] == front["of"] if front["of"] else None)],
+    rows += [["rivals' points, all that can be stored, that one of ours matches in error at no more bytes", "all", f"{front['met']:,} of {front['of']:,}; the others: {missed_text(front)}", reached(front["met"] == front["of"] if front["of"] else None)],
              ["air that nothing lights, and air outside the tree: largest of all scenes", "≤ .05 %; 0", f"{percent(unlit)}; {percent(outside)}", reached(unlit <= .0005 and outside == 0)],
              ["bytes a live probe, everything (talk 236 to 339, DDGI 1,056)", "≤ 60", f"{most['least']:.0f} to {most['most']:.0f}", reached(most["most"] <= 60)]]
     rows += [[what, "≤ 1 MB", bytes_text(size), reached(size <= 1e6)] for what, size in (("kaos2 at the error of our own probes with point light 1 m apart", found["level_bytes"]),
              ("kaos2 with less error than every rival 1 m apart", found["bytes_below_rivals"])) if size is not None]
-    return (f"\n## All light\nOurs is `{results['ours']}` with solved light, through the engine's own look-up.\n" + by_spacing_section(found)
+    return (f"\n## All light\nOurs is `{results['ours']}` with solved light, through the engine's own look-up.\n" + by_spacing_section(found) + thinning_section(results.get("thinning", {}))
             + "\n### Bytes and times\n" + table(["", "target", "measured", "reached"], rows + speed_rows(results)))
+
+
+THINNED_KINDS = {"levels": .4, "furnished": .3, "daylight": None}  # with the target of bytes at equal error
+THINNED_ERRORS = (*GROUPS, "smape_in_air")
+
+
+def thinning_section(found):
+    """What is left out for fewer bytes, and what fewer bytes the same error takes; empty where nothing was thinned."""
+    kinds = [kind for kind in THINNED_KINDS if found.get(kind, {}).get("thinned")]
+    if not kinds:
+        return ""
+    ratios = lambda entry, keys: "; ".join(number(entry[key]["value"], 2) for key in keys)
+    spacings, before = (found[kinds[0]][key] for key in ("spacings_m", "bytes_before"))
+    rows = [[f"{entry['name'].split(', ')[1]}: bytes; errors", "", *(ratios(found[kind]["thinned"][slug], ("bytes", *THINNED_ERRORS)) for kind in kinds)] for slug, entry in found[kinds[0]]["thinned"].items()]
+    for way, what, targets in (("over_whole", "bytes for no more error than the whole grid 1 m apart has", {}), ("over_before", f"the same, over {before} bytes a probe", THINNED_KINDS)):
+        cells = []
+        for kind in kinds:
+            values = [found[kind]["at_equal_error"][key][way]["value"] for key in THINNED_ERRORS]
+            text, limit = "; ".join(number(value, 2) for value in values), targets.get(kind)
+            cells.append(f"**{text}**" if limit and all(value <= limit for value in values) else text)
+        rows.append([what, "; ".join(f"≤ {number(targets[kind], 1)}" if targets[kind] else "" for kind in kinds if targets).strip("; "), *cells])
+    return ("\n### For fewer bytes\nGrids that are [thinned](../guide/bake.md#fewer-bytes-for-this-light), over the whole one, probes 1 m apart; then what the same error takes, of all grids that were measured "
+            f"(probes {', '.join(f'{spacing:g}' for spacing in spacings[:-1])} and {spacings[-1]:g} m apart, whole and thinned). Errors are *air; surface; turned; relative error in air*, geometric means "
+            f"over scenes. When targets were set a grid took {before} bytes a probe. Elsewhere on this page bytes a probe of thinned grids are of all probes of the whole grid.\n"
+            + table(["", "target", *(KIND_TITLES[kind].lower() for kind in kinds)], rows))
+
+
+FRONT_PICTURE = """
+![Error of indirect light against bytes, by kind of scene: the light grid and its rivals](../images/light_against_bytes.png)
+
+*Geometric means over the scenes of a kind. A rival's line leads from probes 2 m apart to 1 m. Each dot of the light grid is one grid, with light solved for: filled the whole ones, hollow the thinned ones. Its line is their front.*
+"""
 
 
 INDIRECT_INTRODUCTION = """
@@ -164,7 +212,7 @@ def indirect_section(results):
     found = results["indirect"]
     places = next(iter(found["scenes"].values()))["truth"]["places"]
     kinds = [kind for kind in KIND_TITLES if kind in found["methods"]]
-    names = list(dict.fromkeys(name for kind in kinds for name in found["methods"][kind][SHOWN_SPACING]))
+    names = list(dict.fromkeys(name for kind in kinds for name in shown(found["methods"][kind][SHOWN_SPACING])))
     rows = []
     for name in names:
         entries = {kind: found["methods"][kind][SHOWN_SPACING].get(name, {}) for kind in kinds}
@@ -177,13 +225,13 @@ def indirect_section(results):
     front, ahead = found["front"], {group: sum(entry[group]["value"] > 1 for entry in found["by_scene"].values()) for group in (*GROUPS, "smape_in_air")}
     text = INDIRECT_INTRODUCTION + f"\nOf revision {', '.join(f'`{revision}`' for revision in found['revisions'])}; {len(found['scenes'])} scenes, {places['air']:,} places in air of each and {places['surface']:,} before surfaces. Ours is `{results['ours']}` with solved light. Errors, and all ratios, are *air; surface; turned*. **Bold** reaches the target.\n"
     text += table(*indirect_rows(found))
-    text += (f"\nOf rivals' points, all that can be stored, one of ours matches {front['met']:,} of {front['of']:,} in error at no more bytes (target: all). The others, some of which have fewer bytes than any of ours: {'; '.join(f'{name} {count}' for name, count in front['missed'].items()) or 'none'}. Ours is behind the best rival over the scenes of a kind here: {'; '.join(behind(found)) or 'nowhere'}.\n"
+    text += (f"\nOf rivals' points, all that can be stored, one of ours matches {front['met']:,} of {front['of']:,} in error at no more bytes (target: all). The others: {missed_text(front)}. Ours is behind the best rival over the scenes of a kind here: {'; '.join(behind(found)) or 'nowhere'}.\n"
              f"\nMean errors by kind of scene, probes {spacing_text(SHOWN_SPACING)} apart. Exact visibility and target functions are yardsticks that nobody could ship:\n"
              + table(["weights", "light", *(f"{KIND_TITLES[kind].lower()} ({max(entry[light]['scenes'] for entry in found['methods'][kind][SHOWN_SPACING].values() for light in LIGHT_ORDER if light in entry)})" for kind in kinds), "bytes a probe"], rows))
     text += (f"\nScene by scene, over the rival that does best there, whichever it is and however its light came about: ours is behind in {ahead['air']}; {ahead['surface']}; {ahead['turned']} of {len(found['by_scene'])} scenes, and in relative error in air (SMAPE) in {ahead['smape_in_air']}.\n"
              + table(["scene", "error of ours", "over the best rival", "the best rival: in air", "surface", "turned", "relative error in air", "over"],
                      [[found["scenes"][scene]["name"], "; ".join(number(entry[group]["rmse"], 3) for group in GROUPS), indirect_ratios(entry), *(entry[group]["rival"] for group in GROUPS), number(entry["smape_in_air"]["value"], 2), entry["smape_in_air"]["rival"]] for scene, entry in found["by_scene"].items()]))
-    return text
+    return text + thinning_section(found.get("thinning", {})) + (FRONT_PICTURE if "against_bytes" in found else "")
 
 
 HEAD = ["weights", "light", "air", "surface", "turned", "over valid trilinear: air", "surface", "turned", "dark", "jumps, mean", "unlit", "bytes a probe", "bake, processor s"]
@@ -266,6 +314,6 @@ def page(all_results):
     text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}. {results.get('note', '')}\n"
     text += (indirect_section(results) if "indirect" in results else "") + targets_section(results)
     text += seen_section(results) if "views" in results else ""
-    text += "".join(methods_section(kind, found[SHOWN_SPACING]) + by_room_section(found[SHOWN_SPACING]) for kind, found in results["methods"].items()
+    text += "".join(methods_section(kind, shown(found[SHOWN_SPACING])) + by_room_section(shown(found[SHOWN_SPACING])) for kind, found in results["methods"].items()
                     if kind in ("levels", "furnished", "daylight") and SHOWN_SPACING in found)
     return text + scenes_section(results["scenes"])

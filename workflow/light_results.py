@@ -26,6 +26,7 @@ import view_results
 from light_figures import GROUPS, SCENE_KINDS
 
 TODAY = ("point", 1.0)  # light gathered at probes 1 m apart: whose error is to be had for fewer bytes
+BYTES_BEFORE = 39  # a probe, of a light grid when the targets of bytes at equal error were set
 RIVALS = ("valid trilinear", "APV", "DDGI as shipped", "DDGI as shipped, relocated")
 SOLVED_RIVALS = ("valid trilinear", "tetrahedra", "APV", "DDGI's weights")
 NOT_RIVALS = (figures.NOT_STORED, "exact visibility", "DDGI, exact visibility")  # what nobody could ship
@@ -64,12 +65,15 @@ def methods(points):
     for spacing in figures.summary(points)["spacings"]:
         of_spacing = out.setdefault(spacing_key(spacing["spacing_m"]), {})
         for found in spacing["methods"]:
-            of_spacing.setdefault(slug(found["weights"]), {"name": found["weights"]})[found["light"]] = method_entry(found)
+            name, _, thinned_to = found["weights"].partition(figures.THINNED)
+            of_weights = of_spacing.setdefault(slug(found["weights"]), {"name": found["weights"], **({"thinned_to": float(thinned_to)} if thinned_to else {})})
+            of_weights[found["light"]] = method_entry(found)
     return out
 
 
 def is_ours(point, ours):
-    return point.method[0] == ours
+    """The one place that says which methods are: the grid of these weights, whole or thinned."""
+    return point.method[0].split(figures.THINNED)[0] == ours
 
 
 def by_room(point, group):
@@ -98,8 +102,11 @@ def to_best_rival(points, ours, rivals, solved, error=lambda point, group: point
 
 
 def front(points, ours):
-    """How many of the rivals' points, scene by scene and group by group, some point of ours is neither larger nor worse than."""
-    met, of, missed = 0, 0, {}
+    """How many of the rivals' points, scene by scene and group by group, some point of ours is neither larger nor worse than.
+
+    missed: by rival; missed_in: by scene, and what the largest of them takes.
+    """
+    met, of, missed, missed_in = 0, 0, {}, {}
     for scene in sorted({point.scene for point in points}):
         mine = [point for point in points if point.scene == scene and is_ours(point, ours)]
         rivals = [point for point in points if point.scene == scene and point.method[0] in {*RIVALS, *SOLVED_RIVALS} and point.method[1] != "solved"]
@@ -110,7 +117,9 @@ def front(points, ours):
                     met += 1
                 else:
                     missed[rival.method[0]] = missed.get(rival.method[0], 0) + 1
-    return {"met": met, "of": of, "share": met / of if of else None, "missed": missed}
+                    entry = missed_in.setdefault(slug(scene), {"points": 0, "largest_bytes": 0})
+                    missed_in[slug(scene)] = {"points": entry["points"] + 1, "largest_bytes": max(entry["largest_bytes"], rival.bytes)}
+    return {"met": met, "of": of, "share": met / of if of else None, "missed": missed, "missed_in": missed_in}
 
 
 def tenth_of_ddgi(points, ours):
@@ -155,6 +164,41 @@ def box(points, ours):
     return out
 
 
+def thinning(points, ours):
+    """What fewer bytes cost beside our whole grid with probes as far apart as today's, geometric means over scenes.
+
+    thinned: by what it was thinned to, bytes and errors over the whole grid's. at_equal_error: of each error the fewest bytes for which ours, at any
+    spacing, has no more of it than the whole grid, over its bytes; and over what it took before, BYTES_BEFORE a probe.
+    """
+    if not any(point.method == (ours, "solved") and point.spacing_m == TODAY[1] for point in points):
+        return {}
+    errors = {**{group: lambda point, group=group: point.rmse[group] for group in GROUPS}, "smape_in_air": lambda point: point.smape}
+    whole = {point.scene: point for point in points if point.method == (ours, "solved") and point.spacing_m == TODAY[1]}
+    ratio = lambda values: estimate(figures.figure(values, figures.geometric_mean))
+    over_whole = lambda some, of: ratio([of(point) / of(whole[point.scene]) for point in some])
+    mine = [point for point in points if is_ours(point, ours) and point.scene in whole]
+    thinned, names = {}, dict.fromkeys(point.method[0] for point in mine if figures.THINNED in point.method[0] and point.spacing_m == TODAY[1])
+    for name in names:
+        some = [point for point in mine if point.method[0] == name and point.spacing_m == TODAY[1]]
+        thinned[slug(name)] = {"name": name, "bytes": over_whole(some, lambda point: point.bytes), **{key: over_whole(some, error) for key, error in errors.items()}}
+    fewest = {key: {scene: min(point.bytes for point in mine if point.scene == scene and error(point) <= error(today)) for scene, today in whole.items()} for key, error in errors.items()}
+    return {"spacings_m": figures.spacings_of(mine), "bytes_before": BYTES_BEFORE, "thinned": thinned, "at_equal_error": {key: {"over_whole": ratio([size / whole[scene].bytes for scene, size in of_scene.items()]),
+                                                         "over_before": ratio([size / (BYTES_BEFORE * whole[scene].probes) for scene, size in of_scene.items()])}
+                                                   for key, of_scene in fewest.items()}}
+
+
+def against_bytes(points, ours):
+    """What docs/images/light_against_bytes.png draws: geometric means over scenes of every method that can be stored, at every spacing."""
+    out = []
+    for spacing_m in figures.spacings_of(points):
+        of_spacing = [point for point in points if point.spacing_m == spacing_m and point.method[0] not in NOT_RIVALS]
+        for method in figures.methods_of(of_spacing):
+            some = figures.of_method(of_spacing, method)
+            out.append({"weights": method[0], "light": method[1], "is_ours": is_ours(some[0], ours), "spacing_m": spacing_m, "bytes": float(figures.geometric_mean([point.bytes for point in some])),
+                        **{group: float(figures.geometric_mean([point.rmse[group] for point in some])) for group in GROUPS}})
+    return out
+
+
 def level_bytes(points, ours):
     """The fewest bytes for which ours, of this level, has nowhere more error than light gathered at probes as far apart as today's; None where it was not measured so."""
     light, spacing_m = TODAY
@@ -174,7 +218,7 @@ def bytes_below_rivals(points, ours):
 
 def targets(points, ours):
     of_kind = {kind: [point for point in points if point.kind == kind] for kind in SCENE_KINDS}
-    mine = [point for point in points if point.method == (ours, "solved")]
+    mine = [point for point in points if point.method == (ours, "solved") and point.spacing_m == TODAY[1]]
     largest = lambda key: max(getattr(point, key) for point in mine)
     return {"box": box(points, ours), "levels": to_best_rival(of_kind["levels"], ours, RIVALS, solved=False),
             "furnished": to_best_rival(of_kind["furnished"], ours, RIVALS, solved=False),
@@ -216,6 +260,10 @@ def measured(folder, files, ours, light_direct):
     if alone:
         fail(folder, "rivals in the results of every scene", f"grids alone (--grids-only) of {', '.join(alone)}")
     documents = [held_to(lambda path: read_scene(path, light_direct), path) for path in files]
+    whole = {(point.scene, point.spacing_m): point for point in points if point.method == (ours, "solved")}
+    for point in points:
+        if is_ours(point, ours):  # bytes a probe are of all that the whole grid has: those that are left out hold nothing
+            point.per_probe = point.bytes / whole[point.scene, point.spacing_m].probes
     kinds = {point.scene: point.kind for point in points}
     return points, {slug(found["name"]): {**found, "kind": kinds[found["name"]]} for _, found in documents}, sorted({made_by for made_by, _ in documents})
 
@@ -241,10 +289,10 @@ def indirect(folder, ours):
     best = {kind: {way: to_best_rival(of_kind[kind], ours, rivals, solved=way == "solved") for way, rivals in (("own", RIVALS), ("solved", SOLVED_RIVALS))}
             for kind in ("levels", "furnished", "daylight")}
     relative = {kind: {spacing: entry["air"] for spacing, entry in to_best_rival(of_kind[kind], ours, RIVALS, solved=False, error=lambda point, _: point.smape).items()} for kind in best}
-    today = [point for point in points if point.spacing_m == TODAY[1]]
     return {"revisions": revisions, "scenes": scenes, "to_best_rival": best, "smape_in_air": relative, "by_room": to_best_rival(points, ours, RIVALS, solved=False, error=by_room), "by_room_solved": to_best_rival(points, ours, SOLVED_RIVALS, solved=True, error=by_room),
             "by_scene": by_scene(points, ours), "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours),
-            "methods": {kind: methods([point for point in today if point.kind == kind]) for kind in SCENE_KINDS if any(point.kind == kind for point in today)}}
+            "thinning": {kind: thinning(of_kind[kind], ours) for kind in best if of_kind[kind]}, "against_bytes": {kind: against_bytes(some, ours) for kind, some in of_kind.items() if some},
+            "methods": {kind: methods(some) for kind, some in of_kind.items() if some}}
 
 
 def collect(folder, ours=OURS):
@@ -255,11 +303,12 @@ def collect(folder, ours=OURS):
     points, scenes, revisions = measured(folder, files, ours, "all")
     kinds = {point.scene: point.kind for point in points}
     out = {"schema_version": 1, "run": NAME, "command": "workflow/results.py collect-light FOLDER", "ours": ours, "revisions": revisions, "scenes": scenes,
-           "targets": targets(points, ours), "methods": {"all": methods(points)}}
+           "targets": targets(points, ours), "thinning": {}, "methods": {"all": methods(points)}}
     for kind in SCENE_KINDS:
         of_kind = [point for point in points if point.kind == kind]
         if of_kind:
             out["methods"][kind] = methods(of_kind)
+            out["thinning"][kind] = thinning(of_kind, ours)
     if any((folder / "indirect").glob("*.json")):
         out["indirect"] = indirect(folder / "indirect", ours)
     if found := sorted((folder / "views").glob("*.json")):

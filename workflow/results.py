@@ -2,7 +2,7 @@
 """One source for every number that the documentation states: docs/results/NAME.json.
 
     workflow/results.py collect RUN [--config CONFIG] [--no-pictures] [--add]    measured → docs/results, then write
-    workflow/results.py collect-light FOLDER [--ours NAME]               what was measured of light → docs/results/light.json, then write
+    workflow/results.py collect-light FOLDER [--ours NAME] [--no-pictures]    what was measured of light → docs/results/light.json, then write
     workflow/results.py collect-siege FOLDER                             what the siege found → docs/results/reliability.json, then write
     workflow/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
     workflow/results.py write                                            docs/results → every text
@@ -110,14 +110,17 @@ def collect(run, configuration, pictures, add):
     return write(all_results)
 
 
-def collect_light(folder, ours):
+def collect_light(folder, ours, pictures):
     import light_results  # which alone needs numpy
     results, earlier = light_results.collect(folder, ours), load_results(RESULTS).get(light_page.NAME, {})
     for section in ("indirect", "views", "noise", "bakes", "benchmarks"):
         # each measured by itself: what the folder lacks stays as it was
         if section not in results and section in earlier:
             results[section] = earlier[section]
-    return write(keep(results))
+    all_results = keep(results)
+    if pictures and "against_bytes" in results.get("indirect", {}):
+        subprocess.run(["/usr/bin/python3", ROOT / "validate" / "report" / "light_front.py", "--results", RESULTS / f"{light_page.NAME}.json", "--out", IMAGES / "light_against_bytes.png"], check=True)
+    return write(all_results)
 
 
 def main():
@@ -130,6 +133,7 @@ def main():
     collecting.add_argument("--add", action="store_true", help="sections that RUN has not measured stay as docs/results has them, and so do their other scenes; of the same weights, unless only benchmarks stay")
     collecting_light = commands.add_parser("collect-light", help="what was measured of light → docs/results/light.json, then write")
     collecting_light.add_argument("folder", type=Path, help="SCENE.json of nlg-validate light, one a scene")
+    collecting_light.add_argument("--no-pictures", action="store_true", help="leave docs/images as it is")
     collecting_light.add_argument("--ours", default=light_page.OURS, help="the weights that are held against rivals (%(default)s)")
     collecting_siege = commands.add_parser("collect-siege", help="what the siege found → docs/results, then write")
     collecting_siege.add_argument("folder", type=Path, help="--out of tests/siege/run.py")
@@ -141,7 +145,7 @@ def main():
     if arguments.command == "collect":
         return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.add)
     if arguments.command == "collect-light":
-        return collect_light(arguments.folder, arguments.ours)
+        return collect_light(arguments.folder, arguments.ours, not arguments.no_pictures)
     if arguments.command == "collect-siege":
         return write(keep(reliability_page.collect(arguments.folder)))
     if arguments.command == "collect-cycles":

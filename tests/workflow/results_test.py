@@ -115,9 +115,10 @@ def views(scene, **hyab):
 
 
 def light(scene, rival, ours, direct="all"):
-    """Of a level: DDGI's error, and that of ours; a validity mask is half as wrong again as DDGI."""
+    """Of a level: DDGI's error, and that of ours, whole; a validity mask is half as wrong again as DDGI. Relative errors are the same of all."""
     methods = [light_method("valid trilinear", "point", 1.5 * rival, 400), light_method("exact visibility", "point", ours, 400), light_method("DDGI as shipped", "own", rival, 10000),
-               light_method("tent_mlp4", "point", 2 * ours, 480), light_method("tent_mlp4", "solved", ours, 480)]
+               light_method("tent_mlp4", "point", 2 * ours, 480), light_method("tent_mlp4", "solved", ours, 480),
+               light_method("tent_mlp4, thinned 0.03", "solved", 2 * ours, 360), light_method("tent_mlp4, thinned 0.2", "solved", 9 * ours, 320)]
     return {"schema_version": 1, "scene": scene, "provenance": {"revision": "0123abc", "options": {"light_direct": direct}}, "floor": light_method("harmonics at the place", "point", 0.01, 1),
             "truth": {"all_bounces_in_one_ray": True, "noise": 0.01, "places": {"air": 300, "surface": 300, "dark": 20}}, "spacings": [{"spacing_m": 1.0, "methods": methods}]}
 
@@ -137,7 +138,7 @@ class Results(unittest.TestCase):
             shutil.copy(script, self.root / "workflow")
         shutil.copytree(SOURCES / "validate" / "report", self.root / "validate" / "report", ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copytree(SOURCES / "tool", self.root / "tool", ignore=shutil.ignore_patterns("__pycache__"))
-        for folder in ("docs/results", "docs/reference", "weights"):
+        for folder in ("docs/results", "docs/reference", "docs/images", "weights"):
             (self.root / folder).mkdir(parents=True)
         write_weights(self.root / "weights" / "tent_mlp.safetensors")
         sys.path.insert(0, str(SOURCES / "workflow"))
@@ -269,7 +270,7 @@ class Results(unittest.TestCase):
                 self.assertEqual(line.count("|"), cells, f"{page}: {line}")
 
     def collect_light(self, *arguments):
-        return self.run_results("collect-light", "out/light", *arguments)
+        return self.run_results("collect-light", "out/light", "--no-pictures", *arguments)
 
     def write_light(self):
         for scene, rival, ours in (("kaos2", 0.4, 0.1), ("am_thornish", 0.2, 0.1), ("aggressor", 0.1, 0.1)):
@@ -280,10 +281,17 @@ class Results(unittest.TestCase):
             "light@targets.levels.1m.air:.2": ".50",  # geometric mean of 1/4, 1/2 and 1, over DDGI, the better of the rivals
             "light@targets.by_room.1m.air:.2": ".25",  # squares of those
             "light@methods.all.1m.DDGI_as_shipped.own.corner:.2": ".12",  # the mean of .4, .2 and .1, halved
-            "light@targets.front.share:%": "50 %",  # the validity mask has fewer bytes than any of ours
+            "light@targets.front.share:%": "83 %",  # in aggressor the validity mask has fewer bytes than the whole grid, and less error than the thinned one
+            "light@targets.front.missed_in.aggressor.points:int": "3",
+            "light@thinning.levels.thinned.tent_mlp4_thinned_0_03.bytes:.2": ".75",
+            "light@thinning.levels.thinned.tent_mlp4_thinned_0_03.turned:.2": "2.00",
+            "light@thinning.levels.at_equal_error.air.over_whole:.2": "1.00",
+            "light@thinning.levels.at_equal_error.smape_in_air.over_whole:.2": ".67",  # any will do
+            "light@thinning.levels.at_equal_error.smape_in_air.over_before:.2": "1.03",  # 320 over 8 probes of 39
+            "light@methods.levels.1m.tent_mlp4_thinned_0_03.solved.per_probe:int": "45",
             "light@targets.dark.1m.ours:.3": ".010",
-            "light@targets.level_bytes:int": "480",
-            "light@targets.bytes_below_rivals:int": "480",
+            "light@targets.level_bytes:int": "360",
+            "light@targets.bytes_below_rivals:int": "360",
             "light@methods.levels.1m.tent_mlp4.solved.surface.ratio:.3": ".333",
             "light@methods.all.1m.DDGI_as_shipped.own.per_probe:int": "1,250",
             "light@bakes.kaos2.wall_s:.1": "7.6",
@@ -300,6 +308,9 @@ class Results(unittest.TestCase):
         row = next(line for line in page.splitlines() if line.startswith("| levels, over the best rival |"))
         self.assertIn("**.50; .50; .50**", row)  # at most .7 in air and .5 before surfaces
         self.assertIn("| DDGI as shipped | own | .070 | .070 | .070 | .117 | .117 | .117 |", page)
+        self.assertIn("| tent_mlp4, thinned 0.03 | solved |", page)
+        self.assertNotIn("| tent_mlp4, thinned 0.2 | solved |", page)  # too little is left of it for tables of methods
+        self.assertIn("| thinned 0.2: bytes; errors |  | .67; 9.00; 9.00; 9.00; 1.00 |", page)
         cells = 0
         for line in page.splitlines():
             cells = (cells or line.count("|")) if line.startswith("|") else 0
@@ -321,6 +332,8 @@ class Results(unittest.TestCase):
         texts = [line.split(" is ")[1] for line in (self.root / "README.md").read_text().splitlines()]
         self.assertEqual(dict(zip(expected, texts)), expected)
         page = (self.root / "docs/reference/light.md").read_text()
+        self.assertEqual(self.run_results("collect-light", "out/light").returncode, 0)
+        self.assertTrue((self.root / "docs/images/light_against_bytes.png").read_bytes().startswith(b"\x89PNG"))
         self.assertLess(page.index("## Indirect light"), page.index("## All light"))
         self.assertIn("ours is behind in 1; 1; 1 of 3 scenes, and in relative error in air (SMAPE) in 0.", page)
         self.assertIn("| aggressor | .200; .200; .200 | 2.00; 2.00; 2.00 | DDGI as shipped (own) |", page)

@@ -19,6 +19,7 @@ LIGHTS = ("point", "own", "solved")
 FIGURES = ("smape", "colour", "dark", "jump_mean", "jump_largest", "unlit", "outside", "seconds", "per_probe")
 RESAMPLES, SEED = 4000, 1
 NOT_STORED = "target functions"  # whose bytes nobody would keep
+THINNED = ", thinned "  # between the name of a grid and what it was thinned to
 TEST_BOXES = ("cornell", "two_rooms")
 BY_ROOM = {group: f"{group}_by_room" for group in GROUPS}
 LEAKS = ("edge", "corner", "beside_light")  # excess; these and the ones by room: not in results of before 25 November 2026
