@@ -140,9 +140,8 @@ std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::M
 }
 
 std::string lightGroupOf(const tinygltf::Value& extras) {
-  constexpr const char* kKey = "light_group";
-  const bool says = extras.IsObject() && extras.Has(kKey) && extras.Get(kKey).IsString();
-  return says ? extras.Get(kKey).Get<std::string>() : std::string();
+  const bool says = extras.IsObject() && extras.Has(kLightGroupKey) && extras.Get(kLightGroupKey).IsString();
+  return says ? extras.Get(kLightGroupKey).Get<std::string>() : std::string();
 }
 
 bool isOfBlender(const tinygltf::Model& model) {

@@ -37,7 +37,8 @@ std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::M
 // throws   InputError naming the place on an index that is not below light_count
 int lightOfNode(const std::string& path, const std::string& place, const tinygltf::Node& node, size_t light_count);
 
-// The text at `light_group` of something's extras; empty without one.
+// The text at kLightGroupKey of something's extras; empty without one.
+inline constexpr const char* kLightGroupKey = "light_group";
 std::string lightGroupOf(const tinygltf::Value& extras);
 
 // Whether a file says that Blender's exporter wrote it.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "scene/gltf_light.h"
 #include "scene/gltf_looks.h"
 
 namespace nlg {
@@ -66,6 +67,25 @@ std::set<int> imagesOfLight(const tinygltf::Model& model) {
   return images;
 }
 
+bool hasOtherLightGroup(const tinygltf::Value& extras) {
+  return extras.IsObject() && extras.Has(kLightGroupKey) && !extras.Get(kLightGroupKey).IsString();
+}
+
+// Of lights, nodes and materials.
+size_t otherLightGroups(const tinygltf::Model& model) {
+  size_t count = 0;
+  for (const tinygltf::Node& node : model.nodes) count += hasOtherLightGroup(node.extras) ? 1 : 0;
+  for (const tinygltf::Material& material : model.materials) count += hasOtherLightGroup(material.extras) ? 1 : 0;
+  const auto lights = model.extensions.find("KHR_lights_punctual");
+  if (lights == model.extensions.end() || !lights->second.Has("lights")) return count;
+  const tinygltf::Value& list = lights->second.Get("lights");
+  for (size_t i = 0; i < list.ArrayLen(); ++i) {
+    const tinygltf::Value& light = list.Get(static_cast<int>(i));
+    count += light.IsObject() && light.Has("extras") && hasOtherLightGroup(light.Get("extras")) ? 1 : 0;
+  }
+  return count;
+}
+
 }  // namespace
 
 std::vector<std::string> unreadParts(const tinygltf::Model& model) {
@@ -93,6 +113,9 @@ std::vector<std::string> unreadParts(const tinygltf::Model& model) {
   if (ranges > 0)
     notes.push_back(counted(ranges, "lamp has", "lamps have") +
                     " a range, which is not read: light falls off with distance alone");
+  const size_t groups = otherLightGroups(model);
+  if (groups > 0)
+    notes.push_back(counted(groups, "light_group among extras is", "light_groups among extras are") + " not read: no text");
   const std::set<int> looked_at = imagesOfLight(model);
   const size_t others = model.images.size() - looked_at.size();
   if (others > 0)

@@ -269,6 +269,19 @@ TEST_F(GltfReader, PutsLightsIntoTheGroupsOfTheirExtras) {
   EXPECT_EQ(scene.light.groups.names, (std::vector<std::string>{"day", "corridor", "Bulb"}));
 }
 
+TEST_F(GltfReader, TellsOfGroupsThatAreNoText) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0},
+    {"name":"Sconce","extras":{"light_group":2},"extensions":{"KHR_lights_punctual":{"light":0}}}])";
+  parts.scenes = R"([{"nodes":[0,1]}])";
+  parts.more = R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[
+    {"type":"point","name":"Bulb","extras":{"light_group":["a"]}}]}})";
+  GltfLevel level = readGltf(write("groups.glb", parts.binary()));
+  EXPECT_EQ(level.notes, (std::vector<std::string>{"2 light_groups among extras are not read: no text"}));
+  groupLights("name", &level.scene);
+  EXPECT_EQ(level.scene.light.groups.names, (std::vector<std::string>{"Sconce"}));
+}
+
 TEST_F(GltfReader, ReadsLightsWhereTheirNodesStand) {
   Parts parts;
   parts.more = kLights;
