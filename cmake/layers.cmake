@@ -48,7 +48,7 @@ set(NLG_MAY_LINK_nlg-cache     nlg::training_data nlg::basis nlg::runtime_eval n
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch nlg::torch_threads nlg::training_data)
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::export_commands nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch nlg::torch_threads)
 set(NLG_MAY_LINK_nlg-export-plain nlg::export_commands nlg::tool)
-set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
+set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::scene nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_nlg-render    nlg::render nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_nlg-view      nlg::viewer nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_views         nlg::render nlg::view nlg::light_figures nlg::light nlg::visibility nlg::probes nlg::scene nlg::weights_file nlg::runtime_eval nlg::tool)

@@ -79,7 +79,8 @@ TEST_P(ShaderGridPrecision, SaysWhatAMixOfGroupsSays) {
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
   EXPECT_EQ(packed.groups, (std::vector<std::string>{"group 0", "group 1", "group 2"}));
   for (size_t g = 0; g < 3; ++g)
-    EXPECT_EQ(packed.words[4 * (static_cast<size_t>(packed.first_colour) + g)], std::bit_cast<uint32_t>(g < 2 ? 1.0f : 0.0f)) << g;
+    EXPECT_EQ(packed.words[4 * (static_cast<size_t>(packed.first_colour) + g)], std::bit_cast<uint32_t>(g < 2 ? 1.0f : 0.0f))
+        << g;
   const std::vector<std::array<float, 3>> colours = {{1.0f, 0.5f, 0.25f}, {0.0f, 0.0f, 0.0f}, {0.5f, 2.0f, 1.0f}};
   ASSERT_TRUE(mixLight(colours, &grid).ok());
   for (size_t g = 0; g < 3; ++g) {
