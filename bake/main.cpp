@@ -189,7 +189,8 @@ void runCheck(Request request, const BakeOptions& options, const OptionTable& ta
 
 // Light alone, for a grid whose functions stay.
 void runRelight(Request request, BakeOptions options, const OptionTable& table) {
-  const std::vector<std::string> inputs = {request.scene, request.config, request.relit};
+  std::vector<std::string> inputs = filesOfLight(options.light_set, options.scene_light);
+  inputs.insert(inputs.end(), {request.scene, request.config, request.relit});
   checkOutputs(request, inputs);
   if (!request.weights.empty())
     throw UsageError("--relight", "no --weights: functions stay what they are", request.weights.front());
@@ -224,11 +225,13 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
   }
-  std::vector<std::string> inputs = request.weights;
+  std::vector<std::string> inputs = filesOfLight(options.light_set, options.scene_light);
+  inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
   inputs.insert(inputs.end(), {request.scene, request.config});
   checkOutputs(request, inputs);
   if (!request.kept.empty() && options.refine_seconds > 0.0)
     throw UsageError("--keep", "refine_seconds 0: what a limit of time left is not what a bake makes", "a limit of time");
+  if (options.light == "none" && !options.light_set.empty()) throw UsageError("--light-set", "light to be made", "--light none");
   if (options.light == "none" && (options.thin_error > 0.0 || options.max_bytes > 0.0))
     throw UsageError(options.thin_error > 0.0 ? "thin_error" : "max_bytes", "0, since thinning goes by light", "--light none");
   const GridPrecision stored{options.policy.theta_precision, options.light_error};

@@ -1,6 +1,7 @@
 #include "bake/scene_functions.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <iterator>
 
@@ -87,17 +88,34 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   SceneSource source = loadScene(request, options.reading);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
   const auto isOpen = [](const Scene& scene) { return openShare(scene) > kOpenShare; };
+  const auto litBy = [&](const LightSet& set, Scene* scene) {
+    try {
+      return applyLight(*scene, set.options, isOpen);
+    } catch (const UsageError& error) {
+      throw ToolError(error.exitCode(), "--light-set " + set.name + ": " + error.what());
+    }
+  };
   if (sets.empty()) {
     for (const std::string& done : applyLight(source.scene, options.scene_light, isOpen)) source.light_notes.push_back(done);
     return source;
   }
   std::vector<Scene> lit;
+  std::array<std::string, 2> in_lumens;  // sets whose lamps Blender's exporter multiplied by 683: left so, and divided
   for (const LightSet& set : sets) {
     lit.push_back(sceneOf(set, request, options.reading, &source));
-    for (const std::string& done : applyLight(lit.back(), set.options, isOpen))
-      source.light_notes.push_back(set.name + ": " + done);
+    const bool is_asked = isInBlendersLumens(lit.back());
+    const std::vector<std::string> done = litBy(set, &lit.back());
+    const bool is_divided =
+        std::any_of(done.begin(), done.end(), [](const std::string& line) { return line.starts_with(kDividedLumens); });
+    if (is_asked) in_lumens[is_divided] = set.name;
+    for (const std::string& line : done) source.light_notes.push_back(set.name + ": " + line);
     source.light_sets.push_back(set.name);
   }
+  // each by itself would be well exposed, and a lamp of both 683 times as bright in one as in the other
+  if (!in_lumens[0].empty() && !in_lumens[1].empty())
+    throw UsageError("--light-set", "lamps and suns in one unit in all sets: --light-unit file, or --light-unit watt",
+                     "those of " + in_lumens[1] + " divided by 683, since more shines beside them, and those of " + in_lumens[0] +
+                         " as the file has them");
   if (std::none_of(sets.begin(), sets.end(), [&](const LightSet& set) { return set.scene.empty() || set.scene == request; }))
     source.light_notes.push_back("what the level's own file is lit by is in no set");
   source.scene = std::move(lit.front());

@@ -176,12 +176,11 @@ const char* kBlenderExports =
 // Nothing for the unit of the file.
 std::optional<std::string> unitNote(const Scene& scene, const LightOptions& options, bool has_more) {
   if (options.light_unit == "file") return std::nullopt;
-  if (options.light_unit == "watt") return "lamps and suns divided by 683 (--light-unit)";
+  if (options.light_unit == "watt") return std::string(kDividedLumens) + " (--light-unit)";
   if (options.light_unit != "auto") throw UsageError("--light-unit", "auto, file or watt", "'" + options.light_unit + "'");
   if (!isInBlendersLumens(scene) || !has_more) return std::nullopt;
-  return "lamps and suns divided by 683: Blender's exporter multiplied them by it, and left emission as it is (--light-unit file "
-         "takes "
-         "them as they are)";
+  return std::string(kDividedLumens) +
+         ": Blender's exporter multiplied them by it, and left emission as it is (--light-unit file takes them as they are)";
 }
 
 }  // namespace

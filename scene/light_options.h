@@ -19,6 +19,9 @@ struct LightOptions {
   std::string light_groups = "one";  // into which it falls (light_groups.h)
 };
 
+// How applyLight begins the line about it.
+inline constexpr const char* kDividedLumens = "lamps and suns divided by 683";
+
 void describe(LightOptions& options, OptionTable& table);
 
 // Whether anything shines in the scene: sky, suns, lamps, emissive triangles, baked light.

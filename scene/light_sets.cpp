@@ -63,6 +63,19 @@ std::vector<LightSet> lightSetsFrom(const std::vector<std::string>& texts, const
   return sets;
 }
 
+std::vector<std::string> filesOfLight(const std::vector<std::string>& texts, const LightOptions& of_all) {
+  std::vector<std::string> files;
+  const auto addSky = [&](const LightOptions& options) {
+    if (!options.sky.empty()) files.push_back(options.sky.front());
+  };
+  addSky(of_all);
+  for (const LightSet& set : lightSetsFrom(texts, of_all)) {
+    addSky(set.options);
+    if (!set.scene.empty()) files.push_back(set.scene);
+  }
+  return files;
+}
+
 std::vector<const Scene*> litScenes(const SceneSource& source) {
   std::vector<const Scene*> scenes = {&source.scene};
   for (const Scene& other : source.lit_otherwise) scenes.push_back(&other);

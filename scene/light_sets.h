@@ -24,6 +24,9 @@ struct LightSet {
 // throws   UsageError
 std::vector<LightSet> lightSetsFrom(const std::vector<std::string>& texts, const LightOptions& of_all);
 
+// What may be files, and is read of a level beside its own: scenes of sets, and images of skies.
+std::vector<std::string> filesOfLight(const std::vector<std::string>& texts, const LightOptions& of_all);
+
 // The scene as it is lit by each of its sets, of which there may be none: then by all its light. It must outlive them.
 std::vector<const Scene*> litScenes(const SceneSource& source);
 

@@ -123,10 +123,33 @@ TEST(LightSetsOfABake, AreOfTheSameGeometryAndNotTooMany) {
   }
   options.light_set.clear();
   for (size_t s = 0; s <= kMaxLightGroups; ++s) {
-    if (s == kMaxLightGroups) EXPECT_EQ(loadLitScene("house:3", options).light_sets.size(), kMaxLightGroups);
+    if (s == kMaxLightGroups) {
+      EXPECT_EQ(loadLitScene("house:3", options).light_sets.size(), kMaxLightGroups);
+    }
     options.light_set.push_back("hour_" + std::to_string(s));
   }
   EXPECT_THROW(loadLitScene("house:3", options), UsageError);
+}
+
+TEST(LightSetsOfABake, TellWhichSetIsWrong) {
+  BakeOptions options;
+  const auto lineOf = [&](const std::string& scene, const std::vector<std::string>& sets) {
+    options.light_set = sets;
+    try {
+      loadLitScene(scene, options);
+    } catch (const ToolError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(lineOf("house:3", {"day", "night sky=.1"}).find("--light-set night: --sky: expected r,g,b"), 0u);
+  // what Blender's exporter multiplied by 683 is told by what shines beside it: by night here, and not by day
+  const std::string line = lineOf(NLG_KITCHEN, {"day", "night sun=0"});
+  EXPECT_NE(line.find("got those of night divided by 683, since more shines beside them, and those of day as the file has them"),
+            std::string::npos)
+      << line;
+  EXPECT_EQ(lineOf(NLG_KITCHEN, {"day light_unit=file", "night light_unit=file sun=0"}), "");
+  EXPECT_EQ(lineOf(NLG_KITCHEN, {"day sky=.5,.7,1", "night sun=0"}), "");
 }
 
 TEST(LightSetsOfABake, AreMadeAnewByARelightAndKnownToBeOld) {

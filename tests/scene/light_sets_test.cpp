@@ -74,5 +74,12 @@ TEST(GeometryDifference, SaysWhatFunctionsCanSee) {
   EXPECT_NE(geometryDifference(room, boxed), "");
 }
 
+TEST(LightSets, NameTheFilesThatTheyAreReadOf) {
+  LightOptions of_all;
+  of_all.sky = {"dusk.hdr", "90"};
+  EXPECT_EQ(filesOfLight({"day", "night=level_night.glb sky=night.exr"}, of_all),
+            (std::vector<std::string>{"dusk.hdr", "dusk.hdr", "night.exr", "level_night.glb"}));
+}
+
 }  // namespace
 }  // namespace nlg
