@@ -290,8 +290,11 @@ void SurfaceCache::exchange(size_t group, int thread_count) {
         mosts[block] = std::max(mosts[block], largest(next[cell]));
       }
     });
-    change = *std::max_element(changes.begin(), changes.end());
-    most = *std::max_element(mosts.begin(), mosts.end());
+    change = most = 0.0f;
+    for (size_t block = 0; block < changes.size(); ++block) {
+      change = std::max(change, changes[block]);
+      most = std::max(most, mosts[block]);
+    }
     light.swap(next);
   }
   for (size_t cell = 0; cell < keys_.size(); ++cell) irradiance_[cell * group_count_ + group] = light[cell];

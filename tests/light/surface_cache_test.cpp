@@ -124,6 +124,12 @@ TEST(SurfaceCache, DividedCellsAreNotUsed) {
   EXPECT_LT(lit.cache().dividedCount(), lit.cache().cellCount() / 4);
 }
 
+TEST(SurfaceCache, OfNoPlacesIsEmpty) {
+  const CachedScene scene(twoRooms(), {});
+  EXPECT_EQ(scene.cache().cellCount(), 0u);
+  EXPECT_EQ(scene.cache().irradiance({-2, 0, 0}, {0, 1, 0}), nullptr);
+}
+
 TEST(SurfaceCache, SameBitsForAnyThreads) {
   const Scene scene = twoRooms();
   const RayScene rays(scene);
