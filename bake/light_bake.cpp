@@ -73,7 +73,7 @@ struct LitSet {
 // Bounces between surfaces, once for all places of a set.
 void cacheSurfaces(const BakeScene& scene, double spacing_m, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
   for (LitSet& set : *sets) {
-    set.cache = makeSurfaceCache(set.transport, scene.air.places, spacing_m, set.options.place.rays, set.options.seed, threads);
+    set.cache = makeSurfaceCache(set.transport, scene.air.places, spacing_m, set.options, threads);
     if (set.cache == nullptr) continue;
     statistics->cache_cells += set.cache->cellCount();
     statistics->cache_divided += set.cache->dividedCount();
@@ -267,7 +267,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.rays_per_place = static_cast<uint64_t>(light_options.place.rays);
 
   Clock::time_point start = Clock::now();
-  if (light_options.caches_surfaces) cacheSurfaces(scene, options.spacing_m, threads, &sets, &statistics);
+  cacheSurfaces(scene, options.spacing_m, threads, &sets, &statistics);
   statistics.cache_wall_s = secondsSince(start);
 
   start = Clock::now();

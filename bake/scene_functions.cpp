@@ -59,10 +59,6 @@ std::string searchedSha256(const ProbeTree& tree, const SkyFaces& sky) {
   return sha256(bytes);
 }
 
-}  // namespace
-
-namespace {
-
 // The level with a set's own lamps, sky, suns and materials, before its options are applied. What else a file says is the level's.
 Scene sceneOf(const LightSet& set, const std::string& request, const SceneReading& reading, SceneSource* level) {
   if (set.scene.empty() || set.scene == request) return level->scene;
@@ -88,9 +84,9 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   SceneSource source = loadScene(request, options.reading);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
   const auto isOpen = [](const Scene& scene) { return openShare(scene) > kOpenShare; };
-  const auto litBy = [&](const LightSet& set, Scene* scene) {
+  const auto litBy = [&](const LightSet& set, Scene* scene, bool* is_divided) {
     try {
-      return applyLight(*scene, set.options, isOpen);
+      return applyLight(*scene, set.options, isOpen, is_divided);
     } catch (const UsageError& error) {
       throw ToolError(error.exitCode(), "--light-set " + set.name + ": " + error.what());
     }
@@ -104,11 +100,9 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   for (const LightSet& set : sets) {
     lit.push_back(sceneOf(set, request, options.reading, &source));
     const bool is_asked = isInBlendersLumens(lit.back());
-    const std::vector<std::string> done = litBy(set, &lit.back());
-    const bool is_divided =
-        std::any_of(done.begin(), done.end(), [](const std::string& line) { return line.starts_with(kDividedLumens); });
+    bool is_divided = false;
+    for (const std::string& line : litBy(set, &lit.back(), &is_divided)) source.light_notes.push_back(set.name + ": " + line);
     if (is_asked) in_lumens[is_divided] = set.name;
-    for (const std::string& line : done) source.light_notes.push_back(set.name + ": " + line);
     source.light_sets.push_back(set.name);
   }
   // each by itself would be well exposed, and a lamp of both 683 times as bright in one as in the other

@@ -104,8 +104,8 @@ size_t LightSolver::indexOf(uint32_t row, uint32_t column) const {
 void LightSolver::weigh() {
   std::vector<float> sums(pairs_.size(), 0.0f);
   constexpr uint64_t kBlockRuns = 256;
-  parallelFor((runs_.size() + kBlockRuns - 1) / kBlockRuns, thread_count_, [&](uint64_t block, int) {
-    for (size_t r = block * kBlockRuns; r < std::min<size_t>((block + 1) * kBlockRuns, runs_.size()); ++r) {
+  parallelForBlocks(runs_.size(), kBlockRuns, thread_count_, [&](uint64_t first, uint64_t end, int) {
+    for (size_t r = first; r < end; ++r) {
       const Run& run = runs_[r];
       for (size_t i = run.first; i < run.end; ++i) {
         const LightSample& sample = samples_[i];

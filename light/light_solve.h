@@ -65,9 +65,8 @@ class LightSolver {
   // Calls visit(p) for every probe, in blocks of neighbours on several threads.
   template <class Visit>
   void forEachProbe(const Visit& visit) const {
-    const size_t count = read_begin_.size() - 1;
-    parallelFor((count + kBlockProbes - 1) / kBlockProbes, thread_count_, [&](uint64_t block, int) {
-      for (size_t p = block * kBlockProbes; p < std::min<size_t>((block + 1) * kBlockProbes, count); ++p) visit(p);
+    parallelForBlocks(read_begin_.size() - 1, kBlockProbes, thread_count_, [&](uint64_t first, uint64_t end, int) {
+      for (size_t p = first; p < end; ++p) visit(p);
     });
   }
   // Calls visit(i, weight) for every sample i that reads a probe, in their order.

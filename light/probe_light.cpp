@@ -181,9 +181,8 @@ ProbeLight solved(std::vector<LightSample>& samples, const Means& means, float m
   LightSolver solver(samples, means.light.size(), thread_count);
   std::vector<float> say(samples.size());
   for (int round = 0; round < kRounds; ++round) {
-    parallelFor((samples.size() + kBlockSamples - 1) / kBlockSamples, thread_count, [&](uint64_t block, int) {
-      const size_t end = std::min<size_t>((block + 1) * kBlockSamples, samples.size());
-      for (size_t i = block * kBlockSamples; i < end; ++i) {
+    parallelForBlocks(samples.size(), kBlockSamples, thread_count, [&](uint64_t first, uint64_t end, int) {
+      for (size_t i = first; i < end; ++i) {
         const LightSh blend = blendOf(samples[i], result.light);
         const float unit = unitOf(samples[i], blend, least), s = outlier * unit;
         say[i] = importance[i] * mean / unit;
@@ -254,14 +253,13 @@ std::vector<LightSh> measureLight(const LightTransport& transport, const std::ve
     groups->assign(group_count, std::vector<LightSh>(places.size()));
   }
   Progress progress("places lit", static_cast<int64_t>(places.size()));
-  parallelFor((places.size() + kBlockPlaces - 1) / kBlockPlaces, thread_count, [&](uint64_t block, int) {
-    const uint64_t end = std::min<uint64_t>((block + 1) * kBlockPlaces, places.size());
-    for (uint64_t i = block * kBlockPlaces; i < end; ++i) {
+  parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
+    for (uint64_t i = first; i < end; ++i) {
       const GatheredLight gathered = transport.gather(places[i], options, mixSeed(seed, kPlaceStream), i);
       light[i] = gathered.light;
       for (size_t g = 0; groups != nullptr && g < groups->size(); ++g) (*groups)[g][i] = gathered.groups[g];
     }
-    progress.advance(static_cast<int64_t>(end - block * kBlockPlaces));
+    progress.advance(static_cast<int64_t>(end - first));
   });
   return light;
 }
@@ -281,9 +279,8 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
   NLG_CHECK(places.size(), ==, place_light.size());
   Progress progress("light of probes");
   std::vector<ProbeWeights> weights(places.size());
-  parallelFor((places.size() + kBlockPlaces - 1) / kBlockPlaces, thread_count, [&](uint64_t block, int) {
-    const uint64_t end = std::min<uint64_t>((block + 1) * kBlockPlaces, places.size());
-    for (uint64_t i = block * kBlockPlaces; i < end; ++i) weights_at(places[i], &weights[i]);
+  parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
+    for (uint64_t i = first; i < end; ++i) weights_at(places[i], &weights[i]);
   });
   // the talk's integral is over the function; what a solve leans on is read at places by shares, which beside walls are far more
   const std::vector<ProbeWeights> leaned_on = options.way == LightWay::solved ? sharesOf(weights) : weights;

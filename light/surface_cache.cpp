@@ -41,11 +41,15 @@ std::array<int, 2> acrossAxes(const glm::vec3& normal) {
 
 uint64_t blockCount(size_t count, uint64_t size = kBlock) { return (count + size - 1) / size; }
 
-// Work of runs of neighbours: work(block, first, end).
-template <class Work>
-void forEachBlock(size_t count, uint64_t size, int thread_count, const Work& work) {
-  parallelFor(blockCount(count, size), thread_count,
-              [&](uint64_t block, int) { work(block, block * size, std::min<size_t>((block + 1) * size, count)); });
+// Calls visit(first, end) for the points of every cell, which stand together.
+template <class Point, class Visit>
+void forEachCell(const std::vector<Point>& points, const Visit& visit) {
+  for (size_t first = 0; first < points.size();) {
+    size_t end = first + 1;
+    while (end < points.size() && points[end].key == points[first].key) ++end;
+    visit(first, end);
+    first = end;
+  }
 }
 
 float largest(const glm::vec3& rgb) { return std::max({rgb.r, rgb.g, rgb.b}); }
@@ -83,20 +87,19 @@ SurfaceCache::Spot SurfaceCache::spotOf(const glm::vec3& point, const glm::vec3&
 std::vector<SurfaceCache::Found> SurfaceCache::outermost(std::vector<Found> found) const {
   std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.key < b.key; });
   std::vector<Found> kept;
-  for (auto begin = found.begin(); begin != found.end();) {
-    const auto end = std::find_if(begin, found.end(), [&](const Found& other) { return other.key != begin->key; });
+  forEachCell(found, [&](size_t first, size_t end) {
     std::array<const Found*, kPointsPerCell> of_cell{};
     size_t count = 0;
-    for (const int axis : acrossAxes(begin->normal)) {
-      const auto [low, high] =
-          std::minmax_element(begin, end, [&](const Found& x, const Found& y) { return x.position[axis] < y.position[axis]; });
-      for (const Found* point : {&*low, &*high}) {
+    for (const int axis : acrossAxes(found[first].normal)) {
+      const auto [low, high] = std::minmax_element(found.data() + first, found.data() + end, [&](const Found& x, const Found& y) {
+        return x.position[axis] < y.position[axis];
+      });
+      for (const Found* point : {low, high}) {
         if (std::find(of_cell.begin(), of_cell.begin() + count, point) == of_cell.begin() + count) of_cell[count++] = point;
       }
     }
     for (size_t k = 0; k < count; ++k) kept.push_back(*of_cell[k]);
-    begin = end;
-  }
+  });
   return kept;
 }
 
@@ -104,7 +107,7 @@ void SurfaceCache::findCells(const LightTransport& transport, const std::vector<
                              const SurfaceCacheOptions& options, int thread_count) {
   Progress progress("places that look for surfaces", static_cast<int64_t>(places.size()));
   std::vector<std::vector<Found>> blocks(blockCount(places.size(), kDiscoveryBlock));
-  forEachBlock(places.size(), kDiscoveryBlock, thread_count, [&](uint64_t block, size_t first, size_t end) {
+  parallelForBlocks(places.size(), kDiscoveryBlock, thread_count, [&](uint64_t first, uint64_t end, int) {
     std::vector<Found> found;
     for (size_t i = first; i < end; ++i) {
       const glm::vec3 from(places[i]);
@@ -125,7 +128,7 @@ void SurfaceCache::findCells(const LightTransport& transport, const std::vector<
           find(veil);
       }
     }
-    blocks[block] = outermost(std::move(found));
+    blocks[first / kDiscoveryBlock] = outermost(std::move(found));
     progress.advance(static_cast<int64_t>(end - first));
   });
   addCells(transport, blocks, thread_count);
@@ -151,9 +154,7 @@ void SurfaceCache::addCells(const LightTransport& transport, const std::vector<s
       found.insert(found.end(), first, end);
     }
     found = outermost(std::move(found));
-    for (size_t first = 0; first < found.size();) {
-      size_t end = first;
-      while (end < found.size() && found[end].key == found[first].key) ++end;
+    forEachCell(found, [&](size_t first, size_t end) {
       bool is_divided = false;
       for (size_t a = first; a < end; ++a) {
         for (size_t b = a + 1; b < end && !is_divided; ++b)
@@ -163,21 +164,18 @@ void SurfaceCache::addCells(const LightTransport& transport, const std::vector<s
       if (is_divided)
         ++divided[part];
       else
-        parts[part].insert(parts[part].end(), found.begin() + static_cast<ptrdiff_t>(first),
-                           found.begin() + static_cast<ptrdiff_t>(end));
-      first = end;
-    }
+        parts[part].insert(parts[part].end(), found.data() + first, found.data() + end);
+    });
   });
   for (std::vector<Found>& part : parts) {
     points_.insert(points_.end(), part.begin(), part.end());
     part = {};
   }
   divided_count_ = std::accumulate(divided.begin(), divided.end(), size_t{0});
-  for (uint32_t p = 0; p < points_.size(); ++p) {
-    if (p > 0 && points_[p].key == points_[p - 1].key) continue;
-    keys_.push_back(points_[p].key);
-    first_point_.push_back(p);
-  }
+  forEachCell(points_, [&](size_t first, size_t) {
+    keys_.push_back(points_[first].key);
+    first_point_.push_back(static_cast<uint32_t>(first));
+  });
   first_point_.push_back(static_cast<uint32_t>(points_.size()));
 }
 
@@ -227,7 +225,8 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
   link_share_.assign(keys_.size(), 0.0f);
   std::vector<std::vector<Link>> block_links(blockCount(keys_.size()));
   std::vector<uint32_t> link_count(keys_.size(), 0);
-  forEachBlock(keys_.size(), kBlock, thread_count, [&](uint64_t block, size_t first_cell, size_t end_cell) {
+  parallelForBlocks(keys_.size(), kBlock, thread_count, [&](uint64_t first_cell, uint64_t end_cell, int) {
+    std::vector<Link>& links = block_links[first_cell / kBlock];
     std::vector<SurfacePoint> hits;
     for (size_t cell = first_cell; cell < end_cell; ++cell) {
       const auto addDirect = [&](const GroupedLight& light, float weight) {
@@ -254,7 +253,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
           Link link{other, {}};
           for (int c = 0; c < 3; ++c)
             link.reflectance[c] = static_cast<uint16_t>(std::min(65535.0f, hits[i].reflectance[c] / kReflectanceStep + 0.5f));
-          block_links[block].push_back(link);
+          links.push_back(link);
           ++link_count[cell];
         }
       }
@@ -277,8 +276,9 @@ void SurfaceCache::exchange(size_t group, int thread_count) {
   float change = 1.0f, most = 0.0f;
   int iterations = 0;
   for (; iterations < kMostIterations && change > kSettled * most; ++iterations) {
-    forEachBlock(keys_.size(), kExchangeBlock, thread_count, [&](uint64_t block, size_t first, size_t end) {
-      changes[block] = mosts[block] = 0.0f;
+    parallelForBlocks(keys_.size(), kExchangeBlock, thread_count, [&](uint64_t first, uint64_t end, int) {
+      float &change_here = changes[first / kExchangeBlock], &most_here = mosts[first / kExchangeBlock];
+      change_here = most_here = 0.0f;
       for (size_t cell = first; cell < end; ++cell) {
         glm::vec3 sum(0.0f);
         for (uint32_t l = first_link_[cell]; l < first_link_[cell + 1]; ++l) {
@@ -286,8 +286,8 @@ void SurfaceCache::exchange(size_t group, int thread_count) {
           sum += glm::vec3(link.reflectance[0], link.reflectance[1], link.reflectance[2]) * light[link.cell];
         }
         next[cell] = direct_[cell * group_count_ + group] + sum * (link_share_[cell] * kReflectanceStep);
-        changes[block] = std::max(changes[block], largest(glm::abs(next[cell] - light[cell])));
-        mosts[block] = std::max(mosts[block], largest(next[cell]));
+        change_here = std::max(change_here, largest(glm::abs(next[cell] - light[cell])));
+        most_here = std::max(most_here, largest(next[cell]));
       }
     });
     change = most = 0.0f;
@@ -307,14 +307,14 @@ const glm::vec3* SurfaceCache::irradiance(const glm::vec3& point, const glm::vec
 }
 
 std::unique_ptr<SurfaceCache> makeSurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places,
-                                               double spacing_m, int place_rays, uint64_t seed, int thread_count) {
-  if (transport.isBaked()) return nullptr;
+                                               double spacing_m, const ProbeLightOptions& light, int thread_count) {
+  if (!light.caches_surfaces || transport.isBaked()) return nullptr;
   const Bounds bounds = sceneBounds(transport.scene());
   SurfaceCacheOptions options;
-  const float share = 0.25f * std::clamp(std::sqrt(64.0f / static_cast<float>(place_rays)), 1.0f, 2.0f);
+  const float share = 0.25f * std::clamp(std::sqrt(64.0f / static_cast<float>(light.place.rays)), 1.0f, 2.0f);
   options.cell_m = std::max(1e-6f, std::min(share * static_cast<float>(spacing_m), glm::length(bounds.max - bounds.min) / 48.0f));
-  options.rays_per_cell = std::clamp(place_rays / 2, 8, options.rays_per_cell);
-  options.seed = seed;
+  options.rays_per_cell = std::clamp(light.place.rays / 2, kLeastRays, options.rays_per_cell);
+  options.seed = light.seed;
   return std::make_unique<SurfaceCache>(transport, places, options, thread_count);
 }
 

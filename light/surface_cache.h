@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "light/light_transport.h"
+#include "light/probe_light.h"
 
 namespace nlg {
 
@@ -90,9 +91,9 @@ class SurfaceCache {
 
 // As every bake has it, and whoever is held against one: cells of a quarter of the probes' spacing, bounces that probes cannot tell
 // apart anyway; finer in scenes that are small beside it. Where places have few rays, as in a preview, cells are larger and have few, too.
-// place_rays   of every place whose light is then gathered
-// returns   null of a scene with baked light, whose rays end at their first hit
+// light     of the places, whose light is then measured
+// returns   null where it asks for none, and of a scene with baked light, whose rays end at their first hit
 std::unique_ptr<SurfaceCache> makeSurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places,
-                                               double spacing_m, int place_rays, uint64_t seed, int thread_count);
+                                               double spacing_m, const ProbeLightOptions& light, int thread_count);
 
 }  // namespace nlg

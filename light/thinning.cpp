@@ -55,8 +55,8 @@ GridThinner::GridThinner(LightGrid* grid, const glm::dvec3& origin_m, const std:
   NLG_CHECK(measured.size(), ==, light.size());
   const size_t groups = light_.size();
   blend_.resize(places_.size() * groups);
-  parallelFor((places_.size() + kBlockProbes - 1) / kBlockProbes, thread_count_, [&](uint64_t block, int) {
-    for (size_t i = block * kBlockProbes; i < std::min<size_t>((block + 1) * kBlockProbes, places_.size()); ++i) {
+  parallelForBlocks(places_.size(), kBlockProbes, thread_count_, [&](uint64_t first, uint64_t end, int) {
+    for (size_t i = first; i < end; ++i) {
       Place& place = places_[i];
       read(origin_m, i < places.size() ? places[i] : beside[i - places.size()], &place);
       for (size_t g = 0; g < groups; ++g) {
@@ -237,9 +237,9 @@ void GridThinner::pass(Left left, double error) {
   const auto most_at_one = static_cast<float>(kMostAtOne * error);
   const auto probes = static_cast<uint32_t>(grid_->tree.probeCount());
   std::vector<Trial> trials(probes, Trial{false, 0.0});
-  parallelFor((probes + kBlockProbes - 1) / kBlockProbes, thread_count_, [&](uint64_t block, int) {
+  parallelForBlocks(probes, kBlockProbes, thread_count_, [&](uint64_t first, uint64_t end, int) {
     std::vector<LightSh> scratch(light_.size());
-    for (auto p = static_cast<uint32_t>(block * kBlockProbes); p < std::min<uint64_t>((block + 1) * kBlockProbes, probes); ++p) {
+    for (auto p = static_cast<uint32_t>(first); p < end; ++p) {
       if (isCandidate(p, left)) trials[p] = tryOut(p, left, most_at_one, &scratch);
     }
   });

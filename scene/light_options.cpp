@@ -176,11 +176,11 @@ const char* kBlenderExports =
 // Nothing for the unit of the file.
 std::optional<std::string> unitNote(const Scene& scene, const LightOptions& options, bool has_more) {
   if (options.light_unit == "file") return std::nullopt;
-  if (options.light_unit == "watt") return std::string(kDividedLumens) + " (--light-unit)";
+  if (options.light_unit == "watt") return "lamps and suns divided by 683 (--light-unit)";
   if (options.light_unit != "auto") throw UsageError("--light-unit", "auto, file or watt", "'" + options.light_unit + "'");
   if (!isInBlendersLumens(scene) || !has_more) return std::nullopt;
-  return std::string(kDividedLumens) +
-         ": Blender's exporter multiplied them by it, and left emission as it is (--light-unit file takes them as they are)";
+  return "lamps and suns divided by 683: Blender's exporter multiplied them by it, and left emission as it is (--light-unit file "
+         "takes them as they are)";
 }
 
 }  // namespace
@@ -242,12 +242,15 @@ bool isInBlendersLumens(const Scene& scene) {
 Sky defaultSky() { return {{0.35f, 0.55f, 0.95f}, {0.80f, 0.90f, 1.00f}, {0.20f, 0.18f, 0.15f}}; }
 Sun defaultSun() { return sunAt(120.0, 50.0, {5.0f, 4.7f, 4.1f}); }
 
-std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, const std::function<bool(const Scene&)>& isOpen) {
+std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, const std::function<bool(const Scene&)>& isOpen,
+                                    bool* is_divided) {
   std::vector<std::string> done;
   const bool is_given = !options.sky.empty() || !options.sun.empty();
   const bool is_dark = !hasLight(scene);
   const bool takes_default = !is_given && (is_dark || (isOpen && !hasLightFromOutside(scene) && isOpen(scene)));
-  if (const auto note = unitNote(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f)) {
+  const auto note = unitNote(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f);
+  if (is_divided != nullptr) *is_divided = note.has_value();
+  if (note) {
     scaleLampsAndSuns(&scene.light, static_cast<float>(1.0 / kLumensPerWatt));
     done.push_back(*note);
   }

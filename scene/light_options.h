@@ -19,9 +19,6 @@ struct LightOptions {
   std::string light_groups = "one";  // into which it falls (light_groups.h)
 };
 
-// How applyLight begins the line about it.
-inline constexpr const char* kDividedLumens = "lamps and suns divided by 683";
-
 void describe(LightOptions& options, OptionTable& table);
 
 // Whether anything shines in the scene: sky, suns, lamps, emissive triangles, baked light.
@@ -47,10 +44,11 @@ Sun defaultSun();
 // 4. All light is multiplied by intensity.
 // 5. What shines falls into the groups of light_groups.
 //
-// isOpen    says whether a scene lies under the open sky; asked only where it matters
+// isOpen       says whether a scene lies under the open sky; asked only where it matters
+// is_divided   receives whether lamps and suns were, when given
 // returns   what it did, a line each, and whether light is brighter than engines' files hold; nothing when the scene stays as it is
 // throws    UsageError on numbers that are none, negative or too many, and on an unknown unit; as readSkyFile and groupLights do
 std::vector<std::string> applyLight(Scene& scene, const LightOptions& options,
-                                    const std::function<bool(const Scene&)>& isOpen = nullptr);
+                                    const std::function<bool(const Scene&)>& isOpen = nullptr, bool* is_divided = nullptr);
 
 }  // namespace nlg

@@ -106,4 +106,10 @@ void parallelFor(uint64_t count, int thread_count, const std::function<void(uint
   if (error) std::rethrow_exception(error);
 }
 
+void parallelForBlocks(uint64_t count, uint64_t block_size, int thread_count,
+                       const std::function<void(uint64_t first, uint64_t end, int thread)>& work) {
+  parallelFor((count + block_size - 1) / block_size, thread_count,
+              [&](uint64_t block, int thread) { work(block * block_size, std::min((block + 1) * block_size, count), thread); });
+}
+
 }  // namespace nlg

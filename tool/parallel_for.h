@@ -30,4 +30,9 @@ void requireThreads(int count);
 // throws   ThreadError before any item is begun
 void parallelFor(uint64_t count, int thread_count, const std::function<void(uint64_t item, int thread)>& work);
 
+// The same of items that are too small to be handed out one by one: work(first, end, thread) for blocks of neighbours, each of block_size
+// items but the last. block_size >= 1
+void parallelForBlocks(uint64_t count, uint64_t block_size, int thread_count,
+                       const std::function<void(uint64_t first, uint64_t end, int thread)>& work);
+
 }  // namespace nlg

@@ -70,12 +70,9 @@ MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
       tree_bytes_(treeBytes(scene.tree)) {
   const double start = processorSeconds();
   GatherOptions place = options.solve.place;
-  std::unique_ptr<SurfaceCache> cache;
-  if (options.solve.caches_surfaces) {
-    const double spacing_m = scene.tree.frame().spacing_m;
-    cache = makeSurfaceCache(scene.transport, scene.air.places, spacing_m, place.rays, options.solve.seed, options.thread_count);
-    place.cache = cache.get();
-  }
+  const std::unique_ptr<SurfaceCache> cache =
+      makeSurfaceCache(scene.transport, scene.air.places, scene.tree.frame().spacing_m, options.solve, options.thread_count);
+  place.cache = cache.get();
   place_light_ = measureLight(scene.transport, scene.air.places, place, options.solve.seed, options.thread_count);
   measure_s_ = processorSeconds() - start;
 }

@@ -27,6 +27,19 @@ TEST(ParallelFor, RunsEveryItemOnceOnItsThreads) {
   }
 }
 
+TEST(ParallelForBlocks, CoversEveryItemOnceInBlocksOfNeighbours) {
+  for (const uint64_t count : {uint64_t{0}, uint64_t{1}, uint64_t{63}, uint64_t{64}, uint64_t{1000}}) {
+    std::vector<std::atomic<int>> runs(count);
+    parallelForBlocks(count, 64, 3, [&](uint64_t first, uint64_t end, int thread) {
+      ASSERT_TRUE(thread >= 0 && thread < 3) << thread;
+      EXPECT_EQ(first % 64, 0u);
+      EXPECT_EQ(end, std::min<uint64_t>(first + 64, count));
+      for (uint64_t i = first; i < end; ++i) ++runs[i];
+    });
+    for (uint64_t i = 0; i < count; ++i) EXPECT_EQ(runs[i], 1) << "item " << i << " of " << count;
+  }
+}
+
 TEST(ParallelFor, RethrowsAndStops) {
   for (const int threads : {1, 3}) {
     std::atomic<uint64_t> begun{0};

@@ -13,10 +13,9 @@ std::vector<MadeTheta> runPolicy(const std::vector<const Generator*>& generators
   for (int t = 0; t < options.threads; ++t) policies.push_back(std::make_unique<ThetaPolicy>(generators, policy));
   const bool traces = use && generators.size() == 1;
   const auto theta_count = static_cast<size_t>(generators.front()->representation().thetaCount());
-  const auto batch = static_cast<uint64_t>(options.batch);
   std::vector<MadeTheta> made(functions.size());
-  parallelFor((functions.size() + batch - 1) / batch, options.threads, [&](uint64_t b, int thread) {
-    const uint64_t begin = b * batch, end = std::min<uint64_t>(begin + batch, functions.size());
+  const auto batch = static_cast<uint64_t>(options.batch);
+  parallelForBlocks(functions.size(), batch, options.threads, [&](uint64_t begin, uint64_t end, int thread) {
     ThetaTrace trace;
     policies[thread]->bake(&functions[begin], static_cast<int>(end - begin), &made[begin], traces ? &trace : nullptr);
     size_t at = 0;  // in the trace

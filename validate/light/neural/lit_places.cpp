@@ -28,14 +28,11 @@ LitPlaces drawLitPlaces(const LightTransport& transport, const ProbeTree& tree, 
   draw.draws_per_cell = kDrawsPerPlace * draw.places_per_cell;
   draw.seed = mixSeed(solve.seed, kMorePlacesStream);
   const std::vector<glm::dvec3> more = findAirPlaces(transport.rays(), tree, draw, thread_count).places;
-  GatherOptions gather = solve.place;
-  std::unique_ptr<SurfaceCache> cache;
-  const uint64_t seed = mixSeed(solve.seed, kMoreLightStream);
-  if (solve.caches_surfaces) {
-    cache = makeSurfaceCache(transport, more, tree.frame().spacing_m, gather.rays, seed, thread_count);
-    gather.cache = cache.get();
-  }
-  const std::vector<LightSh> measured = measureLight(transport, more, gather, seed, thread_count);
+  ProbeLightOptions of_more = solve;
+  of_more.seed = mixSeed(solve.seed, kMoreLightStream);
+  const std::unique_ptr<SurfaceCache> cache = makeSurfaceCache(transport, more, tree.frame().spacing_m, of_more, thread_count);
+  of_more.place.cache = cache.get();
+  const std::vector<LightSh> measured = measureLight(transport, more, of_more.place, of_more.seed, thread_count);
   lit.position_m.insert(lit.position_m.end(), more.begin(), more.end());
   lit.light.insert(lit.light.end(), measured.begin(), measured.end());
   lit.measure_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
