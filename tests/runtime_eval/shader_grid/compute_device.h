@@ -176,16 +176,23 @@ class ComputeDevice {
 
   // Returns when the shader is through and what it has written is seen by the host and by later passes.
   void run(const Pass& pass, const std::array<uint32_t, 3>& groups) const {
+    submit([&](const vk::raii::CommandBuffer& command) { record(command, pass, groups); });
+  }
+
+  // Seconds a pass takes by the device's own clock, without the way there and back; the mean of so many in a row.
+  double timeOf(const Pass& pass, const std::array<uint32_t, 3>& groups, int times) const {
+    const vk::raii::QueryPool clock(device_, vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, 2));
     submit([&](const vk::raii::CommandBuffer& command) {
-      command.bindPipeline(vk::PipelineBindPoint::eCompute, *pass.pipeline);
-      command.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pass.layout, 0, *pass.set, nullptr);
-      command.dispatch(groups[0], groups[1], groups[2]);
-      using Access = vk::AccessFlagBits;
-      const vk::MemoryBarrier visible(Access::eShaderWrite, Access::eHostRead | Access::eShaderRead | Access::eTransferRead);
-      using Stage = vk::PipelineStageFlagBits;
-      command.pipelineBarrier(Stage::eComputeShader, Stage::eHost | Stage::eComputeShader | Stage::eTransfer, {}, visible,
-                              nullptr, nullptr);
+      command.resetQueryPool(*clock, 0, 2);
+      command.writeTimestamp(vk::PipelineStageFlagBits::eTopOfPipe, *clock, 0);
+      for (int i = 0; i < times; ++i) record(command, pass, groups);
+      command.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, *clock, 1);
     });
+    const auto ticks = clock
+                           .getResults<uint64_t>(0, 2, 2 * sizeof(uint64_t), sizeof(uint64_t),
+                                                 vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait)
+                           .second;
+    return 1e-9 * physical_.getProperties().limits.timestampPeriod * static_cast<double>(ticks[1] - ticks[0]) / times;
   }
 
   // A shader with storage buffers 0, 1 …; the last one comes back.
@@ -237,15 +244,28 @@ class ComputeDevice {
     return words;
   }
 
-  // The first type of memory that has what is wanted.
+  // The first type of memory that has what is wanted; the device's own where it can be, for the host's is slow to read from
+  // there.
   vk::raii::DeviceMemory allocate(const vk::MemoryRequirements& needed, vk::MemoryPropertyFlags wanted) const {
     const vk::PhysicalDeviceMemoryProperties memory = physical_.getMemoryProperties();
-    uint32_t type = 0;
-    while (type < memory.memoryTypeCount &&
-           !((needed.memoryTypeBits >> type & 1) && (memory.memoryTypes[type].propertyFlags & wanted) == wanted))
-      ++type;
-    if (type == memory.memoryTypeCount) throw std::runtime_error("no memory that is " + vk::to_string(wanted));
-    return {device_, vk::MemoryAllocateInfo(needed.size, type)};
+    for (const vk::MemoryPropertyFlags flags : {wanted | vk::MemoryPropertyFlagBits::eDeviceLocal, wanted}) {
+      for (uint32_t type = 0; type < memory.memoryTypeCount; ++type) {
+        if ((needed.memoryTypeBits >> type & 1) && (memory.memoryTypes[type].propertyFlags & flags) == flags)
+          return {device_, vk::MemoryAllocateInfo(needed.size, type)};
+      }
+    }
+    throw std::runtime_error("no memory that is " + vk::to_string(wanted));
+  }
+
+  static void record(const vk::raii::CommandBuffer& command, const Pass& pass, const std::array<uint32_t, 3>& groups) {
+    command.bindPipeline(vk::PipelineBindPoint::eCompute, *pass.pipeline);
+    command.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *pass.layout, 0, *pass.set, nullptr);
+    command.dispatch(groups[0], groups[1], groups[2]);
+    using Access = vk::AccessFlagBits;
+    const vk::MemoryBarrier visible(Access::eShaderWrite, Access::eHostRead | Access::eShaderRead | Access::eTransferRead);
+    using Stage = vk::PipelineStageFlagBits;
+    command.pipelineBarrier(Stage::eComputeShader, Stage::eHost | Stage::eComputeShader | Stage::eTransfer, {}, visible, nullptr,
+                            nullptr);
   }
 
   // Waits for whatever was done to an image, and changes its layout.
