@@ -46,7 +46,6 @@ struct BakeOptions {
   double refine_seconds = 0.0;                           // 0: as long as it takes
   std::string theta_precision = kDefaultThetaPrecision;  // becomes the policy's by takeThetaPrecision
   double light_error = kLightError;                      // that the file's form of light may add (packed_light.h)
-  size_t header_bytes = 0;                               // no setting: of the file beside its tensors, which max_bytes holds, too
   double max_bytes = 0.0;                                // of the file; 0: as many as it takes
   std::string simd;                                      // empty: the best
   int threads = 0;                                       // 0: as many as the machine runs at once

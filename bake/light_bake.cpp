@@ -12,7 +12,6 @@
 
 #include "light/air.h"
 #include "light/surface_cache.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/light_sets.h"
 #include "tool/error.h"
@@ -135,16 +134,21 @@ ProbeLight joined(std::vector<ProbeLight> lit, const GroupsOfGrid& groups) {
   return all;
 }
 
-// The file of a grid, but for its header.
-size_t bytesWith(LightGrid grid, const BakeOptions& options, const ProbeLight& lit, const GroupsOfGrid& groups) {
+// Of the file that a grid would be.
+size_t bytesWith(LightGrid grid, const BakeOptions& options, const GridMetadata& metadata, const ProbeLight& lit,
+                 const GroupsOfGrid& groups) {
   grid.dropUnusedFunctions();
   takeLight(lit, groups, &grid);
-  return lightGridBytes(grid, {options.policy.theta_precision, options.light_error}).total();
+  std::string bytes;
+  const FileResult result = serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes);
+  if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": no number that the file can hold");
+  return bytes.size();
 }
 
 struct ThinningInputs {
   const BakeScene& scene;
   const BakeOptions& options;
+  const GridMetadata& metadata;
   const GroupsOfGrid& groups;
   const std::vector<const std::vector<LightSh>*>& measured;  // by group, at places
   const std::function<ProbeLight()>& solve;                  // with the grid's functions as they are
@@ -157,9 +161,9 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   constexpr double kFirstError = 0.01, kErrorGrowth = 1.3;  // of rounds until the budget is kept
   const BakeOptions& options = inputs.options;
   const Scene& scene = inputs.scene.source.scene;
-  const double most_bytes = options.max_bytes - static_cast<double>(options.header_bytes);
+  const auto bytesNow = [&](const ProbeLight& now) { return bytesWith(*grid, options, inputs.metadata, now, inputs.groups); };
   const auto isWithin = [&](const ProbeLight& now) {
-    return options.max_bytes == 0.0 || static_cast<double>(bytesWith(*grid, options, now, inputs.groups)) <= most_bytes;
+    return options.max_bytes == 0.0 || static_cast<double>(bytesNow(now)) <= options.max_bytes;
   };
   double error = options.thin_error;
   if (error == 0.0 && isWithin(lit)) return lit;
@@ -183,8 +187,7 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
       continue;
     }
     if (error == kMostThinError) {
-      const size_t least = bytesWith(*grid, options, lit, inputs.groups) + options.header_bytes;
-      throw UsageError("max_bytes", fmt::format("{} or more, or a spacing_m above {:g}", least, options.spacing_m),
+      throw UsageError("max_bytes", fmt::format("{} or more, or a spacing_m above {:g}", bytesNow(lit), options.spacing_m),
                        fmt::format("{:.0f}", options.max_bytes));
     }
     error = std::min(kMostThinError, std::max(kFirstError, kErrorGrowth * error));
@@ -249,7 +252,7 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options) {
   return light;
 }
 
-LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid) {
+LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid, const GridMetadata& metadata) {
   grid->light.clear();
   grid->groups.clear();
   LightStatistics statistics;
@@ -280,7 +283,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   if (options.thin_error > 0.0 || options.max_bytes > 0.0) {
     std::vector<const std::vector<LightSh>*> measured;
     for (const LitSet& set : sets) addLights(set.place_light, set.place_groups, &measured);
-    lit = thin({scene, options, groups, measured, solve, threads}, std::move(lit), grid, &statistics);
+    lit = thin({scene, options, metadata, groups, measured, solve, threads}, std::move(lit), grid, &statistics);
   }
   statistics.solve_wall_s = secondsSince(start);
   statistics.unread_probes = lit.unread - statistics.thinned.probes;

@@ -7,7 +7,7 @@
 #include "bake/scene_functions.h"
 #include "light/probe_light.h"
 #include "light/thinning.h"
-#include "runtime_eval/light_grid/light_grid.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
 
 namespace nlg {
 
@@ -50,9 +50,10 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options);
 
 // Fills grid->light, and the light of groups and sets, by options.light, as the file will hold it; leaves it empty for "none".
 //
-// grid   of this scene and its tree, moved to the world's coordinates
+// grid      of this scene and its tree, moved to the world's coordinates
+// metadata  that the file is going to have: max_bytes counts it
 // Leaves functions and probes of it out by options.thin_error and options.max_bytes (thinning.h).
 // throws   UsageError on an unknown way, and on max_bytes that no thinning keeps; InputError when light is beyond kMaxGridLight
-LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid);
+LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid, const GridMetadata& metadata = {});
 
 }  // namespace nlg

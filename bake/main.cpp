@@ -141,14 +141,6 @@ BakeScene readScene(const Request& request, const BakeOptions& options, int thre
   return {std::move(source), options, known};
 }
 
-// At most, of a grid's file: the metadata, what tensors are called and where they lie, and fillers between them.
-size_t headerBytes(const GridMetadata& metadata, const BakeScene& scene) {
-  constexpr size_t kOfTensors = 3584, kOfGroup = 64;
-  size_t bytes = nlohmann::json(metadata).dump().size() + kOfTensors;
-  for (const std::string& name : lightGroupNames(scene.source)) bytes += 2 * name.size() + kOfGroup;
-  return bytes;
-}
-
 std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const GridMetadata& metadata) {
   std::string bytes;
   const FileResult result = serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes);
@@ -188,7 +180,7 @@ void runCheck(Request request, const BakeOptions& options, const OptionTable& ta
 }
 
 // Light alone, for a grid whose functions stay.
-void runRelight(Request request, BakeOptions options, const OptionTable& table) {
+void runRelight(Request request, const BakeOptions& options, const OptionTable& table) {
   std::vector<std::string> inputs = filesOfLight(options.light_set, options.scene_light);
   inputs.insert(inputs.end(), {request.scene, request.config, request.relit});
   checkOutputs(request, inputs);
@@ -202,7 +194,6 @@ void runRelight(Request request, BakeOptions options, const OptionTable& table) 
   const int threads = options.threads > 0 ? options.threads : machineThreadCount();
   const BakeScene scene = readScene(request, options, threads, knownAir(request.relit, baked));
   requireFunctionsOf(scene, table, options.representation, request.relit, baked);
-  options.header_bytes = headerBytes(baked.metadata, scene);
   const LightStatistics light = relight(scene, options, table, &baked);
   const std::string bytes = fileBytes(baked.grid, options, baked.metadata);
   writeFileAtomically(request.out, bytes);
@@ -221,7 +212,7 @@ std::vector<Representation> representationsOf(const std::vector<Generator>& gene
   return representations;
 }
 
-void run(Request request, BakeOptions options, const OptionTable& table) {
+void run(Request request, const BakeOptions& options, const OptionTable& table) {
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
   }
@@ -260,8 +251,7 @@ void run(Request request, BakeOptions options, const OptionTable& table) {
   const double load_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   chooseOut(scene, inputs, &request);
   const GridMetadata metadata = bakeMetadata(scene, bakedOptions(table), weights_sha256);
-  options.header_bytes = headerBytes(metadata, scene);
-  Bake bake = bakeScene(scene, generators, options, temporaryFolder(), is_keeping ? &kept : nullptr);
+  Bake bake = bakeScene(scene, generators, options, temporaryFolder(), metadata, is_keeping ? &kept : nullptr);
 
   const std::string bytes = fileBytes(bake.grid, options, metadata);
   writeFileAtomically(request.out, bytes);

@@ -119,7 +119,6 @@ std::vector<std::string> changesSince(const std::string& path, const BakedGrid& 
 }
 
 LightStatistics relight(const BakeScene& scene, const BakeOptions& options, const OptionTable& table, BakedGrid* baked) {
-  const LightStatistics statistics = bakeLight(scene, options, &baked->grid);
   std::map<std::string, std::string> weights;
   const Json origin = Json::parse(baked->metadata.at("provenance"));
   for (const auto& [role, sha256] : origin.at("inputs").items()) {
@@ -128,7 +127,7 @@ LightStatistics relight(const BakeScene& scene, const BakeOptions& options, cons
   Json settings = bakedOptions(table);
   for (const char* name : kOfFunctions) settings[name] = origin.at("options").value(name, settings[name]);
   baked->metadata = bakeMetadata(scene, settings, weights);
-  return statistics;
+  return bakeLight(scene, options, &baked->grid, baked->metadata);
 }
 
 }  // namespace nlg

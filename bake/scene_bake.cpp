@@ -27,12 +27,13 @@ struct BakeThread {
 class SceneBake {
  public:
   SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-            const std::string& spool_folder, KeptProbes* kept)
+            const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept)
       : scene_(scene),
         generators_(generators),
         options_(options),
         thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
         functions_(scene, options, thread_count_, spool_folder),
+        metadata_(metadata),
         kept_(kept) {
     if (kept_ != nullptr) functions_.keep(known_.emplace(*kept_));
     std::vector<const Generator*> pointers;
@@ -54,7 +55,7 @@ class SceneBake {
     finishStatistics();
     if (kept_ != nullptr) keepAll();
     LightGrid grid = makeGrid();
-    statistics_.light = bakeLight(scene_, options_, &grid);
+    statistics_.light = bakeLight(scene_, options_, &grid, metadata_);
     statistics_.wall_s = secondsSince(start);
     return {std::move(grid), std::move(statistics_)};
   }
@@ -194,6 +195,7 @@ class SceneBake {
   BakeOptions options_;
   int thread_count_;
   SceneFunctions functions_;
+  const GridMetadata& metadata_;
   std::vector<std::unique_ptr<BakeThread>> threads_;
   std::vector<MadeTheta> made_;              // by function
   std::vector<uint8_t> chosen_first_;        // by function: the generator before refinement
@@ -248,8 +250,8 @@ std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
 }
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, KeptProbes* kept) {
-  return SceneBake(scene, generators, options, spool_folder, kept).run();
+               const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept) {
+  return SceneBake(scene, generators, options, spool_folder, metadata, kept).run();
 }
 
 }  // namespace nlg

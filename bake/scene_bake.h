@@ -60,10 +60,11 @@ struct Bake {
 };
 
 // generators   one a representation, by rising D; at least one
+// metadata     that the file is going to have: max_bytes counts it
 // kept         what an earlier bake kept with these generators and settings of functions, perhaps nothing; then what this one keeps.
 //              The grid is the same with and without. Null: nobody asks. refine_seconds must be 0
 // throws       as SceneFunctions does
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, KeptProbes* kept = nullptr);
+               const std::string& spool_folder, const GridMetadata& metadata = {}, KeptProbes* kept = nullptr);
 
 }  // namespace nlg
