@@ -64,6 +64,7 @@ GridMetadata bakeMetadata(const BakeScene& scene, const nlohmann::ordered_json& 
   std::map<std::string, std::string> inputs = weights;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
   inputs[kLightRole] = lightSha256(scene.source);
+  if (!lightGroupNames(scene.source).empty()) inputs[kUngroupedRole] = ungroupedLightSha256(scene.source);
   inputs[kSearchedRole] = scene.searched_sha256;
   return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
 }

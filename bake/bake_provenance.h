@@ -16,7 +16,8 @@ namespace nlg {
 // Roles of inputs.
 inline constexpr const char* kWeightsRole = "weights of ";
 inline constexpr const char* kLightRole = "light of the scene";
-inline constexpr const char* kSearchedRole = "cells searched for air";  // BakeScene::searched_sha256
+inline constexpr const char* kUngroupedRole = "light of the scene without its groups";  // of scenes that have any
+inline constexpr const char* kSearchedRole = "cells searched for air";                  // BakeScene::searched_sha256
 
 // The settings that what a grid holds depends on.
 nlohmann::ordered_json bakedOptions(const OptionTable& table);

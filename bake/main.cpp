@@ -168,7 +168,7 @@ void runCheck(Request request, const BakeOptions& options, const OptionTable& ta
     weights[kWeightsRole + std::string(representationName(generators[g].representation()))] = fileSha256(weight_files[g]);
   SceneSource source = loadLitScene(request.scene, options);
   std::vector<std::string> changes = changesSince(request.checked, baked, source, table, weights);
-  if (changes == std::vector<std::string>{"light changed"} &&
+  if (changes == std::vector<std::string>{kLightChanged} &&
       !standsWhere({std::move(source), options, knownAir(request.checked, baked)}, baked))
     changes.push_back("probes would stand elsewhere");
   if (changes.empty()) {

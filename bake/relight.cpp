@@ -105,7 +105,10 @@ std::vector<std::string> changesSince(const std::string& path, const BakedGrid& 
   if (!sameGeometry(source, baked, origin)) changes.push_back("geometry changed");
   // the hash of light holds geometry, too
   const std::string light = origin["inputs"].value(kLightRole, std::string());
-  if (changes.empty() && light != lightSha256(source)) changes.push_back("light changed");
+  if (changes.empty() && light != lightSha256(source)) {
+    const std::string ungrouped = origin["inputs"].value(kUngroupedRole, light);
+    changes.push_back(ungrouped == ungroupedLightSha256(source) ? kGroupsChanged : kLightChanged);
+  }
   forEachChange(table, origin, [&](const std::string& name, const std::string& before, const std::string& now) {
     // the instructions of another machine are no change of mind
     if (name != "simd") changes.push_back("setting changed: " + name + " from " + before + " to " + now);

@@ -1,6 +1,7 @@
 #include "scene/light_sets.h"
 
 #include <algorithm>
+#include <functional>
 
 #include <nlohmann/json.hpp>
 
@@ -48,6 +49,14 @@ LightSet setFrom(const std::string& text, const LightOptions& of_all) {
     table.set(setting.first, setting.second, place + " " + set.name + ": " + setting.first);
   });
   return set;
+}
+
+std::string sha256OfAll(const SceneSource& source, const std::function<std::string(const Scene&)>& sha256Of) {
+  if (source.light_sets.empty()) return sha256Of(source.scene);
+  std::string text;
+  const std::vector<const Scene*> scenes = litScenes(source);
+  for (size_t s = 0; s < scenes.size(); ++s) text += source.light_sets[s] + '\n' + sha256Of(*scenes[s]) + '\n';
+  return sha256(text);
 }
 
 }  // namespace
@@ -99,11 +108,11 @@ size_t firstGroupCount(const SceneSource& source) {
 }
 
 std::string lightSha256(const SceneSource& source) {
-  if (source.light_sets.empty()) return sceneLightSha256(source.scene);
-  std::string text;
-  const std::vector<const Scene*> scenes = litScenes(source);
-  for (size_t s = 0; s < scenes.size(); ++s) text += source.light_sets[s] + '\n' + sceneLightSha256(*scenes[s]) + '\n';
-  return sha256(text);
+  return sha256OfAll(source, [](const Scene& scene) { return sceneLightSha256(scene); });
+}
+
+std::string ungroupedLightSha256(const SceneSource& source) {
+  return sha256OfAll(source, [](const Scene& scene) { return sceneLightSha256(scene, {}); });
 }
 
 }  // namespace nlg

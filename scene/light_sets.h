@@ -37,5 +37,7 @@ size_t firstGroupCount(const SceneSource& source);
 
 // sceneLightSha256 of a scene; with sets a hash of their names and of each one's.
 std::string lightSha256(const SceneSource& source);
+// The same whatever groups the lights of a scene, or of a set, are in.
+std::string ungroupedLightSha256(const SceneSource& source);
 
 }  // namespace nlg

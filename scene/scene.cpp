@@ -249,7 +249,9 @@ std::string geometryDifference(const Scene& scene, const Scene& other) {
   return sceneSha256(scene) == sceneSha256(other) ? "" : "vertices in another order, or another box nlg_extent";
 }
 
-std::string sceneLightSha256(const Scene& scene) {
+std::string sceneLightSha256(const Scene& scene) { return sceneLightSha256(scene, scene.light.groups); }
+
+std::string sceneLightSha256(const Scene& scene, const LightGroups& groups) {
   HashedBytes bytes;
   bytes.addText(sceneSha256(scene));
   for (const uint32_t material : scene.triangle_material) {
@@ -265,10 +267,10 @@ std::string sceneLightSha256(const Scene& scene) {
     bytes.add(light.sky.image.width);
     bytes.addCounted(light.sky.image.texels);
   }
-  if (!light.groups.names.empty()) {
-    for (const std::string& group : light.groups.names) bytes.addText(group);
-    for (const std::vector<uint8_t>* groups : {&light.groups.of_lamp, &light.groups.of_sun, &light.groups.of_material})
-      bytes.addCounted(*groups);
+  if (!groups.names.empty()) {
+    for (const std::string& group : groups.names) bytes.addText(group);
+    for (const std::vector<uint8_t>* of_lights : {&groups.of_lamp, &groups.of_sun, &groups.of_material})
+      bytes.addCounted(*of_lights);
   }
   bytes.addCounted(light.lamps);
   bytes.addCounted(light.suns);

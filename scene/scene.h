@@ -93,6 +93,8 @@ std::string geometryDifference(const Scene& scene, const Scene& other);
 // SHA-256 of what light can depend on: all of that, colours, emission and the scene's light. The Quake III grid, which lights
 // nothing here, does not count.
 std::string sceneLightSha256(const Scene& scene);
+// The same where its lights were in these groups, or in none.
+std::string sceneLightSha256(const Scene& scene, const LightGroups& groups);
 
 // Splits every object into its connected components: triangles that share a vertex position bit for bit. Triangle order within
 // a component stays. A component whose largest side exceeds structure_share of the scene's largest side becomes not movable.

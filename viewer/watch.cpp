@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bake/relight.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/output_path.h"
@@ -213,7 +214,9 @@ std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, cons
                                  const BakeOptions& options) {
   if (changes == "") return {};
   const bool is_thinned = options.thin_error > 0.0 || options.max_bytes > 0.0;  // then only a grid that is not can be lit anew
-  Words quick = !is_thinned && changes == grid + ": light changed\n" ? Words{"--relight", grid} : Words{};
+  const auto isAll = [&](const char* change) { return changes == grid + ": " + change + '\n'; };
+  const bool stay = !is_thinned && (isAll(kLightChanged) || isAll(kGroupsChanged));
+  Words quick = stay ? Words{"--relight", grid} : Words{};
   if (is_thinned) quick.insert(quick.end(), {"--thin-error", "0", "--max-bytes", "0"});
   quick.insert(quick.end(), {"--light-rays", std::to_string(std::min(options.light_rays, kPreviewRays)), "--light-places",
                              std::to_string(std::min(options.light_places, kPreviewPlaces)), "--light-probe-rays",

@@ -188,6 +188,9 @@ TEST(LightSetsOfABake, AreMadeAnewByARelightAndKnownToBeOld) {
   const Changes brighter = changesOf(Settings({"day " + kDay, "night intensity=2 " + kNight}));
   ASSERT_EQ(brighter.size(), 2u);
   EXPECT_EQ(brighter[0], "light changed");
+  const Changes grouped = changesOf(Settings({"day " + kDay, "night light_groups=kind " + kNight}));
+  ASSERT_EQ(grouped.size(), 2u);
+  EXPECT_EQ(grouped[0], "groups of light changed");
 }
 
 }  // namespace

@@ -120,6 +120,25 @@ TEST(ChangesSince, NameWhatABakeWouldDoOtherwise) {
   ASSERT_EQ(changes.size(), 2u);
   EXPECT_EQ(changes[0], "light changed");
   EXPECT_EQ(changes[1].find("setting changed: sun from []"), 0u) << changes[1];
+  Settings grouped;
+  grouped.options.scene_light.light_groups = "kind";
+  EXPECT_EQ(changesOf("house:3", grouped, weights),
+            (Changes{"groups of light changed", "setting changed: light_groups from \"one\" to \"kind\""}));
+}
+
+TEST(ChangesSince, TellLightFromItsGroups) {
+  Settings settings;
+  settings.options.scene_light.light_groups = "name";
+  const BakedGrid baked = parsed(bakedBytes("house:3", settings));
+  SceneSource source = loadLitScene("house:3", settings.options);
+  const auto changes = [&] { return changesSince("grid", baked, source, settings.table, {{"weights of tent_mlp4", "00ff"}}); };
+  using Changes = std::vector<std::string>;
+  ASSERT_EQ(changes(), Changes{});
+  ASSERT_FALSE(source.scene.light.groups.names.empty());
+  source.scene.light.groups.names[0] = "a name that its author thought better of";
+  EXPECT_EQ(changes(), Changes{"groups of light changed"});
+  source.scene.light.sky.zenith += 1.0f;
+  EXPECT_EQ(changes(), Changes{"light changed"});
 }
 
 }  // namespace
