@@ -131,6 +131,12 @@ class Watch {
     return End::failed;
   }
 
+  // Whether a bake ended because what the one before kept is damaged.
+  bool isOfKept(const Ran& ran) const {
+    return ran.end == End::done && ran.code == static_cast<int>(ExitCode::input_error) &&
+           lastLine(ran.errors).starts_with("nlg-bake: error: " + kept_ + ": ");
+  }
+
   Words weights() const {
     if (request_.weights.empty()) return {};
     Words words = {"--weights"};
@@ -183,7 +189,12 @@ class Watch {
         if (options_.refine_seconds == 0.0) words.insert(words.end(), {"--keep", kept_});
       }
       words.insert(words.end(), {"--out", bake.grid});
-      const Ran baked = runBake(words);
+      Ran baked = runBake(words);
+      if (isOfKept(baked)) {
+        tellDoing(lastLine(baked.errors) + "; it is made anew");
+        fs::remove(kept_);
+        baked = runBake(words);
+      }
       const bool is_last = i + 1 == bakes.size();
       if (is_last) std::cerr << baked.errors;
       if (const End end = judge(baked, "nlg-bake"); end != End::done) return end;
