@@ -52,4 +52,11 @@ FileSource sourceOf(const py::object& source);
 // Raises OSError where the system refused a file, otherwise ValueError: the result's own line, and its status.
 void raiseUnlessOk(const FileResult& result);
 
+// A class's __new__: what Python's own leaves without anything in it, of which every use would crash. __init__ then has nothing to do. The
+// class has to be final: what this makes is of no other one.
+template <auto load>
+auto newOf(const py::handle&, const py::object& source) {
+  return load(source);
+}
+
 }  // namespace nlg

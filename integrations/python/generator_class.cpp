@@ -107,12 +107,13 @@ Rows<float> evaluateTheta(const Generator& generator, const py::object& theta, c
 }  // namespace
 
 void addGeneratorClass(py::module_& module) {
-  py::class_<Generator>(module, "Generator", R"(Generator(source): a trained generator, what nlg-export wrote.
+  py::class_<Generator>(module, "Generator", py::is_final(), R"(Generator(source): a trained generator, what nlg-export wrote.
 
 source: the path of a weights file (str or os.PathLike), or its bytes. Every byte is checked.
 Raises OSError where the file cannot be read, ValueError where it is damaged or no weights file.
 Any number of threads may use one. Below, P is 8192 and D the numbers of one theta.)")
       .def(py::init(&loadGenerator), py::arg("source"))
+      .def_static("__new__", &newOf<&loadGenerator>, py::arg("cls"), py::arg("source"))
       .def_property_readonly(
           "representation", [](const Generator& generator) { return representationName(generator.representation()); },
           "str: what theta stands for, \"tent_mlp4\".")

@@ -117,12 +117,13 @@ py::tuple irradiance(SharedGrid& shared, const py::object& positions, const py::
 }  // namespace
 
 void addLightGridClass(py::module_& module) {
-  py::class_<SharedGrid>(module, "LightGrid", R"(LightGrid(source): what nlg-bake wrote.
+  py::class_<SharedGrid>(module, "LightGrid", py::is_final(), R"(LightGrid(source): what nlg-bake wrote.
 
 source: the path of a file (str or os.PathLike), or its bytes. Every byte is checked.
 Raises OSError where the file cannot be read, ValueError where it is damaged or no light grid.
 Any number of threads may use one.)")
       .def(py::init(&loadGrid), py::arg("source"))
+      .def_static("__new__", &newOf<&loadGrid>, py::arg("cls"), py::arg("source"))
       .def_property_readonly("probe_positions", &probePositions, "(N, 3) float64, metres: where the N probes stand in the world.")
       .def_property_readonly("probe_functions", &probeFunctions,
                              "(N,) int64: each probe's function, FREE_SPACE (-1: the bare tent) or NO_WEIGHT (-2: in solid).")

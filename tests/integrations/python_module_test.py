@@ -6,6 +6,7 @@
 FOLDER is that of the module's build, which stays. Exit code 77, a skipped test, where pybind11, numpy or Python's headers are missing.
 """
 import _thread
+import copy
 import importlib.util
 import os
 import subprocess
@@ -268,6 +269,16 @@ class PythonModule(unittest.TestCase):
             self.raises(ValueError, f"{broken}: ", load, broken)
         self.raises(ValueError, "(tensor_missing)", nlg.LightGrid, self.weights)
         self.raises(ValueError, f"{self.house}: ", nlg.Generator, self.house)
+
+    def test_nothing_is_made_without_its_file(self):
+        for kind, file in ((nlg.LightGrid, self.house), (nlg.Generator, self.weights)):
+            self.raises(TypeError, "incompatible function arguments", kind.__new__, kind)
+            self.raises(TypeError, "incompatible function arguments", kind)
+            self.raises(TypeError, "", copy.copy, kind(file))
+            self.assertIs(type(kind.__new__(kind, file)), kind)
+            self.assertIs(type(kind(source=file)), kind)
+            with self.assertRaises(TypeError):
+                type("Other", (kind,), {})
 
     def test_an_unknown_simd_target_is_refused(self):
         result = subprocess.run([sys.executable, "-c", "import nlg"], env={**os.environ, "PYTHONPATH": f"{FOLDER}/python", "NLG_SIMD": "abacus"}, capture_output=True, text=True)
