@@ -88,7 +88,7 @@ std::vector<std::string> differencesOf(const std::string& path, const BakedAs& b
     warn("baked with other light of the scene than it has here; --sky, --sun, --light-groups and --light-set say which");
   if (isOther(baked.light_direct, asked.light_direct))
     warn("baked with light_direct " + baked.light_direct + ", and drawn with " + asked.light_direct);
-  if (has_rivals && baked.spacing_m > 0.0 && baked.spacing_m != asked.spacing_m)
+  if (has_rivals && baked.spacing_m > 0.0 && static_cast<float>(baked.spacing_m) != static_cast<float>(asked.spacing_m))
     warn(fmt::format("baked with probes {} m apart, and the rivals' are {} m apart", baked.spacing_m, asked.spacing_m));
   return differences;
 }

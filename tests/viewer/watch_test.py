@@ -27,7 +27,7 @@ BUILD, KIND = Path(sys.argv[1]).resolve(), sys.argv[-1]
 # both halves of one room have a lamp of their own, and the wall between them shines
 LAMPS = {"warm": [-1.5, 1.5, 0], "cold, blue": [1.5, 1.5, 0]}
 COLOURS = {"warm": [1, .8, .6], "cold, blue": [.3, .5, 1]}
-SETTINGS = ["--light-groups", "name", "--light-places", "8", "--light-rays", "32"]
+SETTINGS = ["--spacing-m", ".95", "--light-groups", "name", "--light-places", "8", "--light-rays", "32"]
 SIZE = (320, 180)
 
 
