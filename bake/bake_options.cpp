@@ -3,8 +3,11 @@
 #include "bake/policy_options.h"
 #include "datagen/shards/shard_job.h"
 #include "tool/error.h"
+#include "tool/parallel_for.h"
 
 namespace nlg {
+
+int threadsOf(const BakeOptions& options) { return options.threads > 0 ? options.threads : machineThreadCount(); }
 
 void takeThetaPrecision(BakeOptions* options) {
   options->policy.theta_precision = thetaPrecisionFromName(options->theta_precision);
@@ -82,6 +85,11 @@ void describe(BakeOptions& o, OptionTable& table) {
       "time for all refinement, seconds, spent on the worst functions first. 0: as long as it takes; with any other value the "
       "result depends on the machine's speed",
       0.0, 1e9);
+  table.add("max_seconds", &o.max_seconds,
+            "seconds by the clock that the whole bake aims at: refinement, short fits and rays are left out as that takes, and "
+            "then probes stand further apart than spacing_m. The result then depends on the machine's speed. 0: as long "
+            "as it takes",
+            0.0, 1e9);
   table.group("Light grid's file");
   table.add("theta_precision", &o.theta_precision, "how the file holds theta: float32, float16 or int8");
   table.add("light_error", &o.light_error,

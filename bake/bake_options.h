@@ -44,6 +44,7 @@ struct BakeOptions {
   double light_outlier = 1.0;
   double thin_error = 0.0;                               // of thinning.h; 0: nothing is left out
   double refine_seconds = 0.0;                           // 0: as long as it takes
+  double max_seconds = 0.0;                              // of the whole bake (bake_in_time.h); 0: as long as it takes
   std::string theta_precision = kDefaultThetaPrecision;  // becomes the policy's by takeThetaPrecision
   double light_error = kLightError;                      // that the file's form of light may add (packed_light.h)
   double max_bytes = 0.0;                                // of the file; 0: as many as it takes
@@ -57,6 +58,8 @@ inline constexpr double kMostThinError = 0.5;
 
 // Of the options that say how probes are lit.
 inline constexpr const char* kLightGroup = "Light";
+
+int threadsOf(const BakeOptions& options);
 
 // The policy rounds as theta_precision says: whatever bakes with options that were read calls this first.
 // throws   UsageError on a name of none

@@ -259,7 +259,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   if (options.light == "none") return statistics;
   ProbeLightOptions light_options = probeLightOptions(options);
   light_options.way = lightWayFromName(options.light);
-  const int threads = options.threads > 0 ? options.threads : machineThreadCount();
+  const int threads = threadsOf(options);
   const GroupsOfGrid groups{lightGroupNames(scene.source), firstGroupCount(scene.source)};
   std::deque<LitSet> sets;
   for (const Scene* lit : litScenes(scene.source)) sets.emplace_back(*lit, scene.rays).options = light_options;

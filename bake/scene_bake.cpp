@@ -6,8 +6,11 @@
 #include <optional>
 #include <unordered_map>
 
+#include <fmt/format.h>
+
 #include "bake/function_sharing.h"
 #include "runtime_eval/support/weighting_function.h"
+#include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 
@@ -27,14 +30,15 @@ struct BakeThread {
 class SceneBake {
  public:
   SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-            const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept)
+            const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept, const BakeInTime* in_time)
       : scene_(scene),
         generators_(generators),
         options_(options),
-        thread_count_(options.threads > 0 ? options.threads : machineThreadCount()),
+        thread_count_(threadsOf(options)),
         functions_(scene, options, thread_count_, spool_folder),
         metadata_(metadata),
-        kept_(kept) {
+        kept_(kept),
+        in_time_(in_time) {
     if (kept_ != nullptr) functions_.keep(known_.emplace(*kept_));
     std::vector<const Generator*> pointers;
     for (const Generator& generator : generators_) pointers.push_back(&generator);
@@ -43,11 +47,10 @@ class SceneBake {
 
   Bake run() {
     const Clock::time_point start = Clock::now();
-    functions_.makeAll([this](int thread) {
-      return [this, thread](const FunctionRows& chunk) { return makeTheta(chunk, threads_[thread]->policy); };
-    });
+    makeFunctions(1);
     statistics_.functions_wall_s = secondsSince(start);
     const Clock::time_point refinement_start = Clock::now();
+    if (in_time_ != nullptr) options_.refine_seconds = in_time_->refine_seconds();
     refineWorstFirst();
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     roundAll();
@@ -55,12 +58,37 @@ class SceneBake {
     finishStatistics();
     if (kept_ != nullptr) keepAll();
     LightGrid grid = makeGrid();
+    if (in_time_ != nullptr) options_.light_rays = in_time_->light_rays();
     statistics_.light = bakeLight(scene_, options_, &grid, metadata_);
     statistics_.wall_s = secondsSince(start);
     return {std::move(grid), std::move(statistics_)};
   }
 
+  // By a sample of probes (SceneFunctions::makeAll). Threads' own seconds: a sample may be too short for all of them to be at work.
+  FunctionCosts costsOf(uint64_t every) {
+    makeFunctions(every);
+    roundAll();
+    finishStatistics();
+    const FunctionTimes& times = statistics_.function_times;
+    FunctionCosts costs{times.visibility_s + times.functions_s + times.bare_tent_s + times.duplicates_s, 0.0};
+    for (int s = 0; s < kThetaStageCount; ++s) {
+      const auto stage = static_cast<ThetaStage>(s);
+      const bool is_refinement = stage == ThetaStage::refinement || stage == ThetaStage::larger;
+      if (!is_refinement) (isFit(stage) ? costs.short_fits_s : costs.rest_s) += statistics_.stageSeconds(stage);
+    }
+    const double share = static_cast<double>(every) / thread_count_;
+    return {share * costs.rest_s, share * costs.short_fits_s};
+  }
+
  private:
+  void makeFunctions(uint64_t every) {
+    functions_.makeAll(
+        [this](int thread) {
+          return [this, thread](const FunctionRows& chunk) { return makeTheta(chunk, threads_[thread]->policy); };
+        },
+        every);
+  }
+
   std::function<void()> makeTheta(const FunctionRows& chunk, ThetaPolicy& policy) {
     std::vector<KeptKey> keys;
     std::vector<std::shared_ptr<KeptFunction>> known(chunk.functionCount());  // null: to be made
@@ -203,6 +231,7 @@ class SceneBake {
   std::vector<uint32_t> whose_;              // by function: whose theta the grid has for it; empty: each its own
   std::vector<FunctionCheck> shared_check_;  // by function: of that theta
   KeptProbes* kept_;
+  const BakeInTime* in_time_;
   std::optional<KeptIndex> known_;  // of kept_, where somebody asks
   std::vector<KeptKey> keys_;       // by function, then
   BakeStatistics statistics_;
@@ -250,8 +279,17 @@ std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
 }
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept) {
-  return SceneBake(scene, generators, options, spool_folder, metadata, kept).run();
+               const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept, const BakeInTime* in_time) {
+  if (options.max_seconds > 0.0)
+    throw UsageError("max_seconds", "0: nlg-bake alone ends in time", fmt::format("{:g}", options.max_seconds));
+  return SceneBake(scene, generators, options, spool_folder, metadata, kept, in_time).run();
+}
+
+FunctionCosts functionCosts(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
+                            const std::string& spool_folder) {
+  constexpr uint64_t kSampled = 512, kShare = 16;  // of probes, but of few no more than one in so many
+  const uint64_t every = std::max<uint64_t>(kShare, scene.tree.probeCount() / kSampled);
+  return SceneBake(scene, generators, options, spool_folder, {}, nullptr, nullptr).costsOf(every);
 }
 
 }  // namespace nlg
