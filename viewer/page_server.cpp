@@ -49,8 +49,12 @@ PageServer::PageServer(int port)
   addPage();
   server_->Get("/state", [this](const httplib::Request&, httplib::Response& response) {
     const std::lock_guard lock(mutex_);
-    const nlohmann::ordered_json state = {
-        {"shown", scripts_.empty() ? 0 : shown_}, {"text", text_}, {"failed", mood_ == Mood::failed}};
+    const nlohmann::ordered_json state = {{"shown", scripts_.empty() ? 0 : shown_},
+                                          {"text", text_},
+                                          {"failed", mood_ == Mood::failed},
+                                          {"busy", mood_ == Mood::busy},
+                                          {"stage", stage_.name},
+                                          {"share", stage_.share ? nlohmann::ordered_json(*stage_.share) : nullptr}};
     answer(&response, 200, state.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace), "application/json");
   });
   server_->Get(R"(/([\w-]+\.js))", [this](const httplib::Request& request, httplib::Response& response) {
@@ -90,6 +94,12 @@ void PageServer::tell(const std::string& text, Mood mood) {
   const std::lock_guard lock(mutex_);
   text_ = text;
   mood_ = mood;
+  stage_ = {};
+}
+
+void PageServer::tellStage(const Stage& stage) {
+  const std::lock_guard lock(mutex_);
+  stage_ = stage;
 }
 
 }  // namespace nlg

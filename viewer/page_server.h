@@ -1,7 +1,8 @@
 // The viewer's page on this machine's own address, for a browser on it: 127.0.0.1 and no other.
 //
 //     /             the page, which is told that it is served (data-served)
-//     /state        what goes on, as JSON: shown, a number that is another one for every set of scripts; text; failed
+//     /state        what goes on, as JSON: shown, a number that is another one for every set of scripts; text; failed; busy, and then
+//                   stage, how far a bake is in words, and share, of that stage, or null
 //     /NAME.js?N    a script of the set N
 //
 // Everything comes out of memory. Another site may find a page on 127.0.0.1 by giving it a name of its own; requests for any name but
@@ -12,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -20,6 +22,11 @@ class Server;
 }
 
 namespace nlg {
+
+struct Stage {
+  std::string name;             // "places lit"; empty: none is known
+  std::optional<double> share;  // of it, 0 … 1; of what cannot be counted: none
+};
 
 class PageServer {
  public:
@@ -34,8 +41,10 @@ class PageServer {
 
   // From here on the page shows these scripts, by file name.
   void show(std::map<std::string, std::string> scripts);
-  enum class Mood { fine, failed };
+  enum class Mood { fine, busy, failed };
   void tell(const std::string& text, Mood mood);
+  // How far what was told of is; until the next tell.
+  void tellStage(const Stage& stage);
 
  private:
   void addPage();
@@ -47,6 +56,7 @@ class PageServer {
   std::map<std::string, std::string> scripts_;
   std::string text_;
   Mood mood_ = Mood::fine;
+  Stage stage_;
   std::thread thread_;
 };
 

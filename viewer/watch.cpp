@@ -6,8 +6,11 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <regex>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,7 +21,6 @@
 #include "tool/output_path.h"
 #include "tool/quantity.h"
 #include "viewer/child_process.h"
-#include "viewer/page_server.h"
 #include "viewer/watched_files.h"
 
 namespace nlg {
@@ -40,6 +42,17 @@ int64_t nowNs() {
 std::string lastLine(std::string text) {
   while (!text.empty() && text.back() == '\n') text.pop_back();
   return text.substr(text.rfind('\n') + 1);
+}
+
+// Of one line: "nlg-bake: places lit: 64 of 512 (12.5 %), 500/s, 1 s left", or what cannot be counted, "nlg-bake: light of probes". Lines
+// for people have a second colon, and no count behind it.
+std::optional<Stage> stageOfLine(const std::string& line) {
+  static const std::regex progress(R"(nlg-\w+: ([^:]+)(?:: (\d+) of (\d+)(?: \(|, ).*)?)");
+  std::smatch parts;
+  if (!std::regex_match(line, parts, progress)) return std::nullopt;
+  Stage stage{parts[1], {}};
+  if (parts[3].matched) stage.share = std::stod(parts[2]) / std::max(1.0, std::stod(parts[3]));
+  return stage;
 }
 
 class Watch {
@@ -88,7 +101,7 @@ class Watch {
   }
 
   // What is shown, and what goes on.
-  void tellDoing(const std::string& doing) { tell((shown_.empty() ? "" : shown_ + "; ") + doing + " …"); }
+  void tellDoing(const std::string& doing) { tell((shown_.empty() ? "" : shown_ + "; ") + doing + " …", PageServer::Mood::busy); }
 
   // code   of its end; output: what it printed
   struct Ran {
@@ -104,8 +117,9 @@ class Watch {
     while (child.isRunning(kAskEveryMs)) {
       if (is_stopped) return {End::stopped, 0, "", ""};
       if (files_.haveChanged()) return {End::saved, 0, "", ""};
+      if (const std::optional<Stage> stage = stageOf(child.errors())) server_.tellStage(*stage);
     }
-    return {End::done, child.exitCode(), child.output(), child.errors()};
+    return {End::done, child.exitCode(), child.output(), withoutProgress(child.errors())};
   }
 
   Ran runBake(Words words) {
@@ -237,11 +251,31 @@ std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, cons
   return {{quick, preview, "preview"}, {{"--relight", preview}, grid, "final"}};
 }
 
+std::optional<Stage> stageOf(const std::string& said) {
+  std::optional<Stage> stage;
+  for (size_t end = said.rfind('\n'); !stage && end != std::string::npos && end > 0;) {
+    const size_t before = said.rfind('\n', end - 1), begin = before == std::string::npos ? 0 : before + 1;
+    stage = stageOfLine(said.substr(begin, end - begin));
+    end = before;
+  }
+  return stage;
+}
+
+std::string withoutProgress(const std::string& said) {
+  std::istringstream lines(said);
+  std::string line, kept;
+  while (std::getline(lines, line)) {
+    if (!stageOfLine(line)) kept += line + '\n';
+  }
+  return kept;
+}
+
 void watchScene(ViewRequest request, const BakeOptions& options, const OptionTable& table) {
   if (request.out.empty()) request.out = folderOfView(request.scene);
   requireOutputFolder(request.out);
   if (request.grid.empty()) request.grid = (fs::path(request.out) / "grid.safetensors").string();
   refuseToReplaceInputs(request.grid, {request.scene}, "--grid");
+  ::setenv("NLG_PROGRESS", "lines", 1);  // of the tools that it starts
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { is_stopped = true; });
   Watch(request, options, table).run();
 }

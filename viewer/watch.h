@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "tool/options.h"
+#include "viewer/page_server.h"
 #include "viewer/view_run.h"
 
 namespace nlg {
@@ -27,6 +28,11 @@ struct GridBake {
 // grid      the file that is kept; preview: one for the bakes before
 std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, const std::string& grid, const std::string& preview,
                                  const BakeOptions& options);
+
+// The stage that a tool with NLG_PROGRESS=lines is at, by what it has said so far; nothing before it has said any.
+std::optional<Stage> stageOf(const std::string& said);
+// The same without lines of progress.
+std::string withoutProgress(const std::string& said);
 
 // Runs until Ctrl-C (SIGINT) or SIGTERM.
 // request   grid: the file that is kept up to date; none: grid.safetensors in the page's folder

@@ -195,6 +195,7 @@ class Served(Case):
         # what it writes itself is no save
         time.sleep(1)
         self.assertEqual(watch.state(), moved)
+        self.assertFalse(moved["busy"])
         self.assertEqual(watch.end(), 0)
         self.assert_nothing_half_written()
         self.assertTrue((self.folder / "level/index.html").is_file())
@@ -225,6 +226,11 @@ class Served(Case):
         waiting = "baking: final"
         watch.waited(lambda: waiting in watch.state()["text"], "preview")
         bake = self.child_of(watch)
+        # how far it is
+        far = watch.waited(lambda: (state := watch.state())["stage"] == "places lit" and state["share"] is not None and state, "stage of the bake")
+        self.assertTrue(far["busy"])
+        self.assertTrue(0 <= far["share"] <= 1, far)
+        self.assertNotIn("places lit", watch.said(), "the terminal has the stages alone")
         shown = watch.state()["shown"]
         self.level.candela["warm"] = 100.0
         self.level.save()

@@ -526,12 +526,16 @@ async function begin(scene, data) {
 
 // A page that `nlg-view --watch` serves shows each set of scripts as it comes, and says what goes on.
 async function follow() {
-  const status = $('status');
+  const status = $('status'), [words, bar] = status.children;
   let viewer = null, shown = 0;
   status.hidden = false;
   for (;;) {
-    const state = await fetch('state').then((answer) => answer.json()).catch(() => ({ shown, text: 'nlg-view has ended', failed: true }));
-    status.textContent = state.text;
+    const state = await fetch('state').then((answer) => answer.json()).catch(() => ({ shown, text: 'nlg-view has ended', failed: true, busy: false }));
+    words.textContent = state.text + (state.stage ? ` ${state.stage}` : '');
+    bar.hidden = !state.busy;
+    // of what cannot be counted the bar just moves
+    if (state.share === null || !state.busy) bar.removeAttribute('value');
+    else bar.value = state.share;
     status.classList.toggle('failed', state.failed);
     if (state.shown !== shown) {
       shown = state.shown;
