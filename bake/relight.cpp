@@ -76,6 +76,10 @@ void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const 
     if (const Json thinned_by = origin["options"].value(name, Json(0.0)); thinned_by != Json(0.0))
       throw InputError(path, name, "0, since what thinning leaves out other light may need", thinned_by.dump());
   }
+  // else a grid of several would become one of a single light without a word
+  if (const Json sets = origin["options"].value("light_set", Json::array()); !sets.empty() && scene.source.light_sets.empty())
+    throw InputError(path, "light_set", "--light-set beside --relight for each that the grid shall have",
+                     "none; it has " + sets.dump());
   std::vector<std::string> representations;
   for (const Representation& representation : baked.grid.representations)
     representations.emplace_back(representationName(representation));

@@ -12,8 +12,8 @@ namespace nlg {
 namespace {
 
 constexpr const char* kForm =
-    "NAME, NAME=SCENE, or either with OPTION=VALUE behind blanks: 'night=level_night.glb sky=0 sun=0'; a name without blanks and "
-    "'/'";
+    "NAME, NAME=SCENE, or either with OPTION=VALUE behind blanks, each option once: 'night=level_night.glb sky=0 sun=0'; a name "
+    "without blanks, ',' and '/'";
 
 // The last " OPTION=" that begins a setting, since paths may hold blanks.
 size_t lastSetting(const std::string& text, const std::vector<std::string>& names) {
@@ -36,14 +36,18 @@ LightSet setFrom(const std::string& text, const LightOptions& of_all) {
   std::vector<std::pair<std::string, std::string>> settings;  // from the last to the first
   for (size_t blank = lastSetting(rest, names); blank != std::string::npos; blank = lastSetting(rest, names)) {
     const size_t equals = rest.find('=', blank);
-    settings.emplace_back(rest.substr(blank + 1, equals - blank - 1), rest.substr(equals + 1));
+    std::string option = rest.substr(blank + 1, equals - blank - 1);
+    if (std::any_of(settings.begin(), settings.end(), [&](const auto& other) { return other.first == option; }))
+      throw UsageError(place, kForm, option + " twice in '" + text + "'");
+    settings.emplace_back(std::move(option), rest.substr(equals + 1));
     rest.erase(rest.find_last_not_of(' ', blank) + 1);
   }
   const size_t equals = rest.find('=');
   set.name = rest.substr(0, equals);
   if (equals != std::string::npos) set.scene = rest.substr(equals + 1);
-  const bool is_named = !set.name.empty() && std::none_of(set.name.begin(), set.name.end(),
-                                                          [](unsigned char c) { return c <= ' ' || c == '/' || c == 0x7f; });
+  const bool is_named = !set.name.empty() && std::none_of(set.name.begin(), set.name.end(), [](unsigned char c) {
+    return c <= ' ' || c == ',' || c == '/' || c == 0x7f;
+  });
   if (!is_named || (equals != std::string::npos && set.scene.empty())) throw UsageError(place, kForm, "'" + text + "'");
   std::for_each(settings.rbegin(), settings.rend(), [&](const auto& setting) {
     table.set(setting.first, setting.second, place + " " + set.name + ": " + setting.first);

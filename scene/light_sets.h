@@ -19,7 +19,7 @@ struct LightSet {
 };
 
 // texts    NAME[=SCENE][ OPTION=VALUE]…, each a set: "day", "night=level_night.glb sky=0 sun=0 light_groups=name". Options are those of
-//          LightOptions; a name has neither blanks nor '/'
+//          LightOptions, each at most once; a name has no blanks, ',' and '/'
 // of_all   what sets take that say nothing else
 // throws   UsageError
 std::vector<LightSet> lightSetsFrom(const std::vector<std::string>& texts, const LightOptions& of_all);

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
@@ -46,6 +48,7 @@ struct EngineRequest {
 struct EngineOptions {
   VolumeOptions volume;
   double intensity = 1.0;  // of the grid's light in the files
+  std::vector<std::string> light_groups;
   int places = 20000;
 };
 
@@ -55,11 +58,45 @@ std::string formatNames() {
   return names + kGridFormats[0].name + ", or " + kGridFormats[1].name;
 }
 
+// By group. asked   NAME or NAME=FACTOR, of a group or of all groups of a light set; none: as the grid begins
+std::vector<float> groupFactors(const LightGrid& grid, const std::vector<std::string>& asked) {
+  std::vector<float> factors;
+  for (const std::array<float, 3>& colour : startingColours(grid)) factors.push_back(asked.empty() ? colour[0] : 0.0f);
+  for (const std::string& text : asked) {
+    const size_t equals = text.rfind('=');
+    const std::string name = text.substr(0, equals);
+    float factor = 1.0f;
+    bool is_number = true, is_known = false;
+    if (equals != std::string::npos) {
+      const auto [end, error] = std::from_chars(&text[equals + 1], text.data() + text.size(), factor);
+      is_number = error == std::errc() && end == text.data() + text.size() && std::isfinite(factor);
+    }
+    std::string names;
+    for (size_t g = 0; g < grid.groups.size(); ++g) {
+      const std::string& group = grid.groups[g].name;
+      names += (g == 0 ? "" : ", ") + group;
+      if (group != name && !group.starts_with(name + "/")) continue;
+      factors[g] = factor;
+      is_known = true;
+    }
+    if (!is_known || !is_number) {
+      throw UsageError("light_groups", "NAME or NAME=FACTOR of the grid's groups of light: " + (names.empty() ? "none" : names),
+                       "'" + text + "'");
+    }
+  }
+  return factors;
+}
+
 LightGrid readGrid(const std::string& path, double intensity, GridMetadata* metadata) {
   LightGrid grid;
   requireRead(path, readLightGridFile(path, &grid, metadata), "a light grid");
   if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
-  for (float& light : grid.light) light *= static_cast<float>(intensity);
+  // packed light is multiplied by its unit, so that it is not packed, and rounded, once more
+  if (intensity != 1.0) {
+    grid.packed_light.unit *= static_cast<float>(intensity);
+    if (const FileResult result = takePackedLight(&grid); !result.ok())
+      throw UsageError("intensity", "one that light bears", result.detail);
+  }
   if (grid.tree.cellCount() == 0) throw InputError(path, "tree", "a cell that is used", "none");
   return grid;
 }
@@ -120,20 +157,34 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   const EngineFormat* format = findEngineFormat(request.format);
   const GridFormat* grid_format = findGridFormat(request.format);
   if (format == nullptr && grid_format == nullptr) throw UsageError("--format", formatNames(), "'" + request.format + "'");
-  if (grid_format != nullptr && (!options.volume.extent_m.empty() || options.volume.spacing_m > 0.0))
-    throw UsageError("--format", "one with texels beside extent_m and spacing_m", request.format + ", which has none");
+  if (grid_format != nullptr &&
+      (!options.volume.extent_m.empty() || options.volume.spacing_m > 0.0 || !options.light_groups.empty()))
+    throw UsageError("--format", "one with texels beside extent_m, spacing_m and light_groups",
+                     request.format + ", which has none");
   if (request.out.empty()) throw UsageError("--out", "the name of a folder", "an empty text");
   GridMetadata metadata;
-  const LightGrid grid = readGrid(request.grid, options.intensity, &metadata);
+  LightGrid grid = readGrid(request.grid, options.intensity, &metadata);
   nlohmann::ordered_json line = {{"scene", metadata.contains("scene") ? metadata["scene"] : ""},
                                  {"format", request.format},
                                  {"intensity", options.intensity}};
   if (grid_format != nullptr) return writeGrid(grid, *grid_format, request, options, std::move(line));
 
+  const std::vector<float> factors = groupFactors(grid, options.light_groups);
+  nlohmann::ordered_json groups = nlohmann::ordered_json::object();
+  std::vector<std::array<float, 3>> colours;
+  for (size_t g = 0; g < factors.size(); ++g) {
+    groups[grid.groups[g].name] = factors[g];
+    colours.emplace_back().fill(factors[g]);
+  }
+  if (!colours.empty()) {
+    if (const FileResult result = mixLight(colours, &grid); !result.ok())
+      throw UsageError("light_groups", "factors that light bears", result.detail);
+  }
   const LightVolume volume = readVolume(grid, request, options, *format);
   nlohmann::ordered_json place = placeJson(volume.box, format->texture_size(volume.box.texel_count));
   std::vector<EngineFile> files = format->write(volume);
   line.update(place);
+  line["light_groups"] = place["light_groups"] = groups;
   line["texels"] = {{"lit", volume.lit}, {"filled", volume.filled}};
   place["format"] = request.format;
   place["intensity"] = options.intensity;
@@ -160,6 +211,10 @@ int engineMain(int argc, char** argv) {
   table.add("spacing_m", &options.volume.spacing_m, "widest texel, metres; 0: half of the grid's finest spacing", 0.0, 1e6);
   table.add("intensity", &options.intensity,
             "factor on the grid's light; light.json says it, for whoever wants the grid's own unit back", 1e-12, 1e12);
+  table.add(
+      "light_groups", &options.light_groups,
+      "what a texture holds of the grid's groups of light: NAME or NAME=FACTOR, of a group or a whole light set; none: as the "
+      "grid begins");
   table.add("places", &options.places, "places at which the error is measured", 1, 100000000);
   app.add_option("--grid", request.grid, "a light grid with light (.safetensors)")->required();
   app.add_option("--format", request.format, formatNames())->required();

@@ -256,17 +256,23 @@ FileResult mixLight(const std::vector<std::array<float, 3>>& colours, LightGrid*
   return result;
 }
 
+FileResult takePackedLight(LightGrid* grid) {
+  std::vector<std::vector<float>> light;
+  FileResult result = unpackGridLight(grid->packed_light, grid->probe_function, std::max<size_t>(1, grid->groups.size()), &light);
+  if (!result.ok()) return result;
+  if (grid->groups.empty()) {
+    result = checkLight(light[0]);
+    if (result.ok()) grid->light = std::move(light[0]);
+    return result;
+  }
+  for (size_t g = 0; g < grid->groups.size(); ++g) grid->groups[g].light = std::move(light[g]);
+  return mixLight(startingColours(*grid), grid);
+}
+
 LightPacking roundGridLight(double max_error, LightGrid* grid) {
   LightPacking packing;
   grid->packed_light = packedAnew(*grid, max_error, &packing);
-  std::vector<std::vector<float>> light;
-  unpackGridLight(grid->packed_light, grid->probe_function, std::max<size_t>(1, grid->groups.size()), &light);
-  for (size_t g = 0; g < grid->groups.size(); ++g) grid->groups[g].light = std::move(light[g]);
-  if (grid->groups.empty()) {
-    grid->light = std::move(light[0]);
-  } else {
-    mixLight(startingColours(*grid), grid);
-  }
+  takePackedLight(grid);
   return packing;
 }
 

@@ -108,6 +108,9 @@ std::vector<std::array<float, 3>> startingColours(const LightGrid& grid);
 // The light of each group; of a grid without groups, all of it. The grid must outlive it.
 std::vector<const std::vector<float>*> lightByGroup(const LightGrid& grid);
 
+// Light, of each group and mixed by startingColours, becomes what packed_light holds of it.
+// returns   as unpackLight; or what checkLight says of it
+FileResult takePackedLight(LightGrid* grid);
 // Light becomes what a file holds of it: packed_light, with an error that packed_light.h speaks of, and 0 at probes without weight.
 LightPacking roundGridLight(double max_error, LightGrid* grid);
 // Whether packed_light says what `light`, or its groups, are.

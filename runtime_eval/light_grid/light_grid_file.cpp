@@ -490,17 +490,8 @@ FileResult readLight(const TensorFileReader& reader, LightGrid* grid) {
   }
   const std::vector<uint32_t>& functions = grid->probe_function;
   const auto with_weight = functions.size() - static_cast<size_t>(std::count(functions.begin(), functions.end(), kNoWeight));
-  const size_t group_count = std::max<size_t>(1, grid->groups.size());
-  result = decodeRecords(records, with_weight * group_count, &packed);
-  std::vector<std::vector<float>> light;
-  if (result.ok()) result = unpackGridLight(packed, grid->probe_function, group_count, &light);
-  if (!result.ok()) return result;
-  if (grid->groups.empty()) {
-    grid->light = std::move(light[0]);
-    return {};
-  }
-  for (size_t g = 0; g < group_count; ++g) grid->groups[g].light = std::move(light[g]);
-  return mixLight(startingColours(*grid), grid);
+  result = decodeRecords(records, with_weight * std::max<size_t>(1, grid->groups.size()), &packed);
+  return result.ok() ? takePackedLight(grid) : result;
 }
 
 FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadata* metadata) {

@@ -188,6 +188,10 @@ def check_refusals():
         for format_name in WITHOUT_TEXELS:
             refuses(USAGE_ERROR, [format_name, "spacing_m"], "--grid", "grid.safetensors", "--format", format_name, "--out", "bad", setting)
     refuses(USAGE_ERROR, ["--places"], *good, "--places", "0")
+    refuses(USAGE_ERROR, ["light_groups", "none", "day"], *good, "--light-groups", "day")
+    for asked in ["dusk", "night/", "day=bright", "day=inf", "day="]:
+        refuses(USAGE_ERROR, ["light_groups", "day, night/lamp", asked], "--grid", "sets.safetensors", "--format", "three", "--out", "bad", *BOX, "--light-groups", asked)
+    refuses(USAGE_ERROR, ["c-header", "light_groups"], "--grid", "sets.safetensors", "--format", "c-header", "--out", "bad", "--light-groups", "day")
     open("file", "w").close()
     refuses(OUTPUT_ERROR, ["file/light.bin"], "--grid", "grid.safetensors", "--format", "three", "--out", "file", *BOX)
     # an input under the name of an output
@@ -210,6 +214,25 @@ def check_intensity():
     fits = re.search(r"--intensity (\S+) makes them fit", refused.stderr)
     result = export("--grid", "bright.safetensors", "--format", "three", "--out", "bright", "--places", "2000", "--intensity", fits[1], *BOX)
     must(result.returncode == 0, f"the intensity that fits does not: {result.stderr}")
+
+
+def check_light_groups():
+    def three(*groups):
+        result = export("--grid", "sets.safetensors", "--format", "three", "--out", "sets", "--places", "2000", *groups, *BOX)
+        must(result.returncode == 0, f"{groups}: {result.stderr}")
+        must(json.load(open("sets/light.json"))["light_groups"] == json.loads(result.stdout)["light_groups"], "light.json says other groups")
+        data = open("sets/light.bin", "rb").read()
+        return json.loads(result.stdout)["light_groups"], struct.unpack(f"<{len(data) // 2}e", data)
+
+    groups, day = three()
+    must(groups == {"day": 1, "night/lamp": 0}, f"begins with {groups}")
+    groups, night = three("--light-groups", "night=2")
+    must(groups == {"day": 0, "night/lamp": 2}, f"night is {groups}")
+    largest = max(map(abs, day))
+    must(all(abs(n - 0.5 * d) < 2e-2 * largest for n, d in zip(night, day)), "the lamp at 2 is not half of the day")
+    must(three("--light-groups", "day,night")[0] == {"day": 1, "night/lamp": 1}, "both sets")
+    result = export("--grid", "sets.safetensors", "--format", "c-header", "--out", "sets_c", "--places", "2000", "--intensity", "0.5")
+    must(result.returncode == 0 and json.loads(result.stdout)["error"]["rmse"] < 1e-4, f"half of all sets: {result.stdout}{result.stderr}")
 
 
 def check_ktx_parse():
@@ -248,6 +271,7 @@ try:
         check_dds()
         check_godot()
         check_intensity()
+        check_light_groups()
         check_refusals()
         must(TOOLS.end() == 0, "what is refused")
 finally:
