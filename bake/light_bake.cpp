@@ -290,7 +290,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.solve_iterations = lit.iterations;
   takeLight(lit, groups, grid);
   statistics.packing = roundGridLight(options.light_error, grid);
-  statistics.file_bytes = packedLightBytes(grid->packed_light);
+  statistics.file_bytes = packedLightBytes(*grid);
   if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);
   return statistics;
 }

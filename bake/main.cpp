@@ -365,7 +365,7 @@ nlohmann::ordered_json describeFile(const std::string& path) {
                                  {"functions", grid.functionCount()},
                                  {"has_light", !grid.light.empty()},
                                  {"light_axes", grid.packed_light.axes.size()},
-                                 {"light_bytes", grid.light.empty() ? 0 : packedLightBytes(grid.packed_light)}};
+                                 {"light_bytes", grid.light.empty() ? 0 : packedLightBytes(grid)}};
   for (const LightGroup& group : grid.groups) {
     json["light_groups"].push_back(group.name);
     if (group.begins_dark) json["light_groups_dark"].push_back(group.name);

@@ -47,13 +47,14 @@ size_t treeBytes(const ProbeTree& tree) {
 
 // What a file keeps of light, and in how many bytes.
 // probe_function   of a light grid's probes: those without weight have no light. Of other methods all have the same
-std::vector<LightSh> packedAndBack(double error, const std::vector<LightSh>& light, std::vector<uint32_t> probe_function,
-                                   size_t* bytes) {
+std::vector<LightSh> packedAndBack(double error, const ProbeTree& tree, const std::vector<LightSh>& light,
+                                   std::vector<uint32_t> probe_function, size_t* bytes) {
   LightGrid grid;
+  grid.tree = tree;
   grid.probe_function = std::move(probe_function);
   grid.light = floatsOf(light);
   roundGridLight(error, &grid);
-  *bytes = packedLightBytes(grid.packed_light);
+  *bytes = packedLightBytes(grid);
   std::vector<LightSh> kept(light.size());
   for (size_t i = 0; i < grid.light.size(); ++i)
     kept[i / kShFloats][i % kShFloats / kShChannels][static_cast<int>(i % kShChannels)] = grid.light[i];
@@ -113,7 +114,7 @@ void MethodSet::addBlends(Blends blends) {
     const bool has_own_bytes = blends.bytes.light > 0;
     size_t light_bytes = 0;
     const std::vector<LightSh>& kept = own(packedAndBack(
-        has_own_bytes ? kLeastLightError : options_.light_error, light,
+        has_own_bytes ? kLeastLightError : options_.light_error, probes_.tree, light,
         blends.probe_function.empty() ? std::vector<uint32_t>(light.size(), kFreeSpace) : blends.probe_function, &light_bytes));
     if (!has_own_bytes) method.bytes.light = light_bytes;
     method.probe_light = &kept;
@@ -253,7 +254,7 @@ void MethodSet::addShOctrees(const std::vector<glm::dvec3>& places, const std::v
                              const std::vector<size_t>& kilobytes) {
   ShOctreeOptions octree;
   for (const size_t budget : kilobytes) octree.byte_budgets.push_back(1024 * budget);
-  constexpr size_t kLightBytes = 10;  // of a probe, about: what it takes is known once there is light
+  constexpr size_t kLightBytes = 8;  // of a probe, about: what it takes is known once there is light
   octree.bytes = [](const ProbeTree& tree) { return tree.probeCount() * kLightBytes + treeBytes(tree); };
   octree.solve = options_.solve;
   octree.thread_count = options_.thread_count;
@@ -263,7 +264,7 @@ void MethodSet::addShOctrees(const std::vector<glm::dvec3>& places, const std::v
     const Weighting& weighting = own(std::make_unique<ShOctreeWeighting>(tree));
     LightMethod method;
     const std::vector<LightSh>& kept = own(packedAndBack(
-        options_.light_error, grown.light, std::vector<uint32_t>(grown.light.size(), kFreeSpace), &method.bytes.light));
+        options_.light_error, tree, grown.light, std::vector<uint32_t>(grown.light.size(), kFreeSpace), &method.bytes.light));
     method.weights = "SH octree, " + std::to_string(grown.byte_budget / 1024) + " kB";
     method.light = "solved";
     method.irradiance_at = blendedLight(weighting, kept);

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/light_grid/light_records.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
+#include "runtime_eval/numbers/coded_bytes.h"
 #include "runtime_eval/weights_file/safetensors_layout.h"
 #include "runtime_eval/weights_file/tensor_file.h"
 
@@ -16,7 +18,7 @@ namespace nlg {
 namespace {
 
 constexpr const char* kKind = "nlg-light-grid";
-constexpr const char* kVersion = "1";
+constexpr const char* kVersion = "2";
 constexpr const char* kPackedLight = "axes";
 constexpr const char* kNoLight = "none";
 constexpr std::string_view kRepresentationPrefix = "representation.", kSlopePrefix = "slope.", kDictionaryPrefix = "dictionary.";
@@ -134,6 +136,12 @@ bool hasLight(const LightGrid& grid, const GridPrecision& precision) {
   return !grid.light.empty() && precision.light_error.has_value();
 }
 
+size_t bytesOf(const PackedLight& light, const LightGrid& grid) {
+  constexpr size_t kAxisBytes = sizeof(uint8_t) + sizeof(int32_t) + kShFloats * sizeof(Half);
+  return sizeof(float) + sizeof(uint8_t) + light.axes.size() * kAxisBytes +
+         codedRecords(light, recordsBefore(grid.tree, grid.probe_function)).size();
+}
+
 // Rounding may make more of the largest numbers than a reader takes.
 FileResult checkPackedLight(const LightGrid& grid, const PackedLight& packed) {
   std::vector<std::vector<float>> light;
@@ -164,6 +172,16 @@ FileResult readNumbers(const TensorFileReader& reader, const std::string& name, 
   return {};
 }
 
+// A tensor of bytes that codedBytes made.
+FileResult readCoded(const TensorFileReader& reader, const std::string& name, const std::vector<uint16_t>& columns,
+                     std::vector<uint8_t>* bytes) {
+  std::vector<uint8_t> coded;
+  FileResult result = reader.read(name, &coded);
+  if (!result.ok() || decodeBytes(coded, columns, bytes)) return result;
+  return refuse(FileStatus::tensor_unexpected,
+                name + ": not the code of " + (columns.empty() ? std::string("any") : std::to_string(columns.size())) + " bytes");
+}
+
 FileResult readFrame(const TensorFileReader& reader, ProbeTreeFrame* frame) {
   FileResult result = readNumbers<3>(reader, "frame.first_m", frame->first_m.data());
   takeFirst(&result, readNumbers<1>(reader, "frame.spacing_m", &frame->spacing_m));
@@ -180,8 +198,8 @@ FileResult readTree(const TensorFileReader& reader, LightGrid* grid) {
   ProbeTreeData data;
   PackedNodes nodes;
   FileResult result = readFrame(reader, &data.frame);
-  takeFirst(&result, reader.read("node.kind", &nodes.kind));
-  takeFirst(&result, reader.read("node.bits", &nodes.bits));
+  takeFirst(&result, readCoded(reader, "node.kind", {}, &nodes.kind));
+  takeFirst(&result, readCoded(reader, "node.bits", {}, &nodes.bits));
   if (result.ok()) result = refuseTree(unpackNodes(nodes, &data));
   if (result.ok()) result = refuseTree(makeProbeTree(data, grid->probe_function.size(), &grid->tree));
   return result;
@@ -247,7 +265,6 @@ FileResult takeRepresentations(GridMetadata* metadata, std::vector<Representatio
 // What a probe has, in two bits. Most have a bare tent, and functions are numbered in the order of the probes that have them first.
 enum ProbeKind : uint32_t { kTentProbe, kNoWeightProbe, kNextFunction, kNamedFunction };
 constexpr size_t kProbesAByte = 4;
-constexpr size_t kMaxShortFunctions = 0x10000;  // that two bytes name
 
 struct StoredProbes {
   std::vector<uint8_t> kinds;
@@ -271,48 +288,86 @@ StoredProbes storedProbes(const std::vector<uint32_t>& probe_function) {
   return stored;
 }
 
-template <class T>
-FileResult readNames(const TensorFileReader& reader, std::vector<uint32_t>* names) {
-  std::vector<T> stored;
-  FileResult result = reader.read("probe.function", &stored);
-  names->assign(stored.begin(), stored.end());
-  return result;
+// Four bytes a name, each in a column of its own.
+std::vector<uint8_t> bytesOfNames(const std::vector<uint32_t>& names) {
+  std::vector<uint8_t> bytes;
+  for (const uint32_t name : names) {
+    for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<uint8_t>(name >> 8 * i));
+  }
+  return bytes;
 }
 
-FileResult readProbeFunctions(const TensorFileReader& reader, bool is_short, std::vector<uint32_t>* probe_function) {
+std::vector<uint16_t> columnsOfNames(size_t count) {
+  std::vector<uint16_t> columns(4 * count);
+  for (size_t i = 0; i < columns.size(); ++i) columns[i] = static_cast<uint16_t>(i % 4);
+  return columns;
+}
+
+FileResult readProbeFunctions(const TensorFileReader& reader, std::vector<uint32_t>* probe_function) {
   uint32_t count = 0;
-  StoredProbes stored;
+  std::vector<uint8_t> kinds, names;
   FileResult result = readNumbers<1>(reader, "probe.count", &count);
-  takeFirst(&result, reader.read("probe.kind", &stored.kinds));
-  takeFirst(&result, is_short ? readNames<uint16_t>(reader, &stored.names) : readNames<uint32_t>(reader, &stored.names));
+  takeFirst(&result, readCoded(reader, "probe.kind", {}, &kinds));
   if (!result.ok()) return result;
   const size_t bytes = (size_t{count} + kProbesAByte - 1) / kProbesAByte;
-  if (stored.kinds.size() != bytes) return refuseCount("probe.kind", bytes, stored.kinds.size());
-  uint32_t next = 0;
+  if (kinds.size() != bytes) return refuseCount("probe.kind", bytes, kinds.size());
+  const auto kindOf = [&](size_t probe) { return kinds[probe / kProbesAByte] >> 2 * (probe % kProbesAByte) & 3; };
   size_t named = 0;
+  for (size_t probe = 0; probe < count; ++probe) named += kindOf(probe) == kNamedFunction;
+  result = readCoded(reader, "probe.function", columnsOfNames(named), &names);
+  if (!result.ok()) return result;
+  uint32_t next = 0;
+  const uint8_t* name = names.data();
   for (size_t probe = 0; probe < count; ++probe) {
-    const uint32_t kind = stored.kinds[probe / kProbesAByte] >> 2 * (probe % kProbesAByte) & 3;
-    const bool is_named = kind == kNamedFunction;
-    if (is_named && named == stored.names.size())
-      return refuse(FileStatus::tensor_unexpected, "probe.function: too few values for probe.kind");
-    // a function's number; that it exists is checked with the grid
-    if (is_named && stored.names[named] >= kNoWeight)
-      return refuse(FileStatus::value_out_of_range, "probe.function: value " + std::to_string(named));
-    probe_function->push_back(kind == kTentProbe       ? kFreeSpace
-                              : kind == kNoWeightProbe ? kNoWeight
-                              : is_named               ? stored.names[named++]
-                                                       : next++);
+    const uint32_t kind = kindOf(probe);
+    uint32_t function = kind == kTentProbe ? kFreeSpace : kNoWeight;
+    if (kind == kNextFunction) function = next++;
+    if (kind == kNamedFunction) {
+      function = uint32_t{name[0]} | uint32_t{name[1]} << 8 | uint32_t{name[2]} << 16 | uint32_t{name[3]} << 24;
+      // that it exists is checked with the grid
+      if (function >= kNoWeight)
+        return refuse(FileStatus::value_out_of_range, "probe.function: value " + std::to_string((name - names.data()) / 4));
+      name += 4;
+    }
+    probe_function->push_back(function);
   }
-  if (named != stored.names.size()) return refuseCount("probe.function", named, stored.names.size());
   return {};
+}
+
+// What numbers of theta have the same meaning, for codedBytes: those of one place in one representation, of halves each byte by itself.
+// Numbers of product fields are pairs at each node, which are all alike.
+struct ThetaColumns {
+  std::vector<uint16_t> steps, halves;
+};
+
+// steps_of_function   as many as functions of representations that exist
+ThetaColumns thetaColumns(const LightGrid& grid, const std::vector<int>& steps_of_function) {
+  constexpr int kBytesOfPair = 2 * sizeof(Half);
+  std::vector<int> first_step(grid.representations.size(), -1), first_half = first_step;
+  int next_step = 0, next_half = 0;
+  ThetaColumns columns;
+  size_t function = 0;
+  for (const uint8_t r : grid.function_representation) {
+    if (r >= grid.representations.size()) continue;
+    const ThetaForm form = thetaForm(grid.representations[r], ThetaPrecision::int8);
+    const int half_bytes = static_cast<int>(sizeof(Half)) * form.halves;
+    const int half_columns = grid.representations[r].isNetwork() ? half_bytes : kBytesOfPair;
+    if (first_step[r] < 0) {
+      first_step[r] = next_step, next_step += form.steps;
+      first_half[r] = next_half, next_half += half_columns;
+    }
+    for (int i = 0; i < steps_of_function[function]; ++i) columns.steps.push_back(static_cast<uint16_t>(first_step[r] + i));
+    for (int i = 0; i < half_bytes; ++i) columns.halves.push_back(static_cast<uint16_t>(first_half[r] + i % half_columns));
+    ++function;
+  }
+  return columns;
 }
 
 // After the functions' representations.
 FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   PackedTheta packed;
-  FileResult result = reader.read("theta.steps", &packed.steps);
-  takeFirst(&result, reader.read("theta.halves", &packed.halves));
-  if (!reader.dtypeOf("theta.groups").empty()) takeFirst(&result, reader.read("theta.groups", &packed.groups));
+  FileResult result;
+  if (!reader.dtypeOf("theta.groups").empty()) result = readCoded(reader, "theta.groups", {}, &packed.groups);
   if (!result.ok()) return result;
   // functions whose representation does not exist are for checkLightGrid to name
   const auto representationOf = [&](uint8_t r) { return r < grid->representations.size() ? &grid->representations[r] : nullptr; };
@@ -320,7 +375,7 @@ FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   for (const uint8_t r : grid->function_representation)
     code_count += representationOf(r) != nullptr && representationOf(r)->isCode();
   if (packed.groups.size() != code_count) return refuseCount("theta.groups", code_count, packed.groups.size());
-  size_t step_count = 0, half_count = 0, theta_count = 0, code = 0;
+  size_t theta_count = 0, code = 0;
   std::vector<int> steps_of_function;
   for (const uint8_t r : grid->function_representation) {
     const Representation* of = representationOf(r);
@@ -332,10 +387,16 @@ FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
                                                         std::to_string(form.steps / kCodeGroup));
     }
     steps_of_function.push_back(steps);
-    step_count += steps, half_count += form.halves, theta_count += of->thetaCount();
+    theta_count += of->thetaCount();
   }
-  if (packed.steps.size() != step_count) return refuseCount("theta.steps", step_count, packed.steps.size());
-  if (packed.halves.size() != half_count) return refuseCount("theta.halves", half_count, packed.halves.size());
+  const ThetaColumns columns = thetaColumns(*grid, steps_of_function);
+  std::vector<uint8_t> step_bytes, half_bytes;
+  result = readCoded(reader, "theta.steps", columns.steps, &step_bytes);
+  takeFirst(&result, readCoded(reader, "theta.halves", columns.halves, &half_bytes));
+  if (!result.ok()) return result;
+  packed.steps.assign(step_bytes.begin(), step_bytes.end());
+  for (size_t i = 0; i < half_bytes.size(); i += sizeof(Half))
+    packed.halves.push_back({static_cast<uint16_t>(half_bytes[i] | half_bytes[i + 1] << 8)});
   const auto beyond = std::find(packed.steps.begin(), packed.steps.end(), int8_t{-128});
   if (beyond != packed.steps.end()) {
     return refuse(FileStatus::value_out_of_range,
@@ -365,8 +426,8 @@ FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
 }
 
 FileResult readFunctions(const TensorFileReader& reader, LightGrid* grid) {
-  FileResult result = reader.read("function.representation", &grid->function_representation);
-  takeFirst(&result, readProbeFunctions(reader, grid->functionCount() <= kMaxShortFunctions, &grid->probe_function));
+  FileResult result = readCoded(reader, "function.representation", {}, &grid->function_representation);
+  takeFirst(&result, readProbeFunctions(reader, &grid->probe_function));
   if (!result.ok()) return result;
   for (const uint8_t representation : grid->function_representation) {
     // those that do not exist are for checkLightGrid to name
@@ -488,9 +549,8 @@ FileResult readLight(const TensorFileReader& reader, LightGrid* grid) {
     axis.offset = offsets[k];
     std::copy_n(axes.begin() + static_cast<ptrdiff_t>(k * kShFloats), kShFloats, axis.direction.begin());
   }
-  const std::vector<uint32_t>& functions = grid->probe_function;
-  const auto with_weight = functions.size() - static_cast<size_t>(std::count(functions.begin(), functions.end(), kNoWeight));
-  result = decodeRecords(records, with_weight * std::max<size_t>(1, grid->groups.size()), &packed);
+  result =
+      decodeRecords(records, recordsBefore(grid->tree, grid->probe_function), std::max<size_t>(1, grid->groups.size()), &packed);
   return result.ok() ? takePackedLight(grid) : result;
 }
 
@@ -513,6 +573,42 @@ FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadat
   if (result.ok()) result = checkWithoutBricks(*grid);
   if (result.ok()) grid->makeBricks();
   return result;
+}
+
+// The tensors that codedBytes makes.
+struct CodedTensors {
+  std::vector<uint8_t> node_kind, node_bits, probe_kind, probe_function, function_representation, theta_groups, theta_steps,
+      theta_halves;
+};
+
+CodedTensors codedTensors(const LightGrid& grid, const ProbeTreeData& tree, const PackedTheta& theta) {
+  const PackedNodes nodes = packNodes(tree);
+  const StoredProbes probes = storedProbes(grid.probe_function);
+  std::vector<int> steps_of_function;
+  size_t code = 0;
+  for (const uint8_t r : grid.function_representation) {
+    const Representation& of = grid.representations[r];
+    steps_of_function.push_back(of.isCode() && !theta.groups.empty() ? kCodeGroup * (theta.groups[code++] % kCodeExponentUnit)
+                                                                     : thetaForm(of, ThetaPrecision::int8).steps);
+  }
+  const ThetaColumns columns = thetaColumns(grid, steps_of_function);
+  CodedTensors coded;
+  coded.node_kind = codedBytes(nodes.kind);
+  coded.node_bits = codedBytes(nodes.bits);
+  coded.probe_kind = codedBytes(probes.kinds);
+  coded.probe_function = codedBytes(bytesOfNames(probes.names), columnsOfNames(probes.names.size()));
+  coded.function_representation = codedBytes(grid.function_representation);
+  coded.theta_groups = codedBytes(theta.groups);
+  if (!theta.steps.empty()) coded.theta_steps = codedBytes({theta.steps.begin(), theta.steps.end()}, columns.steps);
+  if (!theta.halves.empty()) {
+    std::vector<uint8_t> bytes;
+    for (const Half half : theta.halves) {
+      bytes.push_back(static_cast<uint8_t>(half.bits));
+      bytes.push_back(static_cast<uint8_t>(half.bits >> 8));
+    }
+    coded.theta_halves = codedBytes(bytes, columns.halves);
+  }
+  return coded;
 }
 
 // Nothing half-read reaches the caller.
@@ -553,7 +649,8 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
     light_offsets.push_back(axis.offset);
     light_axes.insert(light_axes.end(), axis.direction.begin(), axis.direction.end());
   }
-  const std::vector<uint8_t> light_records = codedRecords(light);
+  std::vector<uint8_t> light_records;
+  if (result.ok() && has_light) light_records = codedRecords(light, recordsBefore(grid.tree, grid.probe_function));
   std::vector<Half> halves;
   PackedTheta packed;
   if (result.ok() && precision.theta == ThetaPrecision::float16) result = halvesOf(grid, &halves);
@@ -563,31 +660,24 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   const std::vector<int> longest = longestCodes(grid, precision.theta);
 
   const ProbeTreeData tree = probeTreeData(grid.tree);
-  const PackedNodes nodes = packNodes(tree);
+  const CodedTensors coded = codedTensors(grid, tree, packed);
   const std::vector<double> first_m(tree.frame.first_m.begin(), tree.frame.first_m.end()), spacing_m{tree.frame.spacing_m};
   const std::vector<int32_t> root_count(tree.frame.root_count.begin(), tree.frame.root_count.end());
-  const StoredProbes probes = storedProbes(grid.probe_function);
   const std::vector<uint32_t> probe_count{static_cast<uint32_t>(grid.probe_function.size())};
-  const bool is_short = grid.functionCount() <= kMaxShortFunctions;
-  const std::vector<uint16_t> short_names(is_short ? probes.names.begin() : probes.names.end(), probes.names.end());
   TensorFileWriter writer;
   writer.add("frame.first_m", first_m);
   writer.add("frame.spacing_m", spacing_m);
   writer.add("frame.root_count", root_count);
-  writer.add("node.kind", nodes.kind);
-  writer.add("node.bits", nodes.bits);
+  writer.add("node.kind", coded.node_kind);
+  writer.add("node.bits", coded.node_bits);
   writer.add("probe.count", probe_count);
-  writer.add("probe.kind", probes.kinds);
-  if (is_short) {
-    writer.add("probe.function", short_names);
-  } else {
-    writer.add("probe.function", probes.names);
-  }
-  writer.add("function.representation", grid.function_representation);
+  writer.add("probe.kind", coded.probe_kind);
+  writer.add("probe.function", coded.probe_function);
+  writer.add("function.representation", coded.function_representation);
   if (in_steps) {
-    writer.add("theta.steps", packed.steps);
-    writer.add("theta.halves", packed.halves);
-    if (!packed.groups.empty()) writer.add("theta.groups", packed.groups);
+    writer.add("theta.steps", coded.theta_steps);
+    writer.add("theta.halves", coded.theta_halves);
+    if (!packed.groups.empty()) writer.add("theta.groups", coded.theta_groups);
   } else if (precision.theta == ThetaPrecision::float16) {
     writer.add("theta", halves);
   } else {
@@ -623,12 +713,15 @@ FileResult parseLightGrid(std::string_view bytes, LightGrid* grid, GridMetadata*
   return finish(opened, reader, grid, metadata);
 }
 
+size_t packedLightBytes(const LightGrid& grid) { return bytesOf(grid.packed_light, grid); }
+
 LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precision) {
-  const PackedNodes nodes = packNodes(probeTreeData(grid.tree));
-  size_t theta_bytes = 0;
-  for (size_t f = 0; f < grid.functionCount(); ++f)
-    theta_bytes +=
-        storedThetaBytes(grid.representations[grid.function_representation[f]], precision.theta, grid.functionTheta(f));
+  PackedTheta packed;
+  if (precision.theta == ThetaPrecision::int8) stepsOf(grid, &packed);
+  const CodedTensors coded = codedTensors(grid, probeTreeData(grid.tree), packed);
+  size_t theta_bytes = coded.theta_steps.size() + coded.theta_halves.size() + coded.theta_groups.size();
+  if (precision.theta != ThetaPrecision::int8)
+    theta_bytes = grid.theta.size() * (precision.theta == ThetaPrecision::float16 ? sizeof(Half) : sizeof(float));
   size_t dictionary_bytes = 0;
   const std::vector<int> longest = longestCodes(grid, precision.theta);
   for (size_t r = 0; r < grid.representations.size(); ++r) {
@@ -636,16 +729,13 @@ LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precis
     const StoredDictionary stored = storedDictionary(grid.representations[r].dictionary->data(), longest[r]);
     dictionary_bytes += stored.nodes.size() + stored.exponents.size();
   }
-  const StoredProbes probes = storedProbes(grid.probe_function);
   constexpr size_t kFrameBytes = sizeof(PositionM) + sizeof(double) + 3 * sizeof(int32_t);
-  return {
-      .light = hasLight(grid, precision) ? packedLightBytes(packedLightOf(grid, *precision.light_error)) : 0,
-      .theta = theta_bytes,
-      .dictionaries = dictionary_bytes,
-      .functions = grid.function_representation.size() * sizeof(uint8_t),
-      .probe_function = sizeof(uint32_t) + probes.kinds.size() +
-                        probes.names.size() * (grid.functionCount() <= kMaxShortFunctions ? sizeof(uint16_t) : sizeof(uint32_t)),
-      .tree = kFrameBytes + nodes.kind.size() + nodes.bits.size()};
+  return {.light = hasLight(grid, precision) ? bytesOf(packedLightOf(grid, *precision.light_error), grid) : 0,
+          .theta = theta_bytes,
+          .dictionaries = dictionary_bytes,
+          .functions = coded.function_representation.size(),
+          .probe_function = sizeof(uint32_t) + coded.probe_kind.size() + coded.probe_function.size(),
+          .tree = kFrameBytes + coded.node_kind.size() + coded.node_bits.size()};
 }
 
 }  // namespace nlg

@@ -56,5 +56,7 @@ struct LightGridBytes {
   size_t total() const { return light + theta + dictionaries + functions + probe_function + tree; }
 };
 LightGridBytes lightGridBytes(const LightGrid& grid, const GridPrecision& precision);
+// Of packed_light alone: records, axes and what else says how they are read.
+size_t packedLightBytes(const LightGrid& grid);
 
 }  // namespace nlg

@@ -7,8 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "runtime_eval/numbers/range_coder.h"
-
 namespace nlg {
 namespace {
 
@@ -436,10 +434,28 @@ class LightPacker {
 FileResult refuse(FileStatus status, std::string detail) { return {status, std::move(detail)}; }
 
 uint32_t maskOf(const LightField& field) { return (1u << field.bits) - 1; }
-uint32_t numberOf(const uint32_t* record, const LightField& field) { return record[field.word] >> field.shift & maskOf(field); }
 
-// All but the records.
-FileResult checkLayout(const PackedLight& packed) {
+FileResult checkPacked(const PackedLight& packed, size_t probe_count) {
+  const FileResult layout = checkLightLayout(packed);
+  if (!layout.ok()) return layout;
+  const int words = lightWords(packed);
+  const size_t expected = probe_count * static_cast<size_t>(words);
+  if (packed.records.size() != expected) {
+    return refuse(FileStatus::tensor_unexpected,
+                  "light.records: " + std::to_string(packed.records.size()) + " words; expected " + std::to_string(expected));
+  }
+  std::array<uint32_t, kMaxLightWords> used{};
+  for (const LightField& field : lightFields(packed)) used[static_cast<size_t>(field.word)] |= maskOf(field) << field.shift;
+  for (size_t i = 0; i < packed.records.size(); ++i) {
+    if ((packed.records[i] & ~used[i % static_cast<size_t>(words)]) != 0)
+      return refuse(FileStatus::value_out_of_range, "light.records: bits without a meaning in word " + std::to_string(i));
+  }
+  return {};
+}
+
+}  // namespace
+
+FileResult checkLightLayout(const PackedLight& packed) {
   if (packed.axes.size() > kShFloats)
     return refuse(FileStatus::tensor_unexpected,
                   "light.offsets: " + std::to_string(packed.axes.size()) + " axes; expected at most 27");
@@ -466,74 +482,6 @@ FileResult checkLayout(const PackedLight& packed) {
   return {};
 }
 
-FileResult checkPacked(const PackedLight& packed, size_t probe_count) {
-  const FileResult layout = checkLayout(packed);
-  if (!layout.ok()) return layout;
-  const int words = lightWords(packed);
-  const size_t expected = probe_count * static_cast<size_t>(words);
-  if (packed.records.size() != expected) {
-    return refuse(FileStatus::tensor_unexpected,
-                  "light.records: " + std::to_string(packed.records.size()) + " words; expected " + std::to_string(expected));
-  }
-  std::array<uint32_t, kMaxLightWords> used{};
-  for (const LightField& field : lightFields(packed)) used[static_cast<size_t>(field.word)] |= maskOf(field) << field.shift;
-  for (size_t i = 0; i < packed.records.size(); ++i) {
-    if ((packed.records[i] & ~used[i % static_cast<size_t>(words)]) != 0)
-      return refuse(FileStatus::value_out_of_range, "light.records: bits without a meaning in word " + std::to_string(i));
-  }
-  return {};
-}
-
-}  // namespace
-
-size_t packedLightBytes(const PackedLight& packed) {
-  const size_t axis_bytes = sizeof(uint8_t) + sizeof(int32_t) + kShFloats * sizeof(Half);
-  return sizeof(float) + sizeof(uint8_t) + packed.axes.size() * axis_bytes + codedRecords(packed).size();
-}
-
-std::vector<uint8_t> codedRecords(const PackedLight& packed) {
-  const std::vector<LightField> fields = lightFields(packed);
-  const auto words = static_cast<size_t>(lightWords(packed));
-  if (words == 0) return {};
-  std::vector<NumberModel> models;
-  for (const LightField& field : fields) models.emplace_back(field.bits);
-  std::vector<uint32_t> before(fields.size(), 0);
-  RangeEncoder encoder;
-  for (size_t i = 0; i < packed.records.size(); i += words) {
-    for (size_t f = 0; f < fields.size(); ++f) {
-      const uint32_t number = numberOf(&packed.records[i], fields[f]);
-      encoder.add((number - before[f]) & maskOf(fields[f]), &models[f]);
-      before[f] = number;
-    }
-  }
-  return encoder.finish();
-}
-
-FileResult decodeRecords(const std::vector<uint8_t>& bytes, size_t probe_count, PackedLight* packed) {
-  packed->records.clear();
-  FileResult result = checkLayout(*packed);
-  if (!result.ok()) return result;
-  const std::vector<LightField> fields = lightFields(*packed);
-  const auto words = static_cast<size_t>(lightWords(*packed));
-  const FileResult others = {FileStatus::tensor_unexpected,
-                             "light.records: not the records of " + std::to_string(probe_count) + " probes"};
-  if (words == 0) return bytes.empty() ? FileResult{} : others;
-  std::vector<NumberModel> models;
-  for (const LightField& field : fields) models.emplace_back(field.bits);
-  std::vector<uint32_t> before(fields.size(), 0);
-  packed->records.resize(probe_count * words);
-  RangeDecoder decoder(bytes.data(), bytes.size());
-  for (size_t i = 0; i < packed->records.size(); i += words) {
-    for (size_t f = 0; f < fields.size(); ++f) {
-      before[f] = (before[f] + decoder.next(&models[f])) & maskOf(fields[f]);
-      if (fields[f].bits > 0) packed->records[i + static_cast<size_t>(fields[f].word)] |= before[f] << fields[f].shift;
-    }
-  }
-  if (decoder.isAtEnd()) return {};
-  packed->records.clear();
-  return others;
-}
-
 std::vector<LightField> lightFields(const PackedLight& packed) { return layoutOf(packed).fields(); }
 
 int lightWords(const PackedLight& packed) { return layoutOf(packed).words(); }
@@ -555,12 +503,12 @@ FileResult unpackLight(const PackedLight& packed, size_t probe_count, std::vecto
     std::transform(packed.axes[k].direction.begin(), packed.axes[k].direction.end(), axes[k].begin(), floatFromHalf);
   for (size_t probe = 0; probe < probe_count; ++probe) {
     const uint32_t* record = &packed.records[probe * words];
-    const uint32_t s = numberOf(record, fields[0]);
+    const uint32_t s = lightNumber(record, fields[0]);
     if (s == 0) continue;
     // exact until the last product: whatever a machine fuses, the floats are the same
     Numbers sum{};
     for (size_t k = 0; k < packed.axes.size(); ++k) {
-      const auto steps = static_cast<double>(static_cast<int32_t>(numberOf(record, fields[k + 1])) + packed.axes[k].offset);
+      const auto steps = static_cast<double>(static_cast<int32_t>(lightNumber(record, fields[k + 1])) + packed.axes[k].offset);
       for (size_t i = 0; i < kShFloats; ++i) sum[i] += steps * axes[k][i];
     }
     const double scale = double{packed.unit} * scaleOf(s);

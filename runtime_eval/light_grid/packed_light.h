@@ -7,8 +7,8 @@
 //
 // s and the u_k are unsigned numbers of so many bits each, s first. Each stands in the next bits of the record's current word of 32 bits,
 // lowest first, or where it does not fit there begins the next word: so shaders read them. How many axes there are, and how many bits
-// each gets, is chosen by the error that a caller accepts: some 16 bytes a probe, where 27 float16 are 54. Neighbours hold much the same
-// light: a file holds differences, in about 10 bytes.
+// each gets, is chosen by the error that a caller accepts: some 16 bytes a probe, where 27 float16 are 54. A file takes half of that
+// (light_records.h).
 //
 // Errors are those of irradiance, root mean square over all normals and channels, over the irradiance of the same probe by the same
 // measure: a dark room counts as much as a terrace.
@@ -54,14 +54,12 @@ std::vector<LightField> lightFields(const PackedLight& packed);
 // Words of 32 bits a record.
 int lightWords(const PackedLight& packed);
 
-// The records as a file holds them: of every number in turn the difference from that of the probe before, in its bits, by a
-// range coder (range_coder.h).
-std::vector<uint8_t> codedRecords(const PackedLight& packed);
-// The inverse, for records of these axes.
-// returns   ok; tensor_unexpected where these are not the records of so many probes; value_out_of_range and more than kMaxLightWords
-FileResult decodeRecords(const std::vector<uint8_t>& bytes, size_t probe_count, PackedLight* packed);
-// Bytes of a file's light: records, axes and what else says how they are read.
-size_t packedLightBytes(const PackedLight& packed);
+inline uint32_t lightNumber(const uint32_t* record, const LightField& field) {
+  return record[field.word] >> field.shift & ((1u << field.bits) - 1);
+}
+// Of all but the records.
+// returns   ok; tensor_unexpected, value_out_of_range, value_not_finite; value_out_of_range and more than kMaxLightWords
+FileResult checkLightLayout(const PackedLight& packed);
 
 // What packing leaves of light.
 struct LightPacking {

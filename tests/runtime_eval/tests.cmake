@@ -63,6 +63,7 @@ nlg_test(test_light_grid
     runtime_eval/counting_new.cpp runtime_eval/system_calls${of_system}.cpp
     runtime_eval/light_grid/probe_tree_data_test.cpp
     runtime_eval/light_grid/light_grid_test.cpp
+    runtime_eval/light_grid/light_records_test.cpp runtime_eval/numbers/coded_bytes_test.cpp
     runtime_eval/light_grid/packed_light_test.cpp
     runtime_eval/light_grid/irradiance_test.cpp
     runtime_eval/light_grid/irradiance_batch_test.cpp

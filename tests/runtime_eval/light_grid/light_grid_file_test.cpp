@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/numbers/coded_bytes.h"
 #include "runtime_eval/numbers/half.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/weights_file/digest_edits.h"
@@ -89,6 +90,86 @@ void put(std::string& bytes, const std::string& tensor, size_t index, T value) {
   std::memcpy(bytes.data() + place.begin + index * sizeof(T), &value, sizeof value);
 }
 
+// The file with other bytes in a tensor of bytes, however many: all that lies behind moves.
+std::string withTensor(const std::string& bytes, const std::string& tensor, const std::vector<uint8_t>& values) {
+  constexpr size_t kAligned = 64;
+  uint64_t length = 0;
+  std::memcpy(&length, bytes.data(), sizeof length);
+  const nlohmann::json before = nlohmann::json::parse(bytes.substr(8, length));
+  std::map<size_t, std::string> in_order;
+  const std::map<std::string, Place> places = placesIn(bytes);
+  for (const auto& [name, place] : places) {
+    if (name.substr(0, 8) != "padding." && (place.count > 0 || name == tensor))
+      in_order[2 * place.begin + (place.count > 0)] = name;
+  }
+  nlohmann::json header = {{"__metadata__", before["__metadata__"]}};
+  std::string data;
+  int fillers = 0;
+  const auto add = [&](const std::string& name, nlohmann::json entry, const std::string& of) {
+    entry["data_offsets"] = {data.size(), data.size() + of.size()};
+    header[name] = std::move(entry);
+    data += of;
+  };
+  for (const auto& [name, place] : places) {
+    if (place.count == 0 && name != tensor) add(name, before[name], "");
+  }
+  for (const auto& [begin, name] : in_order) {
+    if (const size_t over = data.size() % kAligned; over > 0) {
+      const size_t count = kAligned - over;
+      add("padding." + std::to_string(fillers++), {{"dtype", "U8"}, {"shape", {count}}}, std::string(count, '\0'));
+    }
+    nlohmann::json entry = before[name];
+    if (name == tensor) entry["shape"] = {values.size()};
+    const Place place = places.at(name);
+    add(name, std::move(entry),
+        name == tensor ? std::string(values.begin(), values.end()) : bytes.substr(place.begin, place.count));
+  }
+  std::string text = header.dump();
+  text.resize((text.size() + 8 + kAligned - 1) / kAligned * kAligned - 8, ' ');
+  length = text.size();
+  std::string file(sizeof length, '\0');
+  std::memcpy(file.data(), &length, sizeof length);
+  return file + text + data;
+}
+
+using Columns = std::vector<uint16_t>;
+
+std::vector<uint8_t> decoded(const std::string& bytes, const std::string& tensor, const Columns& columns = {}) {
+  const Place place = placesIn(bytes).at(tensor);
+  std::vector<uint8_t> values;
+  EXPECT_TRUE(decodeBytes(
+      {bytes.begin() + static_cast<ptrdiff_t>(place.begin), bytes.begin() + static_cast<ptrdiff_t>(place.begin + place.count)},
+      columns, &values))
+      << tensor;
+  return values;
+}
+
+// A byte of a tensor that codedBytes made.
+void putCoded(std::string& bytes, const std::string& tensor, size_t index, int value, const Columns& columns = {}) {
+  std::vector<uint8_t> values = decoded(bytes, tensor, columns);
+  ASSERT_LT(index, values.size()) << tensor;
+  values[index] = static_cast<uint8_t>(value);
+  bytes = withTensor(bytes, tensor, codedBytes(values, columns));
+}
+
+// Of rows of these lengths, one column for each place in a row.
+Columns columnsOf(const std::vector<int>& lengths) {
+  Columns columns;
+  for (const int length : lengths) {
+    for (int i = 0; i < length; ++i) columns.push_back(static_cast<uint16_t>(i));
+  }
+  return columns;
+}
+
+// Of probe.function: four bytes for each probe whose kind says that it has a name.
+Columns columnsOfNames(const std::string& bytes) {
+  int named = 0;
+  for (const uint8_t four : decoded(bytes, "probe.kind")) {
+    for (int shift = 0; shift < 8; shift += 2) named += (four >> shift & 3) == 3;
+  }
+  return columnsOf(std::vector<int>(static_cast<size_t>(named), 4));
+}
+
 TEST(LightGridFile, ReadsBackWhatWasWritten) {
   for (uint64_t seed = 0; seed < 4; ++seed) {
     LightGrid grid = randomGrid(seed == 0 ? smallTree() : randomTree(seed).tree, seed), read;
@@ -100,7 +181,7 @@ TEST(LightGridFile, ReadsBackWhatWasWritten) {
   }
 }
 
-TEST(LightGridFile, HoldsFunctionsOfProbesInAsFewBytesAsTheirNumberNeeds) {
+TEST(LightGridFile, HoldsFunctionsOfProbesByTheirOrderOrByTheirNames) {
   LightGrid grid = randomGrid(smallTree(), 1);
   const std::vector<float> theta(ThetaLayout::count, 0.5f);
   for (const size_t count : {size_t{0x10000}, size_t{0x10001}}) {
@@ -116,9 +197,8 @@ TEST(LightGridFile, HoldsFunctionsOfProbesInAsFewBytesAsTheirNumberNeeds) {
       next += function == next;
     }
     ASSERT_GT(next, 0u);
-    std::map<std::string, Place> places = placesIn(bytes);
-    EXPECT_EQ(places["probe.function"].count, named * (count == 0x10000 ? 2 : 4));
-    EXPECT_EQ(places["probe.kind"].count, (grid.tree.probeCount() + 3) / 4);
+    EXPECT_EQ(decoded(bytes, "probe.function", columnsOfNames(bytes)).size(), 4 * named);
+    EXPECT_EQ(decoded(bytes, "probe.kind").size(), (grid.tree.probeCount() + 3) / 4);
     LightGrid read;
     ASSERT_TRUE(parse(bytes, &read).ok());
     EXPECT_TRUE(read.probe_function == grid.probe_function);
@@ -136,8 +216,8 @@ TEST(LightGridFile, TakesLittleBesideThetaAndLight) {
   const LightGrid grid = litGrid(std::move(tree), 1);
   const LightGridBytes bytes = lightGridBytes(grid, {});
   const size_t probes = grid.tree.probeCount();
-  // 2 bytes and a quarter say which function a probe has; a node of 64 cells takes 1 byte, or 9
-  EXPECT_LE(bytes.tree + bytes.probe_function, 3.25 * static_cast<double>(probes));
+  // which function a probe has: a quarter of a byte, and a name of those that are drawn at random here
+  EXPECT_LE(bytes.tree + bytes.probe_function, 1.5 * static_cast<double>(probes));
   EXPECT_LE(bytes.light, 32 * probes + 27 * 59 + 5);
 }
 
@@ -193,8 +273,8 @@ TEST(LightGridFile, HoldsOfCodesAndTheirDictionaryWhatIsNeeded) {
   const LightGrid grid = gridOfCodes(code, lengths);
   const std::string bytes = bytesOf(grid, {ThetaPrecision::int8});
   std::map<std::string, Place> places = placesIn(bytes);
-  EXPECT_EQ(places["theta.steps"].count, 88u);
-  EXPECT_EQ(bytes.substr(places["theta.groups"].begin, places["theta.groups"].count), (std::string{1, 0, 3, 2, 5}));
+  EXPECT_EQ(decoded(bytes, "theta.steps", columnsOf(lengths)).size(), 88u);
+  EXPECT_EQ(decoded(bytes, "theta.groups"), (std::vector<uint8_t>{1, 0, 3, 2, 5}));
   EXPECT_EQ(places["dictionary.0.nodes"].count, 41 * 729u);
   EXPECT_EQ(places["dictionary.0.exponents"].count, 41u);
   LightGrid read;
@@ -222,8 +302,7 @@ TEST(LightGridFile, HoldsCodesBeyondAByteInCoarserSteps) {
   grid.makeBricks();
   EXPECT_EQ(read.theta, grid.theta);
   EXPECT_EQ(read.quads, grid.quads);
-  const Place groups = placesIn(bytes)["theta.groups"];
-  EXPECT_GT(static_cast<uint8_t>(bytes[groups.begin]), kCodeExponentUnit);
+  EXPECT_GT(decoded(bytes, "theta.groups").front(), kCodeExponentUnit);
   EXPECT_EQ(bytesOf(read, {ThetaPrecision::int8}), bytes);
 }
 
@@ -264,22 +343,24 @@ TEST(LightGridFile, RefusesCodesAndDictionariesThatNoFileHas) {
     put(spoilt, tensor, index, value);
     return spoilt;
   };
+  const Columns columns = columnsOf({16, 8});
+  const auto withCoded = [&](const char* tensor, size_t index, int value, const Columns& of = {}) {
+    std::string spoilt = bytes;
+    putCoded(spoilt, tensor, index, value, of);
+    return spoilt;
+  };
   refused("more groups than the code has", FileStatus::value_out_of_range, "theta.groups: value 0: expected at most 2",
-          with("theta.groups", 0, uint8_t{3}));
-  refused("a group too few", FileStatus::tensor_unexpected, "theta.steps: expected 16 values, got 24",
-          with("theta.groups", 0, uint8_t{1}));
-  std::string spoilt = with("theta.groups", 0, uint8_t{1});
-  put(spoilt, "theta.groups", 1, uint8_t{2});
-  LightGrid moved;  // the steps of one code taken for another's: whole all the same
-  EXPECT_TRUE(parse(stamped(spoilt), &moved).ok());
-  spoilt = bytes;
-  for (size_t i = 16; i < 24; ++i) put(spoilt, "theta.steps", i, int8_t{0});
+          withCoded("theta.groups", 0, 3));
+  refused("a group too few", FileStatus::tensor_unexpected, "theta.steps: not the code of 16 bytes",
+          withCoded("theta.groups", 0, 1));
+  std::string spoilt = bytes;
+  for (size_t i = 16; i < 24; ++i) putCoded(spoilt, "theta.steps", i, 0, columns);
   refused("a group of zeros", FileStatus::value_out_of_range, "theta.groups: expected no group of zeros", spoilt);
-  refused("a step of -128", FileStatus::value_out_of_range, "theta.steps: value 5", with("theta.steps", 5, int8_t{-128}));
+  refused("a step of -128", FileStatus::value_out_of_range, "theta.steps: value 5", withCoded("theta.steps", 5, -128, columns));
   refused("an exponent out of range", FileStatus::value_out_of_range, "dictionary.0: exponents",
           with("dictionary.0.exponents", 3, int8_t{99}));
-  spoilt = with("theta.groups", 0, static_cast<uint8_t>(2 + kCodeExponentUnit));
-  for (size_t k = 0; k < 16; ++k) put(spoilt, "theta.steps", k, int8_t{1});
+  spoilt = withCoded("theta.groups", 0, 2 + kCodeExponentUnit);
+  for (size_t k = 0; k < 16; ++k) putCoded(spoilt, "theta.steps", k, 1, columns);
   refused("coarser steps than the code needs", FileStatus::value_out_of_range, "theta.groups: expected no group of zeros",
           spoilt);
   spoilt = bytesOf(gridOfCodes(code, {16, 8}), {ThetaPrecision::float32});
@@ -301,21 +382,27 @@ TEST(LightGridFile, RefusesCodesAndDictionariesThatNoFileHas) {
 }
 
 TEST(LightGridFile, RefusesStepsThatNoFileHas) {
-  std::string bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
-  put(bytes, "theta.steps", 9, int8_t{-128});
-  LightGrid grid;
-  EXPECT_EQ(parse(stamped(bytes), &grid).status, FileStatus::value_out_of_range);
-  bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
-  put(bytes, "theta.halves", 3, uint16_t{0x7c00});
-  EXPECT_EQ(parse(stamped(bytes), &grid).status, FileStatus::value_not_finite);
+  const Representation network{RepresentationKind::tent_mlp4};
+  LightGrid whole = freeGrid(), grid;
+  whole.representations = {network, Representation::productField(3)};
+  const int functions = 3;
+  for (int i = 0; i < functions; ++i)
+    whole.probe_function[static_cast<size_t>(i)] = whole.addFunction(0, randomTheta(network, static_cast<uint64_t>(i)).data());
+  const std::string bytes = bytesOf(whole, {ThetaPrecision::int8});
+  const ThetaForm form = thetaForm(network, ThetaPrecision::int8);
+  const Columns steps = columnsOf(std::vector<int>(functions, form.steps)),
+                halves = columnsOf(std::vector<int>(functions, 2 * form.halves));
+  std::string spoilt = bytes;
+  putCoded(spoilt, "theta.steps", 9, -128, steps);
+  EXPECT_EQ(parse(stamped(spoilt), &grid).status, FileStatus::value_out_of_range);
+  spoilt = bytes;
+  putCoded(spoilt, "theta.halves", 6, 0x00, halves);
+  putCoded(spoilt, "theta.halves", 7, 0x7c, halves);
+  EXPECT_EQ(parse(stamped(spoilt), &grid).status, FileStatus::value_not_finite);
   // a function of another representation needs other numbers of steps and halves
-  bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::int8});
-  const LightGrid whole = randomGrid(smallTree(), 1);
-  const auto bytesOfOne = [&](size_t r) { return thetaForm(whole.representations[r], ThetaPrecision::int8).bytes(); };
-  uint8_t other = 0;
-  while (bytesOfOne(other) == bytesOfOne(whole.function_representation[0])) ++other;
-  put(bytes, "function.representation", 0, other);
-  EXPECT_EQ(parse(stamped(bytes), &grid).status, FileStatus::tensor_unexpected);
+  spoilt = bytes;
+  putCoded(spoilt, "function.representation", 0, 1);
+  EXPECT_EQ(parse(stamped(spoilt), &grid).status, FileStatus::tensor_unexpected);
 }
 
 TEST(LightGridFile, HoldsTheLightOfProbesWithWeight) {
@@ -502,23 +589,23 @@ TEST(LightGridFile, NamesHostileNumbers) {
        }},
       {"no roots", kRange, "probe tree: nodes", [=](std::string& b) { put(b, "frame.root_count", 0, int32_t{0}); }},
       {"64 children", kRange, "probe tree: nodes: expected no more bits",
-       [=](std::string& b) { put(b, "node.kind", 1, uint8_t{2 + 4}); }},
+       [=](std::string& b) { putCoded(b, "node.kind", 1, 2 + 4); }},
       {"no such kind of node", kRange, "probe tree: node 2: expected a kind",
-       [=](std::string& b) { put(b, "node.kind", 2, uint8_t{3}); }},
+       [=](std::string& b) { putCoded(b, "node.kind", 2, 3); }},
       {"whole cells below the roots", kRange, "probe tree: node 2: expected a cell_count",
-       [=](std::string& b) { put(b, "node.kind", 2, uint8_t{16}); }},
-      {"fewer cells than probes", kRange, "probe tree: probes", [=](std::string& b) { put(b, "node.kind", 2, uint8_t{2}); }},
-      {"no such function", kRange, "probe ", [=](std::string& b) { put(b, "probe.function", 3, uint16_t{16}); }},
+       [=](std::string& b) { putCoded(b, "node.kind", 2, 16); }},
+      {"fewer cells than probes", kRange, "probe tree: probes", [=](std::string& b) { putCoded(b, "node.kind", 2, 2); }},
+      {"no such function", kRange, "probe ", [=](std::string& b) { putCoded(b, "probe.function", 3, 1, columnsOfNames(b)); }},
       {"a probe more than there are kinds", FileStatus::tensor_unexpected, "probe.kind",
        [=](std::string& b) { put(b, "probe.count", 0, uint32_t{1u << 20}); }},
       {"more named functions", FileStatus::tensor_unexpected, "probe.function",
-       [=](std::string& b) { put(b, "probe.kind", 0, uint8_t{0xff}), put(b, "probe.kind", 1, uint8_t{0xff}); }},
+       [=](std::string& b) { putCoded(b, "probe.kind", 0, 0xff), putCoded(b, "probe.kind", 1, 0xff); }},
       {"fewer named functions", FileStatus::tensor_unexpected, "probe.function",
-       [=](std::string& b) { put(b, "probe.kind", 0, uint8_t{0}), put(b, "probe.kind", 1, uint8_t{0}); }},
+       [=](std::string& b) { putCoded(b, "probe.kind", 0, 0), putCoded(b, "probe.kind", 1, 0); }},
       {"no such representation", kRange, "function 4: representation does not exist",
-       [=](std::string& b) { put(b, "function.representation", 4, uint8_t{8}); }},
+       [=](std::string& b) { putCoded(b, "function.representation", 4, 8); }},
       {"another representation", FileStatus::tensor_unexpected, "theta has",
-       [=](std::string& b) { put(b, "function.representation", 4, uint8_t{5}); }},
+       [=](std::string& b) { putCoded(b, "function.representation", 4, 5); }},
       {"theta NaN", FileStatus::value_not_finite, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, std::nanf("")); }},
       {"an axis NaN", FileStatus::value_not_finite, "light.axes: value 9",
        [=](std::string& b) { put(b, "light.axes", 9, uint16_t{0x7e00}); }},
@@ -557,7 +644,7 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
   const Edit edits[] = {
       {R"("kind":"nlg-light-grid")", R"("kind":"nlg-light-grod")", FileStatus::value_out_of_range},
       {R"("kind":)", R"("kin_":)", FileStatus::tensor_missing},
-      {R"("version":"1")", R"("version":"2")", FileStatus::version_unknown},
+      {R"("version":"2")", R"("version":"3")", FileStatus::version_unknown},
       {R"("light":"axes")", R"("light":"axle")", FileStatus::value_out_of_range},
       {R"("light":"axes")", R"("lighd":"axes")", FileStatus::tensor_missing},
       {R"("light.bits":{)", R"("light.bats":{)", FileStatus::tensor_missing},

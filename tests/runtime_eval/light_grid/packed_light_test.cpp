@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "runtime_eval/light_grid/light_grid.h"
+#include "runtime_eval/light_grid/light_records.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
@@ -64,8 +65,9 @@ TEST(PackedLight, KeepsTheErrorThatIsAskedFor) {
     PackedLight packed;
     const LightPacking packing = packLight(light, error, &packed);
     EXPECT_LE(packing.error, error);
-    EXPECT_LT(packedLightBytes(packed), before) << error;
-    before = packedLightBytes(packed);
+    const size_t bytes = codedRecords(packed, std::vector<RecordsBefore>(kProbes, {kNoRecord, kNoRecord, kNoRecord})).size();
+    EXPECT_LT(bytes, before) << error;
+    before = bytes;
     const std::vector<float> after = unpacked(packed);
     double squares = 0.0, worst = 0.0;
     for (size_t probe = 0; probe < kProbes; ++probe) {
@@ -119,31 +121,6 @@ TEST(PackedLight, NumbersStandInWholeWords) {
     used[static_cast<size_t>(field.word)] |= bits;
   }
   EXPECT_EQ(packed.records.size(), kProbes * static_cast<size_t>(lightWords(packed)));
-  EXPECT_EQ(packedLightBytes(packed), 5 + packed.axes.size() * (5 + 54) + codedRecords(packed).size());
-}
-
-TEST(PackedLight, RecordsComeBackFromAFile) {
-  PackedLight packed;
-  packLight(lampLight(4), 0.02, &packed);
-  const std::vector<uint8_t> coded = codedRecords(packed);
-  EXPECT_LT(coded.size(), packed.records.size() * sizeof(uint32_t));
-  PackedLight read = packed;
-  read.records.clear();
-  ASSERT_TRUE(decodeRecords(coded, kProbes, &read).ok());
-  EXPECT_TRUE(read.records == packed.records);
-  for (const size_t probes : {kProbes - 1, kProbes + 1}) {
-    EXPECT_EQ(decodeRecords(coded, probes, &read).status, FileStatus::tensor_unexpected);
-    EXPECT_TRUE(read.records.empty());
-  }
-  for (const size_t bytes : {size_t{0}, size_t{3}, coded.size() - 1}) {
-    EXPECT_EQ(decodeRecords({coded.begin(), coded.begin() + static_cast<ptrdiff_t>(bytes)}, kProbes, &read).status,
-              FileStatus::tensor_unexpected);
-  }
-  // neighbours that are alike take next to nothing
-  std::vector<float> light = lampLight(5);
-  for (size_t i = kShFloats; i < light.size(); ++i) light[i] = light[i % kShFloats];
-  packLight(light, 0.02, &packed);
-  EXPECT_LT(codedRecords(packed).size(), 100u);
 }
 
 TEST(PackedLight, HoldsAnyLightThatAGridMayHave) {

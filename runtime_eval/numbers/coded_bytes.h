@@ -1,0 +1,18 @@
+// Bytes of a file's tensor in nearly as few as their statistics need: by the range coder, a model for each column of a table.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace nlg {
+
+// columns   which model a byte is coded by, as many as bytes, each < 2^16; none: one for all. Who decodes has to know them
+// returns   nothing of no bytes
+std::vector<uint8_t> codedBytes(const std::vector<uint8_t>& bytes, const std::vector<uint16_t>& columns = {});
+
+// The inverse. Memory: at most some 300 times as much as there is.
+// returns   false where codedBytes with these columns gives other bytes; then *bytes is empty
+bool decodeBytes(const std::vector<uint8_t>& coded, const std::vector<uint16_t>& columns, std::vector<uint8_t>* bytes);
+
+}  // namespace nlg
