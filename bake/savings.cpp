@@ -64,7 +64,12 @@ class SavingsCount {
         stored_(stored),
         weights_bytes_(weights_bytes),
         threads_(threads),
-        unit_(bake.statistics) {}
+        unit_(bake.statistics) {
+    size_t plain_bytes = 0;
+    for (size_t f = 0; f < grid_.functionCount(); ++f) plain_bytes += plainBytesOf(f);
+    if (plain_bytes > 0)
+      coded_share_ = static_cast<double>(lightGridBytes(grid_, {stored_.theta, {}}).theta) / static_cast<double>(plain_bytes);
+  }
 
   std::vector<Saving> run() {
     addKept();
@@ -83,10 +88,11 @@ class SavingsCount {
     savings_.push_back({what, count, of, seconds, bytes, std::move(note)});
   }
 
-  // What a function takes in the file: theta, and which representation it is of.
-  int64_t bytesOf(size_t function) const {
+  // What a function takes in the file: its share of theta, by the bytes that it has before the file's code.
+  double bytesOf(size_t function) const { return coded_share_ * static_cast<double>(plainBytesOf(function)); }
+  size_t plainBytesOf(size_t function) const {
     const Representation& representation = grid_.representations[grid_.function_representation[function]];
-    return static_cast<int64_t>(storedThetaBytes(representation, stored_.theta, grid_.functionTheta(function))) + 1;
+    return storedThetaBytes(representation, stored_.theta, grid_.functionTheta(function));
   }
 
   // What a function of a representation would take: a code as much as the mean of those that this bake has, if it has any.
@@ -96,11 +102,11 @@ class SavingsCount {
     for (size_t f = 0; f < grid_.functionCount() && representation.isCode(); ++f) {
       const Representation& own = grid_.representations[grid_.function_representation[f]];
       if (!own.isCode() || own.code_count != representation.code_count) continue;
-      sum += static_cast<double>(bytesOf(f));
+      sum += bytesOf(f);
       ++count;
     }
     return count > 0 ? sum / static_cast<double>(count)
-                     : static_cast<double>(thetaForm(representation, stored_.theta).bytes() + 1);
+                     : coded_share_ * static_cast<double>(thetaForm(representation, stored_.theta).bytes());
   }
 
   // By what each of the others took: there is no price where nothing was done anew.
@@ -178,7 +184,7 @@ class SavingsCount {
           fmt::format("only the generator of {} ran for them", representationName(generators_.front().representation())));
       const Representation& largest = generators_.back().representation();
       double bytes = static_cast<double>(grid_.functionCount()) * bytesOf(largest);
-      for (size_t f = 0; f < grid_.functionCount(); ++f) bytes -= static_cast<double>(bytesOf(f));
+      for (size_t f = 0; f < grid_.functionCount(); ++f) bytes -= bytesOf(f);
       add("theta of the largest representation", functions - chosen.back(), functions, {}, std::lround(bytes),
           fmt::format("against {} alone, for every function", representationName(largest)));
     }
@@ -238,6 +244,7 @@ class SavingsCount {
   const std::vector<uint64_t>& weights_bytes_;
   int threads_;
   UnitCosts unit_;
+  double coded_share_ = 1.0;  // of theta's bytes in a file over those of its numbers
   std::vector<Saving> savings_;
 };
 
