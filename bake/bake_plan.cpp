@@ -22,20 +22,28 @@ std::string sidesText(const glm::dvec3& sides) { return fmt::format("{:.4g} x {:
 
 }  // namespace
 
-ProbePlacementOptions placementOf(const Scene& scene, const BakeOptions& options) {
+ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& options) {
   ProbePlacementOptions placement;
   placement.spacing_min_m = placement.spacing_max_m = options.spacing_m;
   placement.density_growth = options.density_growth;
   placement.align_lattice = options.align_lattice;
   placement.max_probes = options.max_probes;
   placement.extent = extentFromNumbers(options.extent_m);
-  if (!placement.extent && !scene.extent) placement.reach = reachBeyondBounds(scene, kMarginShare * options.spacing_m);
+  if (placement.extent || source.scene.extent) return placement;
+  // as far as the lamps of all light sets
+  for (const Scene* lit : litScenes(source)) {
+    const std::optional<ExtentBox> reach = reachBeyondBounds(*lit, kMarginShare * options.spacing_m);
+    if (!reach) continue;
+    if (!placement.reach) placement.reach = reach;
+    placement.reach->low_m = glm::min(placement.reach->low_m, reach->low_m);
+    placement.reach->high_m = glm::max(placement.reach->high_m, reach->high_m);
+  }
   return placement;
 }
 
 BakePlan planBake(const SceneSource& source, const BakeOptions& options, int thread_count) {
   const Scene& scene = source.scene;
-  const ProbePlacementOptions placement = placementOf(scene, options);
+  const ProbePlacementOptions placement = placementOf(source, options);
   BakePlan plan;
   plan.unit_m = source.unit_m;
   const Bounds bounds = sceneBounds(scene);

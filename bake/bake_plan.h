@@ -11,7 +11,7 @@ namespace nlg {
 // Where a bake places its probes: by its options, else where the scene's author says, else in the scene's bounds and what lies in
 // reach of them (floor_survey.h).
 // throws   UsageError on an extent_m that is none
-ProbePlacementOptions placementOf(const Scene& scene, const BakeOptions& options);
+ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& options);
 
 struct BakePlan {
   double unit_m = 0.0;       // of the file; 0: its format has its own

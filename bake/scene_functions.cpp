@@ -30,9 +30,9 @@ constexpr uint64_t kSampledRun = 16;  // of probes that follow one another: neig
 using Clock = std::chrono::steady_clock;
 double secondsBetween(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double>(to - from).count(); }
 
-ProbeTree placeProbes(const Scene& scene, const BakeOptions& options) {
+ProbeTree placeProbes(const SceneSource& source, const BakeOptions& options) {
   const Progress progress("probe tree");
-  return placeProbes(scene, placementOf(scene, options), options.seed);
+  return placeProbes(source.scene, placementOf(source, options), options.seed);
 }
 
 // So many places at least in the whole scene: a grid of a few probes has few cells, and its light would be fitted to next to
@@ -129,7 +129,7 @@ BakeScene::BakeScene(SceneSource lit, const BakeOptions& options, const KnownAir
     : source(std::move(lit)),
       links(known.tree == nullptr ? makeLinkTable({}) : LinkTable{}),
       rays(source.scene),
-      full_tree(placeProbes(source.scene, options)),
+      full_tree(placeProbes(source, options)),
       searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {
   const Clock::time_point start = Clock::now();
   AirPlaceOptions air_options = airPlaceOptions(options, full_tree.cellCount());

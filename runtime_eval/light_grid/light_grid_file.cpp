@@ -232,7 +232,10 @@ FileResult takeIdentity(GridMetadata* metadata) {
   takeFirst(&result, takeText(metadata, "pattern_hash", &pattern));
   if (!result.ok()) return result;
   if (kind != kKind) return refuseText(FileStatus::value_out_of_range, "kind", kKind, kind);
-  if (version != kVersion) return refuseText(FileStatus::version_unknown, "version", kVersion, version);
+  if (version != kVersion) {
+    return refuseText(FileStatus::version_unknown, "version",
+                      std::string(kVersion) + " (grids of earlier versions are to be baked again)", version);
+  }
   if (pattern != patternHash()) return refuseText(FileStatus::pattern_unknown, "pattern_hash", patternHash(), pattern);
   return {};
 }

@@ -55,14 +55,30 @@ TEST(BakePlan, KeepsToTheExtentThatWasNamed) {
   EXPECT_EQ(planBake(source, options, 1).extent_m, glm::dvec3(7));
 }
 
+TEST(BakePlan, ReachesAsFarAsTheLampsOfAllLightSets) {
+  SceneSource source = groundOf(20);
+  const double by_day_m = planBake(source, {}, 1).extent_m.y;
+  source.light_sets = {"day", "night"};
+  source.lit_otherwise = {source.scene};
+  Lamp lamp;
+  lamp.position = {0, 9, 0};
+  source.lit_otherwise[0].light.lamps.push_back(lamp);
+  const double with_night_m = planBake(source, {}, 1).extent_m.y;
+  EXPECT_GT(with_night_m, by_day_m + 4.0);
+  std::swap(source.scene, source.lit_otherwise[0]);
+  EXPECT_EQ(planBake(source, {}, 1).extent_m.y, with_night_m);
+}
+
 // A roof of 2.995 m, over cells that end at 3 m: half a centimetre of air, in which no place is found, would leave it dark.
 TEST(BakePlan, HoldsTheAirOverARoofThatEndsWithItsCells) {
-  Scene house = sceneOfMaterial(false);
+  SceneSource source;
+  source.scene = sceneOfMaterial(false);
+  Scene& house = source.scene;
   addRoom(house, {0, 0, 0}, {6, 2.5f, 6});
   addBox(house, {0, 2.5f, 0}, {6, 2.995f, 6});
   BakeOptions options;
   options.align_lattice = true;
-  const ProbePlacementOptions placement = placementOf(house, options);
+  const ProbePlacementOptions placement = placementOf(source, options);
   ProbesAround around;
   EXPECT_TRUE(placeProbes(house, placement, 1).lookUp({3, 3.02, 3}, &around));
   ProbePlacementOptions bounds_alone = placement;
