@@ -36,6 +36,20 @@ void scaleLayer(const HiddenLayer& layer, float step, int most, int readers, int
   }
 }
 
+constexpr int kHalfBits = 10;  // behind the highest
+
+// Bits behind the highest that int8 keeps of a last layer's numbers. Small networks feel the rounding of their hidden layers alone.
+int lastLayerBits(const NetworkShape& shape) { return shape.first <= 4 ? 4 : kHalfBits; }
+
+// To the nearest, and none beyond the largest.
+Half ofFewerBits(Half half, int bits) {
+  if (bits == kHalfBits) return half;
+  constexpr uint32_t kInfinity = 0x7c00;
+  const uint32_t step = 1u << (kHalfBits - bits), magnitude = half.bits & 0x7fffu;
+  const uint32_t rounded = std::min((magnitude + step / 2) / step * step, kInfinity - step);
+  return {static_cast<uint16_t>((half.bits & 0x8000u) | rounded)};
+}
+
 }  // namespace
 
 ThetaForm thetaForm(const Representation& representation, ThetaPrecision precision) {
@@ -52,6 +66,8 @@ const char* thetaPrecisionName(ThetaPrecision precision) {
 }
 
 float stepOf(const NetworkShape& shape) { return shape.second > 0 ? 0.03125f : 4.0f; }
+
+int enoughThetaSteps(const NetworkShape& shape) { return shape.first <= 4 && shape.second == 0 ? 64 : kMostThetaSteps; }
 
 void scaleHiddenLayers(const Representation& network, float* theta, UnitSteps most) {
   const NetworkShape& shape = network.shape();
@@ -87,6 +103,7 @@ bool roundTheta(const Representation& representation, ThetaPrecision precision, 
   for (int d = form.steps; d < D && form.halves > 0; ++d) {
     Half half;
     if (!halfFromFloat(rounded[d], &half)) return false;
+    if (form.steps > 0) half = ofFewerBits(half, lastLayerBits(representation.shape()));
     rounded[d] = floatFromHalf(half);
   }
   std::copy_n(rounded, D, theta);

@@ -1,7 +1,8 @@
 // What a light grid's file holds theta in, and what rounding to that makes of theta.
 //
 // int8 keeps the hidden layers of a network in a byte a number, and its last layer in float16: 122 bytes for `mlp` and
-// `tent_mlp`, 26 for `tent_mlp4`. No scale is stored. LeakyReLU is homogeneous: a hidden unit whose weights and bias are
+// `tent_mlp`, 26 for `tent_mlp4`. Of the last layer of `tent_mlp4` and `tent_mlp44` it keeps four bits behind the highest, and the file's
+// code takes the others away. No scale is stored. LeakyReLU is homogeneous: a hidden unit whose weights and bias are
 // multiplied by a > 0, while all that read it divide by a, leaves the network what it is. So every unit is scaled until the
 // largest of its numbers is 127 steps or a few less, and a step is one number for all (stepOf). What rounding does to the hidden layers, an
 // exact last layer makes up for (fit/last_layer.h); figures: docs/lab/training.md. Product fields stay in float16. A code keeps a
@@ -34,6 +35,8 @@ float stepOf(const NetworkShape& shape);
 
 // Steps of the largest number of a unit of each hidden layer, 1 … kMostThetaSteps. Which it is, is free: other sizes round otherwise.
 inline constexpr int kMostThetaSteps = 127;
+// So many are enough: with more no function errs less, and a file is larger (docs/lab/training.md).
+int enoughThetaSteps(const NetworkShape& shape);
 struct UnitSteps {
   int first = kMostThetaSteps, second = kMostThetaSteps;
 };

@@ -1,6 +1,7 @@
 #include "runtime_eval/fit/theta_rounding.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/code_rounding.h"
@@ -11,11 +12,15 @@ namespace nlg {
 namespace {
 
 // Roundings to bytes are tried one after another, until the error is at most kRoundingExcess times what it was, or has grown by no
-// more than kRoundingAdds. In the first kRoundingWays each number is rounded for itself; in those of kCompensations numbers make up for
-// each other. Few theta need a second one (docs/lab/training.md).
+// more than kRoundingAdds. In the first kRoundingWays each number is rounded for itself; in those of kCompensatedWays numbers make up
+// for each other. Few theta need a second one (docs/lab/training.md).
 constexpr int kRoundingWays = 4;
-constexpr Compensation kCompensations[] = {
-    {{124, 124}, 0.03, 0}, {{118, 118}, 0.1, 3}, {{121, 121}, 0.01, 6}, {{112, 112}, 0.03, 9}};
+struct CompensatedWay {
+  double share;  // of the steps
+  double damping;
+  int first_batch;
+};
+constexpr CompensatedWay kCompensatedWays[] = {{0.976, 0.03, 0}, {0.929, 0.1, 3}, {0.953, 0.01, 6}, {0.882, 0.03, 9}};
 constexpr double kRoundingExcess = 1.02, kRoundingAdds = 5e-5;
 
 // Fits drive the logits of product fields to any size where a larger one changes nothing. The largest half stands for all beyond it;
@@ -79,14 +84,17 @@ RoundedTheta ThetaRounding::roundToBytes(const Representation& network, const St
     if (solveLastLayer(network, values, solved.data())) offer(std::move(solved));
     if (!isDone()) offer(std::move(theta));
   };
+  const int most = enoughThetaSteps(network.shape());
   for (int way = 0; way < kRoundingWays && !isDone(); ++way) {
     Theta theta = start;
-    roundHiddenLayers(network, theta.data(), {kMostThetaSteps - 2 * way, kMostThetaSteps});
+    roundHiddenLayers(network, theta.data(), {most - 2 * way, most});
     offerSolvedAndNot(std::move(theta));
   }
   if (isDone()) return best;
-  for (const Compensation& compensation : kCompensations) {
+  for (const CompensatedWay& way : kCompensatedWays) {
     Theta theta = start;
+    const auto steps = static_cast<int>(std::lround(way.share * most));
+    const Compensation compensation{{steps, steps}, way.damping, way.first_batch};
     if (isDone() || !compensated_->round(network, values, compensation, theta.data())) continue;
     offerSolvedAndNot(std::move(theta));
   }

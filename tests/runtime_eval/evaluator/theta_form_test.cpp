@@ -210,5 +210,30 @@ TEST(CodeLength, IsOfWholeGroupsUpToTheLastNumberThatIsNot0) {
   }
 }
 
+// Of small networks: a last layer is rounded to the nearest of four bits behind the highest, and never beyond what a half holds.
+TEST(RoundTheta, KeepsOfALastLayerTheBitsThatAreFelt) {
+  for (const RepresentationKind kind : {RepresentationKind::tent_mlp4, RepresentationKind::tent_mlp44}) {
+    const Representation network{kind};
+    Theta theta = randomThetaOf(network, 1.0, 3);
+    const auto first = static_cast<size_t>(network.shape().w3());
+    theta.back() = kMaxHalf;
+    Theta rounded = theta;
+    scaleHiddenLayers(network, theta.data());
+    ASSERT_TRUE(roundTheta(network, ThetaPrecision::int8, rounded.data()));
+    for (size_t d = first; d < theta.size(); ++d) {
+      int exponent = 0;
+      const float mantissa = std::frexp(rounded[d], &exponent);  // .5 to 1: the highest bit and four
+      EXPECT_EQ(std::ldexp(mantissa, 5), std::nearbyint(std::ldexp(mantissa, 5))) << d;
+      if (d + 1 < theta.size()) {
+        EXPECT_NEAR(rounded[d], theta[d], std::fabs(theta[d]) / 32 + 1e-6f) << d;
+      }
+    }
+    EXPECT_EQ(rounded.back(), 31 * 2048.0f);
+    Theta again = rounded;
+    ASSERT_TRUE(roundTheta(network, ThetaPrecision::int8, again.data()));
+    EXPECT_EQ(again, rounded);
+  }
+}
+
 }  // namespace
 }  // namespace nlg
