@@ -30,7 +30,7 @@ bool isOfAnotherKind(const std::string& path) {
   };
   WeightsHeader header;
   uint64_t data_offset = 0;
-  return readLayout(source, known, &header, &data_offset).ok() && header.digest_offset != 0;
+  return readLayout(source, TensorAlignment::element, known, &header, &data_offset).ok() && header.digest_offset != 0;
 }
 
 }  // namespace

@@ -313,15 +313,15 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   writer.add("frame.first_m", first_m);
   writer.add("frame.spacing_m", spacing_m);
   writer.add("frame.root_count", root_count);
+  addTensors(functions, precision.theta, &writer);
   writer.add("node.kind", node_kind);
   writer.add("node.bits", node_bits);
-  addTensors(functions, precision.theta, &writer);
   if (has_light) {
-    writer.add("light.unit", light_unit);
     writer.add("light.bits", light_bits);
+    writer.add("light.records", light_records);
+    writer.add("light.unit", light_unit);
     writer.add("light.offsets", light_offsets);
     writer.add("light.axes", light_axes);
-    writer.add("light.records", light_records);
   }
   return writer.serialize(texts, bytes);
 }

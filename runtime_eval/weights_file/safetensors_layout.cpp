@@ -17,7 +17,6 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kLengthBytes = 8;
-constexpr uint64_t kAlignment = 64;
 constexpr std::string_view kPaddingPrefix = "padding.";
 constexpr std::string_view kHeaderStart = "{\"__metadata__\":{\"file_sha256\":\"";
 constexpr size_t kDigestDigits = 2 * sizeof(Sha256Digest);
@@ -33,7 +32,10 @@ struct OpenFile {
   }
 };
 
-uint64_t missingToAlignment(uint64_t bytes) { return (kAlignment - bytes % kAlignment) % kAlignment; }
+uint64_t missingTo(uint64_t alignment, uint64_t bytes) { return (alignment - bytes % alignment) % alignment; }
+uint64_t alignmentOf(TensorAlignment alignment, std::string_view dtype) {
+  return alignment == TensorAlignment::line ? kLineBytes : std::max<uint64_t>(1, dtypeBytes(dtype));
+}
 
 // Bytes of a tensor; false when they exceed 64 bits.
 bool tensorBytes(const std::vector<uint64_t>& shape, uint64_t element_bytes, uint64_t* bytes) {
@@ -62,7 +64,7 @@ FileResult readHeader(const ByteSource& source, WeightsHeader* header, uint64_t*
 }
 
 // One tensor by itself: alignment in the file, and a shape that fills its range exactly.
-FileResult checkTensor(const std::string& name, const TensorEntry& tensor, uint64_t data_offset) {
+FileResult checkTensor(const std::string& name, const TensorEntry& tensor, TensorAlignment alignment, uint64_t data_offset) {
   constexpr FileStatus kMalformed = FileStatus::tensor_malformed;
   uint64_t bytes = 0;
   if (!tensorBytes(tensor.shape, dtypeBytes(tensor.dtype), &bytes)) return refuseTensor(kMalformed, name, "shape too large");
@@ -70,8 +72,10 @@ FileResult checkTensor(const std::string& name, const TensorEntry& tensor, uint6
     return refuseTensor(kMalformed, name, "shape and data_offsets disagree");
   }
   // offsets beyond the file are refused later; here they must not wrap around
-  const bool aligned = (data_offset % kAlignment + tensor.begin % kAlignment) % kAlignment == 0;
-  if (!isPadding(name) && !aligned) return refuseTensor(kMalformed, name, "does not start at a multiple of 64 bytes");
+  const uint64_t multiple = alignmentOf(alignment, tensor.dtype);
+  const bool is_aligned = (data_offset % multiple + tensor.begin % multiple) % multiple == 0;
+  if (!isPadding(name) && !is_aligned)
+    return refuseTensor(kMalformed, name, "does not start at a multiple of " + std::to_string(multiple) + " bytes");
   return {};
 }
 
@@ -177,28 +181,30 @@ uint64_t dtypeBytes(std::string_view dtype) {
   return 0;
 }
 
-FileResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
-                      WeightsHeader* header, uint64_t* data_offset) {
+FileResult readLayout(const ByteSource& source, TensorAlignment alignment,
+                      std::string (*dtype_fault)(const std::string& name, const std::string& dtype), WeightsHeader* header,
+                      uint64_t* data_offset) {
   FileResult result = readHeader(source, header, data_offset);
   if (!result.ok()) return result;
   for (const auto& [name, tensor] : header->tensors) {
     const std::string fault = dtype_fault(name, tensor.dtype);
     if (!fault.empty()) return refuseTensor(FileStatus::tensor_malformed, name, fault);
-    result = checkTensor(name, tensor, *data_offset);
+    result = checkTensor(name, tensor, alignment, *data_offset);
     if (!result.ok()) return result;
   }
   result = checkCoverage(*header, source.size - *data_offset);
   return result.ok() ? checkDigest(source, header) : result;
 }
 
-HeaderWriter::HeaderWriter(const std::map<std::string, std::string>& metadata) : text_(kHeaderStart) {
+HeaderWriter::HeaderWriter(const std::map<std::string, std::string>& metadata, TensorAlignment alignment)
+    : alignment_(alignment), text_(kHeaderStart) {
   text_.append(kDigestDigits, '0') += '"';
   for (const auto& [key, value] : metadata) text_ += "," + jsonQuoted(key) + ":" + jsonQuoted(value);
   text_ += '}';
 }
 
 uint64_t HeaderWriter::add(const std::string& name, const char* dtype, const std::vector<uint64_t>& shape, uint64_t bytes) {
-  const uint64_t padding = missingToAlignment(offset_);
+  const uint64_t padding = missingTo(alignmentOf(alignment_, dtype), offset_);
   if (padding > 0) addEntry(std::string(kPaddingPrefix) + std::to_string(padding_count_++), "U8", {padding}, padding);
   addEntry(name, dtype, shape, bytes);
   return padding;
@@ -213,7 +219,7 @@ void HeaderWriter::addEntry(const std::string& name, const char* dtype, const st
 
 std::string HeaderWriter::finish() {
   text_ += "}";
-  text_.append(missingToAlignment(kLengthBytes + text_.size()), ' ');
+  text_.append(missingTo(kLineBytes, kLengthBytes + text_.size()), ' ');
   return text_;
 }
 

@@ -35,6 +35,10 @@ bool isPadding(std::string_view name);
 // Bytes of one element: U8, U16, U32, U64, I8, I32, F16, F32, F64; 0 for any other dtype.
 uint64_t dtypeBytes(std::string_view dtype);
 
+// Where tensors may begin: at multiples of kLineBytes, as kernels read weights; or of the size of their own elements.
+enum class TensorAlignment { line, element };
+inline constexpr uint64_t kLineBytes = 64;
+
 // Reads the header and checks it against the source: every tensor's dtype, its shape against its bytes, its alignment; that all
 // tensors together cover the rest of the source without a hole, an overlap or a rest: the rule of safetensors itself; and the
 // file's digest, where it names one: every byte is read once for it.
@@ -42,8 +46,9 @@ uint64_t dtypeBytes(std::string_view dtype);
 // header        metadata without kDigestKey; digest_offset says whether it was there
 // data_offset   where the tensors begin
 // returns       ok, with kNoDigest as its detail where the file names none; otherwise what is wrong
-FileResult readLayout(const ByteSource& source, std::string (*dtype_fault)(const std::string& name, const std::string& dtype),
-                      WeightsHeader* header, uint64_t* data_offset);
+FileResult readLayout(const ByteSource& source, TensorAlignment alignment,
+                      std::string (*dtype_fault)(const std::string& name, const std::string& dtype), WeightsHeader* header,
+                      uint64_t* data_offset);
 
 // What is said of safetensors files that others wrote.
 inline constexpr const char* kNoDigest = "it names no file_sha256: whether it is damaged was not checked";
@@ -55,7 +60,7 @@ inline constexpr const char* kDigestMissing = "it names no file_sha256, as files
 class HeaderWriter {
  public:
   // metadata   without kDigestKey
-  explicit HeaderWriter(const std::map<std::string, std::string>& metadata);
+  HeaderWriter(const std::map<std::string, std::string>& metadata, TensorAlignment alignment);
 
   // returns   how many bytes of padding stand before the tensor's own
   uint64_t add(const std::string& name, const char* dtype, const std::vector<uint64_t>& shape, uint64_t bytes);
@@ -66,6 +71,7 @@ class HeaderWriter {
  private:
   void addEntry(const std::string& name, const char* dtype, const std::vector<uint64_t>& shape, uint64_t bytes);
 
+  TensorAlignment alignment_;
   std::string text_;
   uint64_t offset_ = 0, padding_count_ = 0;
 };

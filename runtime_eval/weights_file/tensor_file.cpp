@@ -27,7 +27,7 @@ FileResult TensorFileReader::open(ByteSource source) {
   if (source.size > kMaxTensorFileBytes) return refuse(FileStatus::cannot_read, "larger than 16 GiB");
   WeightsHeader header;
   uint64_t data_offset = 0;
-  const FileResult result = readLayout(source, dtypeFault, &header, &data_offset);
+  const FileResult result = readLayout(source, TensorAlignment::element, dtypeFault, &header, &data_offset);
   if (!result.ok()) return result;
   header_ = std::move(header);
   data_offset_ = data_offset;
@@ -62,7 +62,7 @@ FileResult TensorFileReader::fetch(const std::string& name, const TensorEntry& e
 
 FileResult TensorFileWriter::serialize(const std::map<std::string, std::string>& metadata, std::string* bytes) const {
   bytes->clear();
-  HeaderWriter writer(metadata);
+  HeaderWriter writer(metadata, TensorAlignment::element);
   std::vector<uint64_t> padding;
   uint64_t data_bytes = 0;
   for (const Tensor& tensor : tensors_) {

@@ -1,7 +1,8 @@
 // Lists of numbers of several types in one safetensors file: what weights_file.h is for F32 tensors alone.
 //
-// The same rules: tensors start at multiples of 64 bytes of the file, fillers of dtype U8 named "padding.0", "padding.1", … stand
-// where bytes are skipped, spaces end the header, nothing overlaps and nothing is left over. Every tensor has one dimension.
+// The same rules, but that a tensor starts at a multiple of the size of its elements: fillers of dtype U8 named "padding.0",
+// "padding.1", … stand where bytes are skipped, spaces end the header, nothing overlaps and nothing is left over. Every tensor has one
+// dimension.
 // No exceptions, no dependency; statuses and results are those of file_result.h.
 #pragma once
 

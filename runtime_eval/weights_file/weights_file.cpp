@@ -52,7 +52,7 @@ FileResult readTensor(const ByteSource& source, const std::string& name, const T
 FileResult readAll(const ByteSource& source, WeightsFile* file) {
   WeightsHeader header;
   uint64_t data_offset = 0;
-  FileResult opened = readLayout(source, dtypeFault, &header, &data_offset);
+  FileResult opened = readLayout(source, TensorAlignment::line, dtypeFault, &header, &data_offset);
   if (!opened.ok()) return opened;
   // damage may have taken it away
   const bool is_generator = header.metadata.count("version") != 0;
@@ -117,7 +117,7 @@ FileResult roundToFloat16(const std::string& name, WeightsTensor* tensor) {
 }
 
 std::string serializeWeights(const WeightsFile& file) {
-  HeaderWriter header(file.metadata);
+  HeaderWriter header(file.metadata, TensorAlignment::line);
   std::string data;
   for (const auto& [name, tensor] : file.tensors) {
     const size_t bytes = tensor.values.size() * elementBytes(tensor.dtype);
