@@ -21,6 +21,8 @@ constexpr double kSpacingPower = 1.7;
 constexpr double kLeastCoarser = 1.1;
 // How many times as long as a solve thinning takes, which solves twice.
 constexpr double kThinning = 3.0;
+// Samples of probes that stand further apart have to be made anew: for less than this share of what these took nobody takes that on.
+constexpr double kWorthSamples = 0.5;
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -99,7 +101,7 @@ std::string leftOutText(const BakeOptions& asked, const BakeOptions& chosen) {
   if (chosen.light_places != asked.light_places) parts.push_back(fmt::format("{} places a cell", chosen.light_places));
   if (chosen.light_rays != asked.light_rays) parts.push_back(fmt::format("{} rays a place", chosen.light_rays));
   if (hasShortFits(asked.policy) && !hasShortFits(chosen.policy)) parts.push_back("no short fits");
-  if (chosen.refine_seconds != asked.refine_seconds) parts.push_back("refinement of some functions");
+  if (chosen.refine_seconds != asked.refine_seconds) parts.push_back("some functions less refined");
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -127,7 +129,7 @@ BakedInTime bakeInTime(std::unique_ptr<BakeScene>* scene, const std::vector<Gene
     const double needed_s = secondsOf(inTime(asked, costs, 0.0), asked, costs);
     // whoever has come this far for nothing takes what is about enough
     const double left = asked.spacing_m == options.spacing_m ? surelyLeft() : left_s();
-    fits = needed_s <= left;
+    fits = needed_s <= left + kWorthSamples * secondsSince(start);
     if (fits || asked.spacing_m == most_m) break;
     // the scene and its samples are made anew, too
     const double coarser =

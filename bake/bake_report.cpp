@@ -59,9 +59,9 @@ nlohmann::ordered_json timeJson(const std::optional<TimeReport>& time) {
 
 std::string timeSummary(const std::optional<TimeReport>& time) {
   if (!time) return {};
-  return fmt::format("in {} of {}{}: left out: {}\n", durationText(time->took_s), durationText(time->aimed_s),
+  return fmt::format("in {} of {:g} s{}: {}\n", durationText(time->took_s), time->aimed_s,
                      time->isTooLittle() ? ", too little even for the coarsest bake" : "",
-                     time->left_out.empty() ? "nothing" : time->left_out);
+                     time->left_out.empty() ? "all that was asked for" : "with " + time->left_out);
 }
 
 nlohmann::ordered_json thinnedJson(const LightStatistics& light) {

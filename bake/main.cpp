@@ -222,6 +222,9 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   }
   const ChosenSettings settings(chosen.options);
   const BakeScene& scene = *ready;
+  if (!baked.grid.groups.empty() && lightGroupNames(scene.source).empty())
+    std::cerr << "light: the grid's " << baked.grid.groups.size()
+              << " groups of light become one; --light-groups keeps them apart\n";
   report.light = relight(scene, settings.options, settings.table, &baked);
   const std::string bytes = fileBytes(baked.grid, options, baked.metadata);
   writeFileAtomically(request.out, bytes);

@@ -39,6 +39,7 @@ LightSet setFrom(const std::string& text, const LightOptions& of_all) {
     std::string option = rest.substr(blank + 1, equals - blank - 1);
     if (std::any_of(settings.begin(), settings.end(), [&](const auto& other) { return other.first == option; }))
       throw UsageError(place, kForm, option + " twice in '" + text + "'");
+    if (equals + 1 == rest.size()) throw UsageError(place, kForm, "nothing behind " + option + "= in '" + text + "'");
     settings.emplace_back(std::move(option), rest.substr(equals + 1));
     rest.erase(rest.find_last_not_of(' ', blank) + 1);
   }

@@ -167,6 +167,7 @@ class Watch {
     Ran ran = runBake(words);
     if (ran.code == 0) *changes = "";
     if (ran.code == static_cast<int>(ExitCode::check_failed)) *changes = ran.output;
+    if (ran.code == static_cast<int>(ExitCode::input_error)) tellDoing(lastLine(ran.errors) + "; it is made anew");
     return ran;
   }
 

@@ -58,10 +58,13 @@ std::string formatNames() {
   return names + kGridFormats[0].name + ", or " + kGridFormats[1].name;
 }
 
+constexpr float kMostFactor = 1e6f;
+
 // By group. asked   NAME or NAME=FACTOR, of a group or of all groups of a light set; none: as the grid begins
 std::vector<float> groupFactors(const LightGrid& grid, const std::vector<std::string>& asked) {
   std::vector<float> factors;
   for (const std::array<float, 3>& colour : startingColours(grid)) factors.push_back(asked.empty() ? colour[0] : 0.0f);
+  std::vector<bool> is_taken(factors.size(), false);
   for (const std::string& text : asked) {
     const size_t equals = text.rfind('=');
     const std::string name = text.substr(0, equals);
@@ -69,19 +72,23 @@ std::vector<float> groupFactors(const LightGrid& grid, const std::vector<std::st
     bool is_number = true, is_known = false;
     if (equals != std::string::npos) {
       const auto [end, error] = std::from_chars(&text[equals + 1], text.data() + text.size(), factor);
-      is_number = error == std::errc() && end == text.data() + text.size() && std::isfinite(factor);
+      is_number = error == std::errc() && end == text.data() + text.size() && std::isfinite(factor) && factor >= 0.0f &&
+                  factor <= kMostFactor;
     }
     std::string names;
     for (size_t g = 0; g < grid.groups.size(); ++g) {
       const std::string& group = grid.groups[g].name;
       names += (g == 0 ? "" : ", ") + group;
       if (group != name && !group.starts_with(name + "/")) continue;
+      if (is_taken[g]) throw UsageError("light_groups", "each group once", group + " twice");
       factors[g] = factor;
-      is_known = true;
+      is_known = is_taken[g] = true;
     }
     if (!is_known || !is_number) {
-      throw UsageError("light_groups", "NAME or NAME=FACTOR of the grid's groups of light: " + (names.empty() ? "none" : names),
-                       "'" + text + "'");
+      throw UsageError(
+          "light_groups",
+          "NAME, or NAME=FACTOR from 0 to a million, of the grid's groups of light: " + (names.empty() ? "none" : names),
+          "'" + text + "'");
     }
   }
   return factors;

@@ -11,7 +11,7 @@ namespace nlg {
 // returns   nothing of no bytes
 std::vector<uint8_t> codedBytes(const std::vector<uint8_t>& bytes, const std::vector<uint16_t>& columns = {});
 
-// The inverse. Memory: at most some 300 times as much as there is.
+// The inverse. Memory: at most 50 times as much as there is.
 // returns   false where codedBytes with these columns gives other bytes; then *bytes is empty
 bool decodeBytes(const std::vector<uint8_t>& coded, const std::vector<uint16_t>& columns, std::vector<uint8_t>* bytes);
 

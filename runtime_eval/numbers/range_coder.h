@@ -2,8 +2,7 @@
 //
 // G. N. N. Martin, "Range encoding: an algorithm for removing redundancy from a digitised message" (1979), with the carry of Schindler
 // and the bit trees of LZMA. A bit's probability is the mean of two that follow what was coded, one fast and one slowly, and both at
-// first as fast as a mean of what was seen. Integers alone: the same bytes on every machine. A number costs a three-hundredth of its bits
-// at least, so that what is read out of some bytes is at most three hundred times as much.
+// first as fast as a mean of what was seen. Integers alone: the same bytes on every machine.
 #pragma once
 
 #include <algorithm>
@@ -47,7 +46,8 @@ class BitModel {
   uint8_t seen_ = 0;
 };
 
-// What was seen so far of numbers of one kind.
+// What was seen so far of numbers of one kind. Each of its bits costs a forty-fourth of itself at least, however sure it is: what is read
+// out of some bytes is at most that many times as much, whoever wrote them.
 class NumberModel {
  public:
   // bits   of every number, 0 … 16
@@ -56,6 +56,8 @@ class NumberModel {
  private:
   friend class RangeEncoder;
   friend class RangeDecoder;
+  static constexpr uint32_t kLeast = BitModel::kCertain / 64;
+  uint32_t zero(uint32_t node) const { return std::clamp(tree_[node].zero(), kLeast, BitModel::kCertain - kLeast); }
   int bits_;
   std::vector<BitModel> tree_;  // of the bits above, behind a 1
 };
@@ -87,7 +89,8 @@ class RangeEncoder {
     uint32_t node = 1;
     for (int i = model->bits_ - 1; i >= 0; --i) {
       const int bit = static_cast<int>(number >> i & 1);
-      add(bit, &model->tree_[node]);
+      addBit(bit, model->zero(node));
+      model->tree_[node].see(bit);
       node = 2 * node + static_cast<uint32_t>(bit);
     }
   }
@@ -178,7 +181,11 @@ class RangeDecoder {
 
   uint32_t next(NumberModel* model) {
     uint32_t node = 1;
-    for (int i = 0; i < model->bits_; ++i) node = 2 * node + static_cast<uint32_t>(next(&model->tree_[node]));
+    for (int i = 0; i < model->bits_; ++i) {
+      const int bit = nextBit(model->zero(node));
+      model->tree_[node].see(bit);
+      node = 2 * node + static_cast<uint32_t>(bit);
+    }
     return node - (1u << model->bits_);
   }
 

@@ -75,7 +75,7 @@ TEST(BakeInTime, LeavesOutRefinementAndRaysThatItHasNoTimeForAnyMore) {
   auto scene = std::make_unique<BakeScene>("house:3", options);
   int asked = 0;  // of probes' distance, then of all else: later everything has taken too long
   const BakedInTime baked = bakeInTime(&scene, generators(), options, spoolFolder(), [&] { return ++asked <= 2 ? 1e9 : 0.0; });
-  EXPECT_EQ(leftOutText(options, baked.chosen.options), "16 rays a place, refinement of some functions");
+  EXPECT_EQ(leftOutText(options, baked.chosen.options), "16 rays a place, some functions less refined");
   EXPECT_FALSE(baked.chosen.is_coarsest);
   EXPECT_EQ(baked.bake.statistics.light.rays_per_place, 16u);
   EXPECT_EQ(baked.bake.statistics.light.of_sets.size(), 2u);

@@ -31,8 +31,9 @@ TEST(LightSets, TakeWhatAllHaveUnlessTheySayOtherwise) {
 }
 
 TEST(LightSets, RefuseWhatIsNone) {
-  for (const char* text : {"=night.glb", "night=", "late night", "day/sun", "day sky", " sky=0", "day skye=0",
-                           "day intensity=bright", "day intensity=0", "day,night", "day sky=0 sun=0 sky=1"})
+  for (const char* text :
+       {"=night.glb", "night=", "late night", "day/sun", "day sky", " sky=0", "day skye=0", "day intensity=bright",
+        "day intensity=0", "day,night", "day sky=0 sun=0 sky=1", "day sky=", "day sky= sun=0"})
     EXPECT_THROW(lightSetsFrom({text}, {}), UsageError) << text;
   EXPECT_THROW(lightSetsFrom({"day", "day sky=0"}, {}), UsageError);
 }

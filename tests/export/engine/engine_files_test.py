@@ -189,8 +189,9 @@ def check_refusals():
             refuses(USAGE_ERROR, [format_name, "spacing_m"], "--grid", "grid.safetensors", "--format", format_name, "--out", "bad", setting)
     refuses(USAGE_ERROR, ["--places"], *good, "--places", "0")
     refuses(USAGE_ERROR, ["light_groups", "none", "day"], *good, "--light-groups", "day")
-    for asked in ["dusk", "night/", "day=bright", "day=inf", "day="]:
+    for asked in ["dusk", "night/", "day=bright", "day=inf", "day=", "day=-1", "day=1e7"]:
         refuses(USAGE_ERROR, ["light_groups", "day, night/lamp", asked], "--grid", "sets.safetensors", "--format", "three", "--out", "bad", *BOX, "--light-groups", asked)
+    refuses(USAGE_ERROR, ["light_groups", "day twice"], "--grid", "sets.safetensors", "--format", "three", "--out", "bad", *BOX, "--light-groups", "day,day=2")
     refuses(USAGE_ERROR, ["c-header", "light_groups"], "--grid", "sets.safetensors", "--format", "c-header", "--out", "bad", "--light-groups", "day")
     open("file", "w").close()
     refuses(OUTPUT_ERROR, ["file/light.bin"], "--grid", "grid.safetensors", "--format", "three", "--out", "file", *BOX)

@@ -27,7 +27,7 @@ TEST(CodedBytes, ComeBack) {
       ASSERT_TRUE(decodeBytes(coded, columns, &back)) << count << ' ' << width;
       EXPECT_EQ(back, bytes);
       if (count == 70000u && width == 7u) {
-        EXPECT_LT(coded.size(), 3.1 / 8 * count) << "three bits each, where columns are known";
+        EXPECT_LT(coded.size(), 3.2 / 8 * count) << "three bits each, where columns are known";
         EXPECT_GT(codedBytes(bytes).size(), 4.5 / 8 * count);
       }
     }
@@ -51,12 +51,14 @@ TEST(CodedBytes, OtherBytesAreRefused) {
   Bytes many = codedBytes(Bytes(3, 0));
   for (uint8_t& byte : many) byte = 0xff;
   EXPECT_FALSE(decodeBytes(many, {}, &back));
+  // nor can much come of little
+  EXPECT_GT(codedBytes(Bytes(100000, 0)).size(), 100000u / 50);
   Random random(2);
   for (int trial = 0; trial < 300; ++trial) {
     Bytes other(random.below(60));
     for (uint8_t& byte : other) byte = static_cast<uint8_t>(random.below(256));
     decodeBytes(other, {}, &back);
-    EXPECT_LE(back.size(), 400 * other.size());
+    EXPECT_LE(back.size(), 50 * other.size());
   }
 }
 

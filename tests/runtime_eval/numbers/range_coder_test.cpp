@@ -60,7 +60,7 @@ TEST(RangeCoder, TakesHardlyMoreThanTheEntropy) {
   const double entropy = (-0.8 * std::log2(0.8) - 0.2 * std::log2(0.2)) / 0.2;
   EXPECT_NEAR(8.0 * static_cast<double>(small.bytes.size()) / count, entropy, 0.03 * entropy);
   EXPECT_LE(coded(8, count, [&] { return random.below(256); }).bytes.size(), 1.03 * count);
-  EXPECT_LE(coded(16, count, [] { return 4711u; }).bytes.size(), count / 32);
+  EXPECT_LE(coded(16, count, [] { return 4711u; }).bytes.size(), count / 20);
 }
 
 TEST(RangeCoder, CodesDifferencesByWhatTwoModelsSay) {

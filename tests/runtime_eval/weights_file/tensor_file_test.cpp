@@ -127,7 +127,8 @@ TEST(TensorFile, RefusesHeadersThatDoNotFitTheirBytes) {
   EXPECT_EQ(statusOf(R"({"a":{"dtype":"U8","shape":[0],"data_offsets":[8,0]}})", 8), kMalformed);
   EXPECT_EQ(statusOf(R"({"a":{"dtype":"U8","shape":[8],"data_offsets":[4,12]}})", 12), kMalformed);
   EXPECT_EQ(
-      statusOf(R"({"a":{"dtype":"U8","shape":[4],"data_offsets":[0,4]},"b":{"dtype":"U8","shape":[4],"data_offsets":[4,8]}})", 8),
+      statusOf(R"({"a":{"dtype":"U8","shape":[6],"data_offsets":[0,6]},"b":{"dtype":"F32","shape":[1],"data_offsets":[6,10]}})",
+               10),
       kMalformed);
   EXPECT_EQ(
       statusOf(R"({"a":{"dtype":"U8","shape":[68],"data_offsets":[0,68]},"b":{"dtype":"U8","shape":[4],"data_offsets":[64,68]}})",
