@@ -98,8 +98,9 @@ failing = [whole["rmse"][word]["failing"] for word in ["network", "corrected", "
 assert failing == sorted(failing, reverse=True) and failing[-1] == whole["still_failing"], whole
 assert one["took_fit"] == round(one["share_fitted"]["theta"] * one["functions"]) and one["ended"]["network"] < one["functions"], one
 assert one["bytes"] == os.path.getsize(one_file) and whole["bytes"] == os.path.getsize(whole_file), (one, whole)
-# hidden layers in bytes, the last in halves: 104 numbers and 9
-assert one["theta_bytes"] * 452 == whole["theta_bytes"] * 122, (one["theta_bytes"], whole["theta_bytes"])
+# hidden layers in bytes, the last in halves, 104 numbers and 9; and less, since a file codes them
+functions = whole["theta_bytes"] // 452
+assert 60 * functions < one["theta_bytes"] < 122 * functions and whole["theta_bytes"] == 452 * functions, (one["theta_bytes"], whole["theta_bytes"])
 assert whole["rmse"]["fitted"]["mean"] == whole["rmse"]["stored"]["mean"], whole
 assert 0 < abs(one["rmse"]["fitted"]["mean"] - one["rmse"]["stored"]["mean"]) < 0.01, one
 assert str(one["probes"]) in table and str(one["functions"]) in table, table

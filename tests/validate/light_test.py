@@ -96,8 +96,9 @@ class Light(unittest.TestCase):
                          [(word, "tent_mlp4", "solved") for word in ("network", "corrected", "fitted")])
         stored = next(method for method in fine["methods"] if (method["weights"], method["light"]) == ("tent_mlp4", "solved"))
         for found in fine["words"]:
-            for part in ("weights", "tree"):
-                self.assertEqual(found["bytes"][part], stored["bytes"][part])
+            self.assertEqual(found["bytes"]["tree"], stored["bytes"]["tree"])
+            # as many functions, coded by their own statistics
+            self.assertAlmostEqual(found["bytes"]["weights"] / stored["bytes"]["weights"], 1, delta=0.15)
         # rounding to int8 moves light by less than the network's errors do
         network, _, fitted = (sum(abs(found[group]["rmse"] - stored[group]["rmse"]) for group in ("air", "surface", "turned")) for found in fine["words"])
         self.assertLess(fitted, network)
