@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "tool/error.h"
+#include "tool/wall_time.h"
 
 namespace nlg {
 namespace {
@@ -24,10 +25,6 @@ constexpr double kThinning = 3.0;
 // Samples of probes that stand further apart have to be made anew: for less than this share of what these took nobody takes that on.
 constexpr double kWorthSamples = 0.5;
 
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 // So many times as much as with the others: a place has work beside its rays.
 double workOfRays(int rays, int others) { return std::pow(static_cast<double>(rays) / others, 0.85); }
 
@@ -38,9 +35,7 @@ bool hasShortFits(const PolicyOptions& policy) {
 // The scene's grid before it has functions.
 LightGrid bareGrid(const BakeScene& scene) {
   LightGrid grid;
-  grid.tree = scene.tree;
-  const glm::dvec3& origin_m = scene.source.scene.origin_m;
-  grid.tree.moveBy({origin_m.x, origin_m.y, origin_m.z});
+  grid.tree = scene.treeInWorld();
   grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
   return grid;
 }

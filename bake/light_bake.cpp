@@ -18,6 +18,7 @@
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 #include "tool/quantity.h"
+#include "tool/wall_time.h"
 
 namespace nlg {
 namespace {
@@ -25,7 +26,6 @@ namespace {
 constexpr uint64_t kLightStream = 0x6c69676874;
 
 using Clock = std::chrono::steady_clock;
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Options and files may ask for more than a file can hold.
 InputError tooBright(const std::string& scene) {

@@ -31,6 +31,7 @@
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
 #include "tool/tool_main.h"
+#include "tool/wall_time.h"
 
 namespace nlg {
 namespace {
@@ -142,10 +143,6 @@ std::unique_ptr<BakeScene> readScene(const Request& request, const BakeOptions& 
   tellNotes("nlg-bake", source);
   for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
   return std::make_unique<BakeScene>(std::move(source), options, known);
-}
-
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 // Settings that a bake in a given time has come to, as a grid has them on record.

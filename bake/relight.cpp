@@ -95,12 +95,7 @@ void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const 
   }
 }
 
-bool standsWhere(const BakeScene& scene, const BakedGrid& baked) {
-  ProbeTree tree = scene.tree;
-  const glm::dvec3& origin_m = scene.source.scene.origin_m;
-  tree.moveBy({origin_m.x, origin_m.y, origin_m.z});
-  return sameTree(tree, baked.grid.tree);
-}
+bool standsWhere(const BakeScene& scene, const BakedGrid& baked) { return sameTree(scene.treeInWorld(), baked.grid.tree); }
 
 std::vector<std::string> changesSince(const std::string& path, const BakedGrid& baked, const SceneSource& source,
                                       const OptionTable& table, const std::map<std::string, std::string>& weights) {

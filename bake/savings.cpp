@@ -64,11 +64,11 @@ class SavingsCount {
         stored_(stored),
         weights_bytes_(weights_bytes),
         threads_(threads),
-        unit_(bake.statistics) {
+        unit_(bake.statistics),
+        bytes_(lightGridBytes(bake.grid, stored)) {
     size_t plain_bytes = 0;
     for (size_t f = 0; f < grid_.functionCount(); ++f) plain_bytes += plainBytesOf(f);
-    if (plain_bytes > 0)
-      coded_share_ = static_cast<double>(lightGridBytes(grid_, {stored_.theta, {}}).theta) / static_cast<double>(plain_bytes);
+    if (plain_bytes > 0) coded_share_ = static_cast<double>(bytes_.theta) / static_cast<double>(plain_bytes);
   }
 
   std::vector<Saving> run() {
@@ -130,8 +130,7 @@ class SavingsCount {
     add("cells without air", air.airless_cells, air.cells, times(air.airless_cells, light_s), {},
         "air_only; seconds: light at as many places as other cells have");
     const uint64_t unread = air.probes - counts_.grid_probes;
-    const std::optional<double> probe_bytes =
-        each(static_cast<double>(lightGridBytes(grid_, stored_).total()), counts_.grid_probes);
+    const std::optional<double> probe_bytes = each(static_cast<double>(bytes_.total()), counts_.grid_probes);
     const std::optional<double> bytes = times(unread, probe_bytes);
     add("probes that only cells without air read", unread, air.probes, times(unread, unit_.probe_s),
         bytes ? std::optional(static_cast<int64_t>(*bytes)) : std::nullopt, "air_only; each as the mean probe of this bake");
@@ -202,7 +201,7 @@ class SavingsCount {
     if (stored_.theta != ThetaPrecision::float32) {
       const auto floats = static_cast<int64_t>(grid_.theta.size() * sizeof(float));
       add("bits of theta beyond its stored form", grid_.theta.size(), grid_.theta.size(), {},
-          floats - static_cast<int64_t>(lightGridBytes(grid_, stored_).theta),
+          floats - static_cast<int64_t>(bytes_.theta),
           fmt::format("theta_precision: {}, against float32", thetaPrecisionName(stored_.theta)));
     }
   }
@@ -244,7 +243,8 @@ class SavingsCount {
   const std::vector<uint64_t>& weights_bytes_;
   int threads_;
   UnitCosts unit_;
-  double coded_share_ = 1.0;  // of theta's bytes in a file over those of its numbers
+  const LightGridBytes bytes_;  // of the file; counted once, since light is coded for it
+  double coded_share_ = 1.0;    // of theta's bytes in a file over those of its numbers
   std::vector<Saving> savings_;
 };
 

@@ -13,12 +13,12 @@
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
+#include "tool/wall_time.h"
 
 namespace nlg {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // Everything that one thread needs, for all stages.
 struct BakeThread {
@@ -196,10 +196,7 @@ class SceneBake {
 
   LightGrid makeGrid() {
     LightGrid grid;
-    grid.tree = scene_.tree;
-    // engines look up in the world's coordinates; the scene's are relative to its middle
-    const glm::dvec3& origin_m = scene_.source.scene.origin_m;
-    grid.tree.moveBy({origin_m.x, origin_m.y, origin_m.z});
+    grid.tree = scene_.treeInWorld();
     grid.probe_function = functions_.probeFunction();
     // only the representations that some function uses
     const std::vector<uint64_t> chosen = statistics_.chosen(generators_.size());

@@ -122,6 +122,13 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   return source;
 }
 
+ProbeTree BakeScene::treeInWorld() const {
+  ProbeTree moved = tree;
+  const glm::dvec3& origin_m = source.scene.origin_m;
+  moved.moveBy({origin_m.x, origin_m.y, origin_m.z});
+  return moved;
+}
+
 BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
     : BakeScene(loadLitScene(request, options), options) {}
 

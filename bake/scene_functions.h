@@ -35,6 +35,9 @@ struct BakeScene {
   // known   for light alone: then there are no links, and where that bake searched what this one would, no cells without air are searched
   BakeScene(SceneSource lit, const BakeOptions& options, const KnownAir& known = {});
 
+  // The tree in the world's coordinates, in which engines look up; the scene's are relative to its middle.
+  ProbeTree treeInWorld() const;
+
   SceneSource source;
   LinkTable links;
   RayScene rays;

@@ -40,9 +40,7 @@ void makeFurnace(Scene& scene) {
 // All probes with their bare tents, as a bake hands it to its light.
 LightGrid tentGrid(const BakeScene& scene) {
   LightGrid grid;
-  grid.tree = scene.tree;
-  const glm::dvec3& origin_m = scene.source.scene.origin_m;
-  grid.tree.moveBy({origin_m.x, origin_m.y, origin_m.z});
+  grid.tree = scene.treeInWorld();
   grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
   return grid;
 }

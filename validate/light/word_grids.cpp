@@ -27,9 +27,7 @@ std::vector<WordGrid> wordGrids(const BakeScene& scene, const Generator& generat
   });
 
   LightGrid bare;
-  bare.tree = scene.tree;
-  const glm::dvec3& origin_m = scene.source.scene.origin_m;
-  bare.tree.moveBy({origin_m.x, origin_m.y, origin_m.z});
+  bare.tree = scene.treeInWorld();
   bare.probe_function = functions.probeFunction();
   bare.representations = {generator.representation()};
   const auto theta_count = static_cast<size_t>(generator.representation().thetaCount());
