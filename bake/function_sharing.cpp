@@ -49,6 +49,7 @@ class ThetaSharing {
         generators_(generators),
         read_(read),
         options_(options),
+        weights_(options.loss()),
         share_rmse_(share_rmse),
         thread_count_(thread_count),
         threads_(static_cast<size_t>(thread_count)),
@@ -84,7 +85,7 @@ class ThetaSharing {
     return generators_[made_[function].generator].representation();
   }
 
-  double mostRmse(uint32_t function) const { return std::max(share_rmse_, made_[function].check().weighedRmse(options_)); }
+  double mostRmse(uint32_t function) const { return std::max(share_rmse_, made_[function].check().blend_rmse); }
 
   void evaluateAll() {
     std::vector<LocalPoint> points;
@@ -105,8 +106,8 @@ class ThetaSharing {
       if (!stored.isValid(point)) continue;
       ++valid;
       glance.phi[place] = static_cast<float>(stored.phi[point]) / 255.0f;
-      const bool is_dark = stored.phi[point] == 0 && tent(supportPattern().points[point]) > kRimTent;
-      glance.weight[place] = is_dark ? static_cast<float>(options_.dark_weight) : 1.0f;
+      const float root = weights_.root(stored.phi[point], tent(supportPattern().points[point]), stored.blendSum(point));
+      glance.weight[place] = root * root;
     }
     const double most = kGlanceSlack * mostRmse(function);
     glance.most = static_cast<float>(most * most * valid);
@@ -148,7 +149,7 @@ class ThetaSharing {
     for (size_t t = 0; t < tries; ++t) {
       const uint32_t other = thread.near[t].second;
       const FunctionCheck check = thread.checker.check(representationOf(other), stored, made_[other].theta.data(), options_);
-      if (check.trouble(options_) > most_trouble || check.weighedRmse(options_) > mostRmse(function)) continue;
+      if (check.trouble(options_) > most_trouble || check.blend_rmse > mostRmse(function)) continue;
       shared_.whose[function] = other;
       shared_.check[function] = check;
       return true;
@@ -160,6 +161,7 @@ class ThetaSharing {
   const std::vector<Generator>& generators_;
   const ReadFunction& read_;
   const CheckOptions& options_;
+  const LossWeights weights_;
   const double share_rmse_;
   const int thread_count_;
   std::vector<Thread> threads_;

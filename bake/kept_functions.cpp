@@ -10,6 +10,8 @@
 namespace nlg {
 namespace {
 
+constexpr float kNoEye = 9.0f;  // beyond every support
+
 KeptKey keyOf(Sha256* digest) {
   const Sha256Digest bytes = digest->finish();
   KeptKey key;
@@ -31,6 +33,10 @@ KeptKey keyOf(const WeightingBuilder& begun) {
   Sha256 digest;
   digest.add(own.data(), own.size());
   digest.add(triangles.data(), triangles.size() * sizeof(Bits));
+  for (const std::optional<LocalPoint>& eye : begun.neighbours()) {
+    const auto bits = std::bit_cast<std::array<uint32_t, 3>>(eye.value_or(LocalPoint{kNoEye, kNoEye, kNoEye}));
+    digest.add(bits.data(), sizeof bits);
+  }
   return keyOf(&digest);
 }
 
@@ -38,13 +44,14 @@ KeptKey keyOf(const StoredFunction& function) {
   Sha256 digest;
   digest.add(function.phi, kSupportPointCount);
   digest.add(function.validity, kValidityByteCount);
+  digest.add(function.blend_sum, kSupportPointCount);
   return keyOf(&digest);
 }
 
 std::vector<uint8_t> packSamples(const StoredFunction& function) {
   std::vector<uint8_t> samples(kKeptSampleBytes);
-  std::copy_n(function.phi, kSupportPointCount, samples.begin());
-  std::copy_n(function.validity, kValidityByteCount, samples.begin() + kSupportPointCount);
+  const auto validity = std::copy_n(function.phi, kSupportPointCount, samples.begin());
+  std::copy_n(function.blend_sum, kSupportPointCount, std::copy_n(function.validity, kValidityByteCount, validity));
   return encodeChunk(samples.data(), samples.size());
 }
 

@@ -48,14 +48,14 @@ struct KeptProbe {
 
 using KeptProbes = std::vector<KeptProbe>;
 
-// Of the triangles in the support of the probe that was begun last, in any order, and the vote of its own place.
+// Of the triangles in the support of the probe that was begun last, in any order, the vote of its own place, and the eyes around it.
 KeptKey keyOf(const WeightingBuilder& begun);
-// Of samples: phi and validity.
+// Of samples: phi, validity and sums.
 KeptKey keyOf(const StoredFunction& function);
 
-inline constexpr size_t kKeptSampleBytes = kSupportPointCount + kValidityByteCount;
+inline constexpr size_t kKeptSampleBytes = 2 * kSupportPointCount + kValidityByteCount;
 std::vector<uint8_t> packSamples(const StoredFunction& function);
-// samples   overwritten with kKeptSampleBytes: phi, then validity
+// samples   overwritten with kKeptSampleBytes: phi, then validity, then sums
 // returns   whether these are packed samples
 bool unpackSamples(const std::vector<uint8_t>& packed, std::vector<uint8_t>* samples);
 

@@ -169,6 +169,7 @@ SceneFunctions::SceneFunctions(const BakeScene& scene, const BakeOptions& option
                                const std::string& spool_folder)
     : scene_(scene),
       options_(options),
+      eyes_(scene.tree.frame()),
       threads_(static_cast<size_t>(thread_count)),
       collector_(supportRows(), {options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)}, kBatchCount,
                  {}, spool_folder) {
@@ -215,6 +216,7 @@ ProbeOutcome SceneFunctions::seeAndGenerate(const PlacedProbe& probe, ThreadStat
   if (seen != ProbeOutcome::function) return seen;
   times.triangles += state.builder.visibility().triangles().size();
   const ProbeOutcome outcome = state.builder.generate(&state.function);
+  if (outcome == ProbeOutcome::function) state.builder.sumBlend(&state.function);
   times.functions_s += secondsBetween(after, Clock::now());
   return outcome;
 }
@@ -247,9 +249,10 @@ bool SceneFunctions::takeKnown(const PlacedProbe& probe, const KeptKey& key, Thr
   if (known->function && !unpackSamples(known->function->packed, &state.samples))
     throw InputError("--keep", "samples of a function", "deflated bytes", "others");
   FunctionRows& rows = block->functions;
-  const auto validity = state.samples.begin() + kSupportPointCount;
+  const auto validity = state.samples.begin() + kSupportPointCount, sums = validity + kValidityByteCount;
   rows.phi.insert(rows.phi.end(), state.samples.begin(), validity);
-  rows.validity.insert(rows.validity.end(), validity, state.samples.end());
+  rows.validity.insert(rows.validity.end(), validity, sums);
+  rows.blend_sum.insert(rows.blend_sum.end(), sums, state.samples.end());
   rows.seen.resize(rows.seen.size() + kValidityByteCount, 0);
   const glm::dvec3 position_m = scene_.source.scene.origin_m + probe.position;
   rows.probe_position_m.insert(rows.probe_position_m.end(), {position_m.x, position_m.y, position_m.z});
@@ -279,6 +282,7 @@ void SceneFunctions::makeProbe(uint64_t number, ThreadState& state, ProbeBlock* 
   PlacedProbe probe{number, {x, y, z}, scene_.tree.probeSpacing(number), Clock::now(), {}};
   probe.settled = state.builder.begin(probe.position, probe.spacing_m, InSolid::by_eye);
   state.times.cavity_probes += state.builder.isInCavity();
+  if (!probe.settled) state.builder.lookAround(&eyes_);
   if (known_ == nullptr || probe.settled) return makeFunction(probe, state, block);
   const KeptKey key = keyOf(state.builder);
   if (takeKnown(probe, key, state, block)) {

@@ -99,6 +99,7 @@ class SceneFunctions {
 
   const BakeScene& scene_;
   BakeOptions options_;
+  ProbeEyes eyes_;
   std::vector<std::unique_ptr<ThreadState>> threads_;
   FunctionCollector collector_;
   std::vector<uint32_t> probe_function_;

@@ -96,7 +96,7 @@ void roundMatrices(GeneratorNetwork& network) {
 // Functions at equal distances; the i-th of count.
 int64_t spread(const TrainingData& data, int64_t i, int64_t count) { return i * data.functionCount() / count; }
 
-// Mean RMSE of predicted theta.
+// Mean blend RMSE of predicted theta.
 double meanRmse(const Generator& generator, const TrainingData& data, int limit) {
   const int64_t count = std::min<int64_t>(limit, data.functionCount());
   GeneratorScratch scratch(generator);
@@ -105,8 +105,8 @@ double meanRmse(const Generator& generator, const TrainingData& data, int limit)
   for (int64_t i = 0; i < count; ++i) {
     const StoredFunction function = data.function(spread(data, i, count));
     generator.generate(function.phi, 1, theta.data(), &scratch);
-    sum +=
-        functionRmse(generator.representation(), decodeFunction(function, pointOrder(generator.representation())), theta.data());
+    sum += functionRmse(generator.representation(),
+                        decodeFunction(function, pointOrder(generator.representation()), CheckOptions().loss()), theta.data());
   }
   return sum / static_cast<double>(count);
 }

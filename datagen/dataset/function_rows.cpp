@@ -25,7 +25,8 @@ FunctionRows emptyLike(const FunctionRows& rows) {
 
 StoredFunction functionAt(const FunctionRows& rows, uint64_t n) {
   const auto P = static_cast<uint64_t>(rows.point_count);
-  return {&rows.phi[n * P], &rows.validity[n * P / 8], rows.seen.empty() ? nullptr : &rows.seen[n * P / 8]};
+  return {&rows.phi[n * P], &rows.validity[n * P / 8], rows.seen.empty() ? nullptr : &rows.seen[n * P / 8],
+          rows.blend_sum.empty() ? nullptr : &rows.blend_sum[n * P]};
 }
 
 void appendRows(const FunctionRows& from, uint64_t first, uint64_t count, FunctionRows* to) {

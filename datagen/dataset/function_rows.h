@@ -26,6 +26,7 @@ struct FunctionRows {
   std::vector<uint8_t> phi;              // N x P, round(255 phi)
   std::vector<uint8_t> validity;         // N x P/8, bit i of byte b is point 8 b + i
   std::vector<uint8_t> seen;             // N x P/8, points that the probe sees
+  std::vector<uint8_t> blend_sum;        // N x P, StoredFunction::blend_sum; 255 where phi is 0
   std::vector<double> probe_position_m;  // N x 3, world
   std::vector<float> spacing_m;          // N
   std::vector<uint8_t> flags;            // N, FunctionFlag
@@ -49,6 +50,7 @@ void forEachArray(const Visit& visit, Rows& rows, MoreRows&... more) {
   visit("phi", std::vector<uint64_t>{P}, rows.phi, more.phi...);
   visit("validity", std::vector<uint64_t>{P / 8}, rows.validity, more.validity...);
   visit("seen", std::vector<uint64_t>{P / 8}, rows.seen, more.seen...);
+  visit("blend_sum", std::vector<uint64_t>{P}, rows.blend_sum, more.blend_sum...);
   visit("probe_position_m", std::vector<uint64_t>{3}, rows.probe_position_m, more.probe_position_m...);
   visit("spacing_m", std::vector<uint64_t>{}, rows.spacing_m, more.spacing_m...);
   visit("flags", std::vector<uint64_t>{}, rows.flags, more.flags...);

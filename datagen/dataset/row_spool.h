@@ -12,7 +12,7 @@ namespace nlg {
 
 class RowSpool {
  public:
-  // point_count   P: a function takes P + P/8 bytes of disk
+  // point_count   P: a function takes 2 P + P/8 bytes of disk
   // throws        OutputError when no file can be made in the folder
   RowSpool(const std::string& folder, int point_count);
 

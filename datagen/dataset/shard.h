@@ -49,7 +49,7 @@ struct Shard : ShardHeader, FunctionRows {};
 double functionsPerProbe(const ShardCounts& counts);
 
 // The attribute schema_version of its files.
-inline constexpr uint64_t kShardVersion = 1;
+inline constexpr uint64_t kShardVersion = 2;
 
 // Functions a chunk of every array in the file: the unit in which shards are written and read.
 inline constexpr uint64_t kChunkFunctions = 32;

@@ -121,7 +121,8 @@ ShardJob::ShardJob(const SceneSource& source, const ShardRequest& request, const
       scene_(shardScene(source.scene, options.jitter, seed_, request.jitter)),
       tree_(placeProbes(scene_, options, seed_)),
       links_(makeLinkTable(testPoints(header_.test_point_count))),
-      rays_(scene_) {}
+      rays_(scene_),
+      eyes_(tree_.frame()) {}
 
 CollectorLimits ShardJob::limits() const {
   return {static_cast<uint64_t>(options_.max_functions),
@@ -140,6 +141,8 @@ void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& 
     const ProbeOutcome outcome = builder.build(position, spacing_m, &function, by_eye ? InSolid::by_eye : InSolid::left_out);
     block->outcomes.push_back(outcome);
     if (outcome != ProbeOutcome::function) continue;
+    builder.lookAround(&eyes_);
+    builder.sumBlend(&function);
     appendFunction(function, scene_.origin_m + position, spacing_m, &block->functions);
   }
 }

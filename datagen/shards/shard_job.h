@@ -79,6 +79,7 @@ class ShardJob {
   ProbeTree tree_;
   LinkTable links_;
   RayScene rays_;
+  mutable ProbeEyes eyes_;  // that threads find when they first ask
 };
 
 // What brings the chunks of a shard to its file: compressed in any order, written in theirs. The writer must outlive it.

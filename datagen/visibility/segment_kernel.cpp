@@ -272,6 +272,31 @@ void blockRaysVectors(const PointPackets& points, const std::vector<LocalTriangl
   }
 }
 
+void blockOctantVectors(const OctantPackets& points, const std::vector<LocalTriangle>& triangles, const std::vector<uint32_t>& some,
+                        const LocalPoint& eye, uint16_t* HWY_RESTRICT blocked) {
+  constexpr uint32_t kPackets = kOctantPointCount / kPacketLanes;
+  const Vectors from = broadcast(eye.data());
+  std::fill(blocked, blocked + kPackets, uint16_t{0});
+  const auto lanes = static_cast<uint32_t>(hn::Lanes(Tag()));
+  for (const uint32_t t : some) {
+    const WideTriangle triangle(triangles[t]);
+    const Shadow shadow(triangles[t], eye);
+    for (uint32_t first = 0; first < kPackets; first += lanes) {
+      uint32_t may, must;
+      shadow.judge(points.packets, first, &may, &must);
+      forEachBit(must, [&](uint32_t i) { blocked[first + i] = kAllLanes; });
+      forEachBit(may & ~must, [&](uint32_t i) {
+        const uint32_t packet = first + i;
+        if (blocked[packet] == kAllLanes) return;
+        uint32_t met = 0;
+        for (uint32_t k = 0; k < kPacketLanes; k += lanes)
+          met |= triangle.meets(from, load(points.at, size_t{packet} * kPacketLanes + k)) << k;
+        blocked[packet] |= static_cast<uint16_t>(met);
+      });
+    }
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace nlg
 HWY_AFTER_NAMESPACE();
@@ -281,6 +306,7 @@ namespace nlg {
 
 HWY_EXPORT(blockRaysVectors);
 HWY_EXPORT(blockLinksVectors);
+HWY_EXPORT(blockOctantVectors);
 
 bool segmentMeets(const LocalTriangle& triangle, const LocalPoint& from, const LocalPoint& to) {
   const auto dot = [](const float* a, const LocalPoint& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; };
@@ -302,6 +328,30 @@ bool segmentMeets(const LocalTriangle& triangle, const LocalPoint& from, const L
 void blockRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, const LocalPoint& eye,
                uint16_t* blocked) {
   HWY_DYNAMIC_DISPATCH(blockRaysVectors)(points, triangles, eye, blocked);
+}
+
+OctantPackets makeOctantPackets(int mirror) {
+  const LocalPoint* points = &supportPattern().points[static_cast<size_t>(mirror) * kOctantPointCount];
+  OctantPackets octant;
+  octant.packets.resize(kOctantPointCount / kPacketLanes);
+  for (size_t packet = 0; packet < kOctantPointCount / kPacketLanes; ++packet) {
+    LocalPoint low = points[packet * kPacketLanes], high = low;
+    for (int i = 0; i < kPacketLanes; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const float x = points[packet * kPacketLanes + i][axis];
+        low[axis] = std::min(low[axis], x);
+        high[axis] = std::max(high[axis], x);
+        octant.at[axis].push_back(x);
+      }
+    }
+    octant.packets.set(packet, low, high);
+  }
+  return octant;
+}
+
+void blockOctantRays(const OctantPackets& points, const std::vector<LocalTriangle>& triangles, const std::vector<uint32_t>& some,
+                     const LocalPoint& eye, uint16_t* blocked) {
+  HWY_DYNAMIC_DISPATCH(blockOctantVectors)(points, triangles, some, eye, blocked);
 }
 
 uint64_t blockLinks(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch,

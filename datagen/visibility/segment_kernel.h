@@ -29,6 +29,14 @@ struct PointPackets {
   std::array<AlignedFloats, 3> at;
 };
 
+// The support points of one octant, in pattern order: neighbours in memory are neighbours in space.
+struct OctantPackets {
+  Boxes packets;  // kOctantPointCount / kPacketLanes
+  std::array<AlignedFloats, 3> at;
+};
+// mirror   of the octant, bits as in SupportPattern
+OctantPackets makeOctantPackets(int mirror);
+
 // Kept between probes so that none of them allocates.
 struct LinkScratch {
   std::array<std::vector<uint32_t>, kLeafCount> triangles_of_leaf;
@@ -38,6 +46,13 @@ struct LinkScratch {
 // eye       local coordinates, in the support; the local origin is the probe
 // blocked   a word a packet, all written
 void blockRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, const LocalPoint& eye, uint16_t* blocked);
+
+// The same of some of the triangles and the points of an octant: bit i of blocked[p] is of its point 16 p + i.
+// some      indices into triangles
+// eye       local coordinates, anywhere
+// blocked   kOctantPointCount / kPacketLanes words, all written
+void blockOctantRays(const OctantPackets& points, const std::vector<LocalTriangle>& triangles, const std::vector<uint32_t>& some,
+                     const LocalPoint& eye, uint16_t* blocked);
 
 // Sets bit i of blocked[p] when the link at place 16 p + i meets a triangle.
 // blocked   a word a packet, all written

@@ -25,7 +25,7 @@ float gaussianAt(float distance, double sigma) {
 }  // namespace
 
 WeightingBuilder::WeightingBuilder(const RayScene& scene, const LinkTable& links, const DiffusionOptions& options)
-    : table_(links), options_(options), visibility_(scene, links), lit_(links.points.size()) {
+    : table_(links), options_(options), visibility_(scene, links), eye_finder_(scene, links), lit_(links.points.size()) {
   tent_.reserve(links.points.size());
   for (const LocalPoint& point : links.points) tent_.push_back(tent(point));
   gaussian_.reserve(links.distance.size());
@@ -43,6 +43,8 @@ ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m
 }
 
 std::optional<ProbeOutcome> WeightingBuilder::begin(const glm::dvec3& position_m, float spacing_m, InSolid in_solid) {
+  position_m_ = position_m;
+  spacing_m_ = spacing_m;
   probe_vote_ = visibility_.voteAt(position_m);
   if (probe_vote_.solid() && in_solid == InSolid::left_out) return ProbeOutcome::in_solid;
   visibility_.beginProbe(position_m, spacing_m);
@@ -63,6 +65,7 @@ ProbeOutcome WeightingBuilder::look() {
 }
 
 ProbeOutcome WeightingBuilder::generate(GeneratedFunction* result) {
+  result->blend_sum.clear();
   result->open_shell = open_shell_;
   result->in_solid = probe_vote_.solid();
   lightSeenPoints(result);
@@ -70,6 +73,11 @@ ProbeOutcome WeightingBuilder::generate(GeneratedFunction* result) {
   const bool empty =
       std::all_of(result->phi.begin(), result->phi.begin() + kSupportPointCount, [](float w) { return w == 0.0f; });
   return empty ? ProbeOutcome::empty : ProbeOutcome::function;
+}
+
+void WeightingBuilder::sumBlend(GeneratedFunction* result) {
+  result->blend_sum.resize(kSupportPointCount);
+  blend_sum_.compute(visibility_.triangles(), neighbours_, result->phi.data(), result->blend_sum.data());
 }
 
 // Gives the tent to what the probe sees; lists the valid points that wait for weight.

@@ -9,6 +9,7 @@
 
 #include "datagen/visibility/solid_eye.h"
 #include "datagen/visibility/support_visibility.h"
+#include "datagen/weighting/blend_sum.h"
 
 namespace nlg {
 
@@ -30,6 +31,7 @@ struct GeneratedFunction {
   std::vector<float> phi;      // [0, 1]; 0 at invalid points
   std::vector<uint8_t> valid;  // 0 or 1
   std::vector<uint8_t> seen;   // 0 or 1: seen by the probe's eye (and valid)
+  std::vector<uint8_t> blend_sum;  // of the support points, as StoredFunction has it; empty where nobody summed
   bool open_shell = false;     // votes about solid were disputed
   bool in_solid = false;       // the probe is in solid, its eye elsewhere
 };
@@ -61,6 +63,12 @@ class WeightingBuilder {
   ProbeOutcome look();
   const SolidVote& probeVote() const { return probe_vote_; }  // of the probe that was begun last
 
+  // The eyes of the probes around the one that was begun, and what they and its function add up to: blend_sum of a function that
+  // generate has made.
+  void lookAround(ProbeEyes* eyes) { neighbours_ = neighbourEyes(position_m_, spacing_m_, eyes, &eye_finder_); }
+  const NeighbourEyes& neighbours() const { return neighbours_; }
+  void sumBlend(GeneratedFunction* result);
+
   // Of the probe that was seen last: whether it sees a place of its support, and what its function is there, by the rule that
   // gives functions at the test points of a link table. The place must be in air: nobody votes about it.
   // function   as generate gave it
@@ -81,6 +89,11 @@ class WeightingBuilder {
   DiffusionOptions options_;
   SupportVisibility visibility_;
   SolidEye solid_eye_;
+  EyeFinder eye_finder_;
+  BlendSum blend_sum_;
+  NeighbourEyes neighbours_;
+  glm::dvec3 position_m_{0.0};  // of the probe that was begun last
+  float spacing_m_ = 1.0f;
   SolidVote probe_vote_;
   bool open_shell_ = false;
   std::vector<float> tent_;        // by point

@@ -129,7 +129,7 @@ nlg::PolicyOptions optionsOf(const nlg_policy_options& options) {
 }
 
 nlg_check checkOf(const nlg::FunctionCheck& check, const nlg::CheckOptions& options) {
-  return {check.rmse, check.leak_mean, check.leak_share, check.passes(options) ? 1 : 0};
+  return {check.rmse, check.blend_rmse, check.leak_mean, check.leak_share, check.passes(options) ? 1 : 0};
 }
 
 nlg_made madeOf(const nlg::MadeTheta& made, const nlg::CheckOptions& options) {
@@ -262,14 +262,15 @@ void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t cou
   }
 }
 
-nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const float* theta,
-                          nlg_scratch* scratch) {
+nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const uint8_t* blend_sum,
+                          const float* theta, nlg_scratch* scratch) {
   const nlg::CheckOptions& check = scratch->policy.options().check();
-  return checkOf(scratch->checker.check(generator->generator.representation(), {phi, validity}, theta, check), check);
+  const nlg::StoredFunction function{phi, validity, nullptr, blend_sum};
+  return checkOf(scratch->checker.check(generator->generator.representation(), function, theta, check), check);
 }
 
-nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
-                          nlg_made* made, nlg_scratch* scratch) {
+nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const uint8_t* blend_sum,
+                          size_t count, float* theta, nlg_made* made, nlg_scratch* scratch) {
   if (generator == nullptr || scratch == nullptr || scratch->of != &generator->generator) return NLG_INVALID_ARGUMENT;
   if (count > 0 && (phi == nullptr || validity == nullptr || theta == nullptr)) return NLG_INVALID_ARGUMENT;
   const auto theta_count = static_cast<size_t>(generator->generator.representation().thetaCount());
@@ -280,7 +281,8 @@ nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, co
       const size_t piece = std::min<size_t>(nlg::kBatchCount, count - first);
       functions.clear();
       for (size_t i = first; i < first + piece; ++i) {
-        functions.push_back({phi + i * nlg::kSupportPointCount, validity + i * nlg::kValidityByteCount});
+        functions.push_back({phi + i * nlg::kSupportPointCount, validity + i * nlg::kValidityByteCount, nullptr,
+                             blend_sum != nullptr ? blend_sum + i * nlg::kSupportPointCount : nullptr});
       }
       scratch->policy.bake(functions.data(), static_cast<int>(piece), results.data());
       for (size_t i = 0; i < piece; ++i) {

@@ -129,6 +129,7 @@ void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t cou
 /* One theta against its function, over all valid support points. */
 typedef struct nlg_check {
   double rmse;       /* not finite when theta is not */
+  double blend_rmse; /* the root of the loss, likewise: what fits minimise */
   double leak_mean;  /* mean |value| over valid points whose phi is 0 */
   double leak_share; /* share of them that leak */
   int passes;        /* 1 or 0 */
@@ -136,11 +137,12 @@ typedef struct nlg_check {
 
 /* Checks a theta of this generator's representation. Allocates nothing, cannot fail.
  *
- * phi       P bytes; validity P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
- * theta     D floats
- * scratch   of this generator, made with the options of the check */
-nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const float* theta,
-                          nlg_scratch* scratch);
+ * phi        P bytes; validity P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
+ * blend_sum  P bytes, or null: as of nlg_make_theta
+ * theta      D floats
+ * scratch    of this generator, made with the options of the check */
+nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const uint8_t* blend_sum,
+                          const float* theta, nlg_scratch* scratch);
 
 /* What became of one function. */
 typedef struct nlg_made {
@@ -157,15 +159,18 @@ typedef struct nlg_made {
  * functions and milliseconds for the hardest; docs/reference/results.md has the times. Every function has the same theta whatever
  * stands beside it in the call.
  *
- * phi       count x P bytes, round(255 phi) at the support points in their order; 0 at points inside solid
- * validity  count x P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
- * theta     count x D floats, overwritten
- * made      count of them, overwritten; may be null
- * scratch   of this generator
+ * phi        count x P bytes, round(255 phi) at the support points in their order; 0 at points inside solid
+ * validity   count x P / 8 bytes, bit i of byte b is point 8 b + i: 1 outside solid
+ * blend_sum  count x P bytes, round(255 min(1, S)): S is the sum, over all probes of the grid's cell around the point, of their functions
+ *            there. A fit keeps what little a probe has where few others see the point (runtime_eval/support/loss_weights.h). Null: S is
+ *            taken as 1, as if other probes saw whatever this one sees, and places that it alone sees may turn black
+ * theta      count x D floats, overwritten
+ * made       count of them, overwritten; may be null
+ * scratch    of this generator
  * returns   NLG_OK; NLG_OUT_OF_MEMORY, after which theta and made hold nothing of use; or NLG_INVALID_ARGUMENT. When count is 0, phi,
  *           validity and theta may be null */
-nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
-                          nlg_made* made, nlg_scratch* scratch);
+nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const uint8_t* blend_sum,
+                          size_t count, float* theta, nlg_made* made, nlg_scratch* scratch);
 
 /* A loaded light grid: probes, their weighting functions and their light. */
 typedef struct nlg_light_grid nlg_light_grid;

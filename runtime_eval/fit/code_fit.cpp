@@ -65,9 +65,11 @@ void passVectors(const PassInput& in, PassOutput& out) {
       const Floats logit = cellLogit(d, polynomials, c, cellPosition(d, order, cell, scale, place));
       const Sigmoid s = sigmoid(d, logit);
       const Floats mask = hn::Load(d, in.mask + place), tents = hn::Load(d, &order.points.tent[place]);
-      const auto is_dark = hn::Gt(mask, one);
-      const Floats bare = hn::MulSub(s.value, tents, hn::Load(d, in.phi + place));
-      lit_square = hn::MulAdd(hn::IfThenZeroElse(is_dark, hn::Mul(mask, bare)), bare, lit_square);
+      const Floats phi = hn::Load(d, in.phi + place);
+      // of lit points the mask may be above 1, too
+      const auto is_dark = hn::And(hn::Eq(phi, hn::Zero(d)), hn::Gt(mask, one));
+      const Floats bare = hn::MulSub(s.value, tents, phi), lit = hn::IfThenZeroElse(is_dark, hn::Mul(mask, bare));
+      lit_square = hn::MulAdd(lit, lit, lit_square);
       dark_square = hn::MulAdd(hn::IfThenElseZero(is_dark, bare), bare, dark_square);
       const Floats weight = hn::IfThenElse(is_dark, dark_root, mask), residual = hn::Mul(weight, bare);
       const Floats slope = hn::Mul(s.value, s.complement);

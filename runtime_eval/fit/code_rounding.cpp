@@ -32,18 +32,18 @@ Theta CodeRounding::rounded(const float* z, int length) const {
 RoundedTheta CodeRounding::round(const Representation& representation, const StoredFunction& function,
                                  const RoundedTheta& present, const CheckOptions& check) {
   const int K = representation.code_count;
-  decodeFunction(function, pointOrder(representation), check.dark_weight, &function_);
+  decodeFunction(function, pointOrder(representation), check.loss(), &function_);
   const auto inSteps = [&](Theta theta) {
     roundTheta(representation, ThetaPrecision::int8, theta.data());
     const FunctionCheck found = checker_.check(representation, function, theta.data(), check);
     return RoundedTheta{std::move(theta), found};
   };
   if (!factorAt(representation, present.theta.data())) return inSteps(present.theta);
-  const double before = present.check.weighedRmse(check),
+  const double before = present.check.blend_rmse,
                allowed = std::max(options_.code_enough_rmse, options_.code_flat_ratio * before);
   const bool must_pass = present.check.passes(check);
   const auto suffices = [&](const FunctionCheck& found) {
-    return found.weighedRmse(check) <= allowed && (!must_pass || found.passes(check));
+    return found.blend_rmse <= allowed && (!must_pass || found.passes(check));
   };
   // what leaving out the numbers from i on adds to the mean square
   std::vector<double> added(static_cast<size_t>(K) + 1, 0.0);

@@ -19,7 +19,7 @@
 namespace nlg {
 struct CheckSums {
   double square = 0.0;                    // of the residuals at valid points
-  double dark_square = 0.0;               // of values at dark points
+  double loss = 0.0;                      // of the weighed ones
   double leak = 0.0;                      // of |value| at valid points whose phi is 0
   int32_t valid = 0, zero = 0, over = 0;  // valid points; of these those whose phi is 0; of these those that leak
 };
@@ -33,17 +33,19 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Sums over all support points; float inside an octant, double over octants.
 void compareVectors(const float* HWY_RESTRICT values, const float* HWY_RESTRICT tent, const StoredFunction& stored,
-                    float tau_leak, CheckSums& sums) {
+                    const CheckOptions& options, CheckSums& sums) {
   const hn::CappedTag<float, 16> d;
   const hn::RebindToSigned<decltype(d)> di;
   const hn::Rebind<uint8_t, decltype(d)> d8;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const auto lane_bit = hn::Shl(hn::Set(di, 1), hn::Iota(di, 0));
   const auto zero = hn::Zero(d), scale = hn::Set(d, 1.0f / 255.0f);
-  const auto share = hn::Set(d, tau_leak), rim = hn::Set(d, kRimTent);
+  const auto share = hn::Set(d, static_cast<float>(options.tau_leak)), rim = hn::Set(d, kRimTent);
+  const auto dark_weight = hn::Set(d, static_cast<float>(options.dark_weight)), floor = hn::Set(d, static_cast<float>(options.blend_floor));
+  const auto unit = hn::Set(d, 1.0f);
   const auto one = hn::Set(di, 1), none = hn::Zero(di);
   for (int begin = 0; begin < kSupportPointCount; begin += kOctantPointCount) {
-    auto square = zero, dark_square = zero, leak = zero;
+    auto square = zero, loss = zero, leak = zero;
     auto valid_count = none, zero_count = none, over_count = none;
     for (int i = begin; i < begin + kOctantPointCount; i += lanes) {
       // the bits of these points: lanes divides 8 or is 8 or 16
@@ -57,14 +59,22 @@ void compareVectors(const float* HWY_RESTRICT values, const float* HWY_RESTRICT 
       const auto tents = hn::Load(d, tent + i), limit = hn::MulAdd(share, tents, rim);
       const auto dark = hn::And(valid, hn::Eq(phi, zero));
       const auto magnitude = hn::IfThenElseZero(dark, hn::Abs(value));
-      dark_square = hn::MulAdd(hn::IfThenElseZero(hn::Gt(tents, rim), magnitude), magnitude, dark_square);
+      // LossWeights::root, squared
+      auto lit_weight = unit;
+      if (stored.blend_sum != nullptr) {
+        const auto sum = hn::Mul(hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, stored.blend_sum + i))), scale);
+        const auto root = hn::Div(unit, hn::Max(sum, floor));
+        lit_weight = hn::IfThenElse(dark, unit, hn::Mul(root, root));
+      }
+      const auto weight = hn::IfThenElse(hn::And(dark, hn::Gt(tents, rim)), dark_weight, lit_weight);
+      loss = hn::MulAdd(hn::Mul(weight, residual), residual, loss);
       leak = hn::Add(leak, magnitude);
       valid_count = hn::Add(valid_count, hn::IfThenElseZero(hn::RebindMask(di, valid), one));
       zero_count = hn::Add(zero_count, hn::IfThenElseZero(hn::RebindMask(di, dark), one));
       over_count = hn::Add(over_count, hn::IfThenElseZero(hn::RebindMask(di, hn::Gt(magnitude, limit)), one));
     }
     sums.square += hn::GetLane(hn::SumOfLanes(d, square));
-    sums.dark_square += hn::GetLane(hn::SumOfLanes(d, dark_square));
+    sums.loss += hn::GetLane(hn::SumOfLanes(d, loss));
     sums.leak += hn::GetLane(hn::SumOfLanes(d, leak));
     sums.valid += hn::GetLane(hn::SumOfLanes(di, valid_count));
     sums.zero += hn::GetLane(hn::SumOfLanes(di, zero_count));
@@ -89,15 +99,9 @@ const PointSet& patternPoints() {
 
 HWY_EXPORT(compareVectors);
 
-double FunctionCheck::weighedRmse(const CheckOptions& options) const {
-  if (!std::isfinite(rmse)) return rmse;
-  return std::sqrt(rmse * rmse + (options.dark_weight - 1.0) * dark_square);
-}
-
 double FunctionCheck::trouble(const CheckOptions& options) const {
-  if (!std::isfinite(rmse)) return std::numeric_limits<double>::infinity();
-  const double leak = leak_share <= options.leak_share ? leak_share / options.leak_share : 1.0 + leak_share;
-  return std::max(rmse / options.tau_rmse, leak);
+  if (!std::isfinite(rmse) || !std::isfinite(blend_rmse)) return std::numeric_limits<double>::infinity();
+  return std::max(rmse / options.tau_rmse, blend_rmse / options.tau_blend);
 }
 
 FunctionChecker::FunctionChecker()
@@ -126,7 +130,7 @@ FunctionCheck FunctionChecker::check(const Representation& representation, const
   }
   FunctionCheck result = compare(values_.data(), stored, options);
   const bool is_finite = allFinite({theta, static_cast<size_t>(representation.thetaCount())});
-  if (!is_finite) result.rmse = std::numeric_limits<double>::infinity();
+  if (!is_finite) result.rmse = result.blend_rmse = std::numeric_limits<double>::infinity();
   return result;
 }
 
@@ -136,20 +140,20 @@ FunctionCheck FunctionChecker::checkBareTent(const StoredFunction& stored, const
 
 FunctionCheck FunctionChecker::compare(const float* values, const StoredFunction& stored, const CheckOptions& options) const {
   CheckSums sums;
-  HWY_DYNAMIC_DISPATCH(compareVectors)(values, tent_.data(), stored, static_cast<float>(options.tau_leak), sums);
+  HWY_DYNAMIC_DISPATCH(compareVectors)(values, tent_.data(), stored, options, sums);
   FunctionCheck result;
   result.valid_count = sums.valid;
   result.zero_count = sums.zero;
   if (sums.valid > 0) {
     result.rmse = std::sqrt(sums.square / sums.valid);
-    result.dark_square = sums.dark_square / sums.valid;
+    result.blend_rmse = std::sqrt(sums.loss / sums.valid);
   }
   if (sums.zero > 0) {
     result.leak_mean = sums.leak / sums.zero;
     result.leak_share = static_cast<double>(sums.over) / sums.zero;
   }
   // finite theta may have values that are none: an error that is no number is the largest there is
-  for (double* error : {&result.rmse, &result.dark_square, &result.leak_mean}) {
+  for (double* error : {&result.rmse, &result.blend_rmse, &result.leak_mean}) {
     if (std::isnan(*error)) *error = std::numeric_limits<double>::infinity();
   }
   return result;

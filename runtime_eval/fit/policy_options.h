@@ -3,6 +3,7 @@
 #pragma once
 
 #include "runtime_eval/evaluator/representation.h"
+#include "runtime_eval/support/loss_weights.h"
 
 namespace nlg {
 
@@ -12,6 +13,8 @@ namespace nlg {
 struct CheckOptions {
 #define NLG_CHECK_OPTION NLG_FIELD
 #include "runtime_eval/fit/policy_options.def"
+
+  LossOptions loss() const { return {dark_weight, blend_floor}; }
 };
 
 // Which functions take which stages (stage_plan.h).

@@ -17,7 +17,7 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
                                  const Theta& theta0, const CheckOptions& check, const RefinementOptions& options) {
   RefinementResult result{start, checker_.check(representation, stored, start.data(), check)};
   if (result.check.passes(check)) return result;
-  const WeightingFunction function = decodeFunction(stored, pointOrder(representation), check.dark_weight);
+  const WeightingFunction function = decodeFunction(stored, pointOrder(representation), check.loss());
   const auto consider = [&](const FitResult& fit) {
     const FunctionCheck found = checker_.check(representation, stored, fit.theta.data(), check);
     result.steps += fit.steps;

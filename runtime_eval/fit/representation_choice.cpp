@@ -8,11 +8,11 @@ namespace {
 
 // An error that is not finite is never flat, and is no reason against a smaller representation.
 bool isFlat(const std::vector<FunctionCheck>& checks, size_t index, const CheckOptions& check, const ChoiceOptions& options) {
-  const double rmse = checks[index].weighedRmse(check);
+  const double rmse = checks[index].blend_rmse;
   if (!std::isfinite(rmse)) return false;
   if (rmse <= options.choice_enough_rmse) return true;
   return std::all_of(checks.begin() + static_cast<ptrdiff_t>(index) + 1, checks.end(), [&](const FunctionCheck& larger) {
-    return !std::isfinite(larger.rmse) || rmse <= options.choice_flat_ratio * larger.weighedRmse(check);
+    return !std::isfinite(larger.rmse) || rmse <= options.choice_flat_ratio * larger.blend_rmse;
   });
 }
 
@@ -32,7 +32,7 @@ int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOp
 }
 
 bool isSmallestEnough(const FunctionCheck& smallest, const CheckOptions& check, const ChoiceOptions& options) {
-  return smallest.weighedRmse(check) <= options.choice_enough_rmse && smallest.passes(check);
+  return smallest.blend_rmse <= options.choice_enough_rmse && smallest.passes(check);
 }
 
 }  // namespace nlg

@@ -71,7 +71,7 @@ StageFacts stageFacts(const Generator& generator) {
 }
 
 bool isGood(const FunctionCheck& theta, double good_rmse, const CheckOptions& check) {
-  return theta.weighedRmse(check) <= good_rmse && theta.passes(check);
+  return theta.blend_rmse <= good_rmse && theta.passes(check);
 }
 
 std::vector<StagePlan> stagesOf(const StageFacts& facts, const PolicyOptions& options) {

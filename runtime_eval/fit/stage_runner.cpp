@@ -33,7 +33,7 @@ std::unique_ptr<StageRun> makeStage(const StagePlan& plan, const Generator& gene
 StageRunner::StageRunner(const Generator& generator, const PolicyOptions& options, ThetaStage last)
     : options_(options),
       plan_(stagesOf(stageFacts(generator), options)),
-      batch_(generator, options.dark_weight),
+      batch_(generator, options.check().loss()),
       members_(kBatchCount),
       kept_(static_cast<size_t>(kBatchCount) * generator.representation().thetaCount()),
       kept_ended_(kBatchCount),
@@ -134,7 +134,7 @@ void StageRunner::finishWord(ThetaWord word, const StoredFunction* functions, Th
     if (std::memcmp(kept, batch_.theta(i), D * sizeof(float)) == 0) continue;
     const Clock::time_point start = Clock::now();
     const FunctionCheck check = checker_.check(batch_.representation(), functions[i], batch_.theta(i), options_.check());
-    // a lower error may leak more: what passed the check and would no longer stays as it was
+    // a lower loss may have a larger RMSE: what passed the check and would no longer stays as it was
     if (record.at(previous).passes(options_.check()) && !check.passes(options_.check())) {
       batch_.putBack(i, kept);
       record.ended = kept_ended_[i];

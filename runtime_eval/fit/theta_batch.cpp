@@ -25,10 +25,10 @@ bool canBeStored(const Representation& representation, const float* theta) {
 
 }  // namespace
 
-ThetaBatch::ThetaBatch(const Generator& generator, double dark_weight)
+ThetaBatch::ThetaBatch(const Generator& generator, const LossOptions& loss)
     : generator_(&generator),
       theta_count_(static_cast<size_t>(generator.representation().thetaCount())),
-      dark_weight_(dark_weight),
+      loss_(loss),
       scratch_(generator),
       phi_(static_cast<size_t>(kBatchCount) * kSupportPointCount),
       mean_square_(kBatchCount) {
@@ -51,7 +51,7 @@ void ThetaBatch::generate(const StoredFunction* functions, int count, float* the
 
 const WeightingFunction& ThetaBatch::function(int i) {
   if (function_idx_ == i) return function_;
-  decodeFunction(functions_[i], pointOrder(representation()), dark_weight_, &function_);
+  decodeFunction(functions_[i], pointOrder(representation()), loss_, &function_);
   valid_count_ = function_.validCount();
   function_idx_ = i;
   return function_;

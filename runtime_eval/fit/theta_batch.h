@@ -11,9 +11,9 @@ namespace nlg {
 // One of these a thread and generator. It allocates nothing, once it is made.
 class ThetaBatch {
  public:
-  // generator     must outlive it
-  // dark_weight   of the functions that it hands out (weighting_function.h), and so of every mean square
-  ThetaBatch(const Generator& generator, double dark_weight);
+  // generator   must outlive it
+  // loss        of the functions that it hands out, and so of every mean square
+  ThetaBatch(const Generator& generator, const LossOptions& loss);
 
   // Takes functions up, with the network's theta of each, which nobody has measured yet.
   // functions, theta   at most kBatchCount of them; count x D, overwritten. Both must last until the next call
@@ -25,7 +25,7 @@ class ThetaBatch {
   size_t thetaCount() const { return theta_count_; }
   const float* theta(int i) const { return theta_ + static_cast<size_t>(i) * theta_count_; }
 
-  // Function i in the order of the representation, its dark points weighed; kept until another one is asked for.
+  // Function i in the order of the representation, its points weighed; kept until another one is asked for.
   const WeightingFunction& function(int i);
   // Mean square of weighed residuals over the valid points of the function asked for last; infinite where theta is not finite or
   // there is no such point.
@@ -46,7 +46,7 @@ class ThetaBatch {
 
   const Generator* generator_;
   size_t theta_count_;
-  double dark_weight_;
+  LossOptions loss_;
   GeneratorScratch scratch_;
   const StoredFunction* functions_ = nullptr;
   int count_ = 0;

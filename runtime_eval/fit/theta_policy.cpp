@@ -19,7 +19,7 @@ constexpr int kRoundingRefits = 3;
 }  // namespace
 
 bool takesBareTent(const FunctionCheck& tent, const PolicyOptions& options) {
-  return options.bare_tent_rmse > 0.0 && tent.valid_count > 0 && tent.rmse <= options.bare_tent_rmse &&
+  return options.bare_tent_rmse > 0.0 && tent.valid_count > 0 && tent.blend_rmse <= options.bare_tent_rmse &&
          tent.passes(options.check());
 }
 
@@ -158,7 +158,7 @@ void ThetaPolicy::round(const StoredFunction& function, MadeTheta* made) {
   CheckOptions stricter = options_.check();
   for (int refit = 0; refit < kRoundingRefits && may_refit && !rounded.check.passes(options_.check()); ++refit) {
     stricter.tau_rmse *= kStricter;
-    stricter.leak_share *= kStricter;
+    stricter.tau_blend *= kStricter;
     RefinementResult refined = refiner_.refine(representation, function, rounded.theta, {}, stricter, options_);
     made->theta = std::move(refined.theta);
     record.at(ThetaWord::stored) = refined.check;
@@ -189,7 +189,7 @@ Theta ThetaPolicy::startOfLarger(const StoredFunction& function, size_t g, const
   resampleField(smaller.resolution, present.theta.data(), larger.resolution, finer.data());
   const FunctionCheck of_finer = checker_.check(larger, function, finer.data(), options_.check());
   const bool finer_is_better =
-      of_finer.weighedRmse(options_.check()) < record.at(ThetaWord::stored).weighedRmse(options_.check());
+      of_finer.blend_rmse < record.at(ThetaWord::stored).blend_rmse;
   return finer_is_better ? finer : own;
 }
 

@@ -61,15 +61,15 @@ RoundedTheta ThetaRounding::roundToHalves(const Representation& representation, 
   return rounded;
 }
 
-// The last layer makes up for what the hidden ones lose. But the check counts leaks: there the one that was left may do better.
+// The last layer makes up for what the hidden ones lose; solved before it is rounded itself, it may still be the worse one.
 RoundedTheta ThetaRounding::roundToBytes(const Representation& network, const StoredFunction& function,
                                          const RoundedTheta& present, const CheckOptions& check) {
-  // where a theta passes, its weighed RMSE alone is what counts
+  // where a theta passes, its blend RMSE alone is what counts
   const auto badness = [&](const FunctionCheck& of) {
-    return of.passes(check) ? of.weighedRmse(check) / check.tau_rmse : of.trouble(check);
+    return of.passes(check) ? of.blend_rmse / check.tau_blend : of.trouble(check);
   };
   const double before = badness(present.check),
-               enough = std::max(kRoundingExcess * before, before + kRoundingAdds / check.tau_rmse);
+               enough = std::max(kRoundingExcess * before, before + kRoundingAdds / check.tau_blend);
   RoundedTheta best;
   const auto isDone = [&] { return !best.theta.empty() && badness(best.check) <= enough; };
   const auto offer = [&](Theta theta) {
@@ -78,7 +78,7 @@ RoundedTheta ThetaRounding::roundToBytes(const Representation& network, const St
     if (best.theta.empty() || badness(found) < badness(best.check)) best = {std::move(theta), found};
   };
   const Theta start = limited(present.theta);  // scaled units of larger numbers would leave the range of floats
-  const WeightingFunction values = decodeFunction(function, pointOrder(network), check.dark_weight);
+  const WeightingFunction values = decodeFunction(function, pointOrder(network), check.loss());
   const auto offerSolvedAndNot = [&](Theta theta) {
     Theta solved = theta;
     if (solveLastLayer(network, values, solved.data())) offer(std::move(solved));

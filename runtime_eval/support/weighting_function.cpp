@@ -1,13 +1,13 @@
 #include "runtime_eval/support/weighting_function.h"
 
-#include <cmath>
-
 namespace nlg {
 namespace {
 
 // A stratum: an octant is 1024 samples and 128 validity bytes; bit k of a validity byte belongs to stratum k.
-int decodeStratum(const StoredFunction& stored, int stratum, int mirror, float* phi, float* mask) {
+int decodeStratum(const PointOrder& order, const StoredFunction& stored, int stratum, int mirror, const LossWeights& weights,
+                  float* phi, float* mask) {
   constexpr int kQuarters = kStratumPointCount / kMinibatchPointCount, kRun = kMinibatchPointCount / kMirrorCount;
+  const float* tent = &order.points.tent[order.batch_begin[stratum]];
   int valid_count = 0;
   for (int s = 0; s < kQuarters; ++s) {
     for (int m = 0; m < kMirrorCount; ++m) {
@@ -15,8 +15,10 @@ int decodeStratum(const StoredFunction& stored, int stratum, int mirror, float* 
       for (int t = 0; t < kRun; ++t) {
         const int source = octant + 8 * (kQuarters * t + s);
         const int valid = (stored.validity[source / 8] >> stratum) & 1;
-        *phi++ = static_cast<float>(stored.phi[source + stratum]) * (1.0f / 255.0f);
-        *mask++ = static_cast<float>(valid);
+        const uint8_t byte = stored.phi[source + stratum];
+        *phi++ = static_cast<float>(byte) * (1.0f / 255.0f);
+        *mask++ = valid ? weights.root(byte, *tent, stored.blendSum(source + stratum)) : 0.0f;
+        ++tent;
         valid_count += valid;
       }
     }
@@ -26,8 +28,9 @@ int decodeStratum(const StoredFunction& stored, int stratum, int mirror, float* 
 
 }  // namespace
 
-int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored, int mirror, float* phi, float* mask) {
-  if (order.resolution == 0) return decodeStratum(stored, batch, mirror, phi, mask);
+int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored, int mirror, const LossWeights& weights, float* phi,
+                float* mask) {
+  if (order.resolution == 0) return decodeStratum(order, stored, batch, mirror, weights, phi, mask);
   int valid_count = 0;
   const int begin = order.batch_begin[batch], end = order.batch_begin[batch + 1];
   for (int place = begin; place < end; ++place) {
@@ -35,7 +38,7 @@ int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored
     const int source = pattern ^ (mirror * kOctantPointCount);
     const int valid = pattern < 0 ? 0 : stored.validity[source / 8] >> (source % 8) & 1;
     phi[place - begin] = pattern < 0 ? 0.0f : static_cast<float>(stored.phi[source]) * (1.0f / 255.0f);
-    mask[place - begin] = static_cast<float>(valid);
+    mask[place - begin] = valid ? weights.root(stored.phi[source], order.points.tent[place], stored.blendSum(source)) : 0.0f;
     valid_count += valid;
   }
   return valid_count;
@@ -47,24 +50,22 @@ int WeightingFunction::validCount() const {
   return total;
 }
 
-WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order, double dark_weight) {
+WeightingFunction decodeFunction(const StoredFunction& stored, const PointOrder& order, const LossOptions& loss) {
   WeightingFunction function;
-  decodeFunction(stored, order, dark_weight, &function);
+  decodeFunction(stored, order, loss, &function);
   return function;
 }
 
-void decodeFunction(const StoredFunction& stored, const PointOrder& order, double dark_weight, WeightingFunction* function) {
+void decodeFunction(const StoredFunction& stored, const PointOrder& order, const LossOptions& loss, WeightingFunction* function) {
+  const LossWeights weights(loss);
   function->phi.resize(order.placeCount());
   function->mask.resize(order.placeCount());
   function->valid_count.resize(order.batchCount());
   for (int b = 0; b < order.batchCount(); ++b) {
     const int begin = order.batch_begin[b];
-    function->valid_count[b] = decodeBatch(order, b, stored, 0, &function->phi[begin], &function->mask[begin]);
+    function->valid_count[b] = decodeBatch(order, b, stored, 0, weights, &function->phi[begin], &function->mask[begin]);
   }
-  const float dark = function->dark_root = static_cast<float>(std::sqrt(dark_weight));
-  for (int place = 0; place < order.placeCount(); ++place) {
-    if (function->phi[place] == 0.0f && order.points.tent[place] > kRimTent) function->mask[place] *= dark;
-  }
+  function->dark_root = weights.darkRoot();
 }
 
 WeightingFunction functionFromSamples(const std::vector<float>& phi, const std::vector<bool>& valid, const PointOrder& order) {

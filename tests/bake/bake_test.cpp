@@ -221,8 +221,8 @@ TEST_F(SceneBakeTest, CorrectionsLowerErrorsOfAllThatTheyAreAskedFor) {
     EXPECT_EQ(changed(corrected), count);
     EXPECT_LT(failing(corrected, ThetaWord::fitted, options), failing(plain, ThetaWord::fitted, options));
     for (size_t f = 0; f < count; ++f) {
-      EXPECT_LT(corrected.statistics.records[f].at(ThetaWord::stored).weighedRmse(options.policy.check()),
-                plain.statistics.records[f].at(ThetaWord::stored).weighedRmse(options.policy.check()))
+      EXPECT_LT(corrected.statistics.records[f].at(ThetaWord::stored).blend_rmse,
+                plain.statistics.records[f].at(ThetaWord::stored).blend_rmse)
           << "function " << f;
     }
   }

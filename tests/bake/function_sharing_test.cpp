@@ -79,7 +79,7 @@ TEST(SharedThetas, StandForEveryFunctionWithinWhatWasAskedFor) {
     EXPECT_EQ(shared.whose[whose], whose) << "the theta of " << n << " is not stored";
     const FunctionCheck check = functions.check(n, whose);
     EXPECT_EQ(check.rmse, shared.check[n].rmse) << n;
-    EXPECT_LE(check.weighedRmse(functions.options), share_rmse) << n;
+    EXPECT_LE(check.blend_rmse, share_rmse) << n;
     EXPECT_TRUE(check.passes(functions.options)) << n;
     count += whose != n;
   }
@@ -107,7 +107,7 @@ TEST(SharedThetas, KeepWhatWouldLeak) {
   functions.options.tau_rmse = 1.0;
   const FunctionCheck leaking = functions.check(1, 0);
   ASSERT_GT(leaking.leak_share, functions.options.leak_share);
-  ASSERT_LT(leaking.weighedRmse(functions.options), 1.0);
+  ASSERT_LT(leaking.blend_rmse, 1.0);
   EXPECT_EQ(functions.share(1.0).whose[1], 1u);
 }
 

@@ -237,7 +237,7 @@ TEST(Savings, FunctionsThatTheThetaOfAnotherStandsForAreNoFurtherOffThanWasAsked
   const CheckOptions& check = options.policy.check();
   for (size_t f = 0; f < s.records.size(); ++f) {
     const FunctionCheck &now = s.records[f].at(ThetaWord::stored), &own = without.statistics.records[f].at(ThetaWord::stored);
-    EXPECT_LE(now.weighedRmse(check), std::max(options.share_rmse, own.weighedRmse(check))) << "function " << f;
+    EXPECT_LE(now.blend_rmse, std::max(options.share_rmse, own.blend_rmse)) << "function " << f;
     EXPECT_LE(now.trouble(check), std::max(1.0, own.trouble(check))) << "function " << f;
   }
   for (size_t p = 0; p < with.grid.probe_function.size(); ++p) {

@@ -8,7 +8,7 @@
 namespace nlg {
 
 inline constexpr char kCacheMagic[8] = {'n', 'l', 'g', 'c', 'a', 'c', 'h', 'e'};
-inline constexpr uint64_t kCacheVersion = 1;
+inline constexpr uint64_t kCacheVersion = 2;
 inline constexpr size_t kFirstRecord = 4096;  // a page: records begin on one
 
 // The first bytes of the file; zeros up to kFirstRecord. Little-endian, as everything in the file.
@@ -19,9 +19,9 @@ struct CacheHead {
   char footer_sha256[64];  // hexadecimal
 };
 
-// phi, validity, coefficients
+// phi, validity, sums of the blend, coefficients
 inline constexpr size_t recordBytes(int coefficient_count) {
-  return kSupportPointCount + kValidityByteCount + sizeof(float) * static_cast<size_t>(coefficient_count);
+  return 2 * kSupportPointCount + kValidityByteCount + sizeof(float) * static_cast<size_t>(coefficient_count);
 }
 
 }  // namespace nlg

@@ -5,6 +5,7 @@
 // out of a code's end costs least, and the mean code is 0. A unit is a 127th of the furthest that a fit went, and some more.
 #pragma once
 
+#include "runtime_eval/fit/policy_options.h"
 #include "train/generator/generator_network.h"
 #include "train/generator/training_data.h"
 
@@ -12,8 +13,8 @@ namespace nlg {
 
 struct CodeOrderingOptions {
   int functions = 4096;       // of the training set, at equal distances, that are fitted
-  double tent_rmse = 0.002;   // of those whose bare tent has a larger RMSE
-  double dark_weight = 64.0;  // of the fits (weighting_function.h)
+  double tent_rmse = 0.002;   // of those whose bare tent has a larger blend RMSE
+  LossOptions loss = CheckOptions().loss();
   int threads = 1;
 };
 

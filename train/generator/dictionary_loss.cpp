@@ -26,10 +26,11 @@ struct Targets {
 };
 
 Targets targetsOf(const TrainingData& data, const std::vector<Sample>& samples, int first_batch, int batch_count,
-                  double dark_weight) {
+                  const LossOptions& loss) {
   const PointOrder& order = stratumOrder();
   const int first = order.batch_begin[first_batch], count = order.batch_begin[first_batch + batch_count] - first;
   const auto B = static_cast<int64_t>(samples.size());
+  const LossWeights weights(loss);
   Targets targets{torch::empty({B, count}), torch::empty({B, count}), torch::empty({B})};
   for (int64_t b = 0; b < B; ++b) {
     const Sample& sample = samples[static_cast<size_t>(b)];
@@ -37,11 +38,7 @@ Targets targetsOf(const TrainingData& data, const std::vector<Sample>& samples, 
     int valid = 0;
     for (int batch = first_batch; batch < first_batch + batch_count; ++batch) {
       const int at = order.batch_begin[batch] - first;
-      valid += decodeBatch(order, batch, data.function(sample.function), sample.mirror, phi + at, mask + at);
-    }
-    const auto root = static_cast<float>(std::sqrt(dark_weight));
-    for (int i = 0; i < count && dark_weight != 1.0; ++i) {
-      if (phi[i] == 0.0f && order.points.tent[first + i] > kRimTent) mask[i] *= root;
+      valid += decodeBatch(order, batch, data.function(sample.function), sample.mirror, weights, phi + at, mask + at);
     }
     targets.valid_counts.data_ptr<float>()[b] = static_cast<float>(std::max(1, valid));
   }
@@ -56,7 +53,7 @@ torch::Tensor codeMeanSquares(GeneratorNetwork& network, const torch::Tensor& z,
   const int first_batch = std::max(0, point_batch), batch_count = point_batch < 0 ? order.batchCount() : 1;
   const int first = order.batch_begin[first_batch];
   const Places places{first, order.batch_begin[first_batch + batch_count] - first};
-  const Targets targets = targetsOf(data, samples, first_batch, batch_count, options.dark_weight);
+  const Targets targets = targetsOf(data, samples, first_batch, batch_count, options.loss);
   const torch::Tensor tents = tentsOf(places), table = network->dictionaryAt(order.points, places.first, places.count);
   const int64_t K = z.size(1);
   const torch::Tensor logits = torch::addmm(table.select(1, K), z, table.slice(1, 0, K).t());

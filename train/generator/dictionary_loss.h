@@ -15,10 +15,10 @@ struct DictionaryLossOptions {
   // Of the slope that the sigmoid is given where it has shut a point: without it such points never come back (docs/lab/training.md). 0 for
   // what is judged, not trained on.
   double leak = 0.0;
-  double dark_weight = 1.0;  // of squared residuals at dark points (weighting_function.h)
+  LossOptions loss;
 };
 
-// Mean square over the valid points of each sample's function.
+// The loss: mean of weighed squares over the valid points of each sample's function.
 //
 // z             B x K
 // point_batch   of stratumOrder(), from 0; all samples are judged on its points. -1: on all points

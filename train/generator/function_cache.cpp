@@ -15,6 +15,7 @@
 
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
+#include "runtime_eval/fit/policy_options.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 #include "train/generator/cache_layout.h"
@@ -118,12 +119,12 @@ void FunctionCache::readFooter(const std::string& footer) {
 
 StoredFunction FunctionCache::function(int64_t index) const {
   const uint8_t* record = mapped_ + kFirstRecord + recordBytes(coefficient_count_) * static_cast<size_t>(index);
-  return {record, record + kSupportPointCount};
+  return {record, record + kSupportPointCount, nullptr, record + kSupportPointCount + kValidityByteCount};
 }
 
 const float* FunctionCache::coefficients(int64_t index) const {
   // aligned: the page and all parts of a record before it are multiples of a float
-  return reinterpret_cast<const float*>(function(index).validity + kValidityByteCount);
+  return reinterpret_cast<const float*>(function(index).blend_sum + kSupportPointCount);
 }
 
 float FunctionCache::tentRmse(int64_t index) const { return tent_rmse_[static_cast<size_t>(index)]; }
@@ -162,12 +163,14 @@ float tentRmse(const StoredFunction& function) {
     for (int p = 0; p < kSupportPointCount; ++p) values.push_back(tent(supportPattern().points[p]));
     return values;
   }();
+  static const LossWeights weights(CheckOptions().loss());
   double sum = 0.0;
   int count = 0;
   for (int p = 0; p < kSupportPointCount; ++p) {
-    if ((function.validity[p / 8] >> (p % 8) & 1) == 0) continue;
+    if (!function.isValid(p)) continue;
     const double difference = function.phi[p] / 255.0 - static_cast<double>(tents[p]);
-    sum += difference * difference;
+    const double residual = difference * weights.root(function.phi[p], tents[p], function.blendSum(p));
+    sum += residual * residual;
     ++count;
   }
   return count > 0 ? static_cast<float>(std::sqrt(sum / count)) : 0.0f;

@@ -42,7 +42,7 @@ class FunctionCache {
   // Good while the cache lives. Whatever loadBlock has not seen yet is read on the spot, unchecked.
   StoredFunction function(int64_t index) const;
   const float* coefficients(int64_t index) const;  // K, standardised, not mirrored
-  float tentRmse(int64_t index) const;             // of the bare tent over the valid points: how hard the function is
+  float tentRmse(int64_t index) const;             // as below: how hard the function is
 
   // Asks the system to read a block ahead; returns at once.
   void adviseBlock(int64_t block) const;
@@ -69,7 +69,7 @@ class FunctionCache {
   const uint8_t* mapped_ = nullptr;
 };
 
-// RMSE of the bare tent over the valid points of a function; 0 when there are none.
+// Blend RMSE of the bare tent over the valid points of a function, by the policy's defaults; 0 when there are none.
 float tentRmse(const StoredFunction& function);
 
 // The order in which a cache holds its functions: entry i is the number, counted over the shards, of the function in place i.

@@ -79,9 +79,10 @@ class CacheWriter {
 
   // The samples of the id-th function; good until the next call.
   StoredFunction samples(uint64_t id) {
-    fetched_.resize(kSupportPointCount + kValidityByteCount);
+    fetched_.resize(2 * kSupportPointCount + kValidityByteCount);
     file_.read(placeOf(places_[id]), fetched_.data(), fetched_.size());
-    return {fetched_.data(), fetched_.data() + kSupportPointCount};
+    return {fetched_.data(), fetched_.data() + kSupportPointCount, nullptr,
+            fetched_.data() + kSupportPointCount + kValidityByteCount};
   }
 
   void add(const Shard& shard) {
@@ -100,8 +101,9 @@ class CacheWriter {
         const StoredFunction function = storedFunction(shard, n);
         std::memcpy(record.data(), function.phi, kSupportPointCount);
         std::memcpy(&record[kSupportPointCount], function.validity, kValidityByteCount);
-        std::memcpy(&record[kSupportPointCount + kValidityByteCount], &coefficients[K * static_cast<size_t>(b)],
-                    K * sizeof(float));
+        const size_t sums = kSupportPointCount + kValidityByteCount;
+        std::memcpy(&record[sums], function.blend_sum, kSupportPointCount);
+        std::memcpy(&record[sums + kSupportPointCount], &coefficients[K * static_cast<size_t>(b)], K * sizeof(float));
         file_.write(placeOf(place), record.data(), record.size());
         tent_rmse_[place] = tentRmse(function);
         filled_[place] = true;

@@ -8,7 +8,8 @@
 
 namespace nlg {
 
-SampleTargets::SampleTargets(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples)
+SampleTargets::SampleTargets(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples,
+                             const LossOptions& loss)
     : representation_(representation), places_(samples.size()) {
   const PointOrder& order = pointOrder(representation);
   for (size_t b = 0; b < samples.size(); ++b) {
@@ -16,13 +17,15 @@ SampleTargets::SampleTargets(const Representation& representation, const Trainin
     places_[b] = {first, order.batch_begin[samples[b].batch + samples[b].batch_count] - first};
     stride_ = std::max(stride_, static_cast<size_t>(places_[b].count));
   }
+  const LossWeights weights(loss);
   phi_.resize(samples.size() * stride_);
   mask_.resize(samples.size() * stride_);
   for (size_t b = 0; b < samples.size(); ++b) {
     const Sample& sample = samples[b];
     for (int batch = sample.batch; batch < sample.batch + sample.batch_count; ++batch) {
       const size_t at = b * stride_ + (order.batch_begin[batch] - places_[b].first);
-      places_[b].valid_count += decodeBatch(order, batch, data.function(sample.function), sample.mirror, &phi_[at], &mask_[at]);
+      places_[b].valid_count +=
+          decodeBatch(order, batch, data.function(sample.function), sample.mirror, weights, &phi_[at], &mask_[at]);
     }
   }
 }

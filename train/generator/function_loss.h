@@ -15,7 +15,8 @@ namespace nlg {
 // What a step judges thetas by: the points of every sample, decoded once for all stages.
 class SampleTargets {
  public:
-  SampleTargets(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples);
+  SampleTargets(const Representation& representation, const TrainingData& data, const std::vector<Sample>& samples,
+                const LossOptions& loss);
 
   // The points of one sample as the kernels read them; good while the targets live.
   struct Points {
@@ -38,7 +39,7 @@ class SampleTargets {
   AlignedFloats phi_, mask_;
 };
 
-// Of each theta over the valid points of its sample. No autograd: see differentiable().
+// The loss of each theta over the valid points of its sample. No autograd: see differentiable().
 struct ThetaErrors {
   torch::Tensor mean_square;  // B; 0 where no point is valid
   torch::Tensor gradient;     // B x D: of mean_square by theta; 0 where no point is valid

@@ -7,11 +7,11 @@
 namespace nlg {
 
 ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
-                      const std::vector<Sample>& samples) {
+                      const std::vector<Sample>& samples, const LossOptions& loss) {
   const torch::Device device = network->parameters().front().device();
   torch::Tensor theta = network->forward(coefficientBatch(data, samples).to(device)).cpu();
-  if (representation.isCode()) return {{codeMeanSquares(network, theta, data, samples, -1, {})}};
-  const SampleTargets targets(representation, data, samples);
+  if (representation.isCode()) return {{codeMeanSquares(network, theta, data, samples, -1, {.loss = loss})}};
+  const SampleTargets targets(representation, data, samples, loss);
   ThetaStages stages;
   const auto measure = [&] { stages.mean_squares.push_back(differentiable(measureTheta(theta, targets), theta)); };
   measure();
@@ -22,8 +22,8 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
   return stages;
 }
 
-HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit,
-                          double tent_rmse, int thread_count) {
+HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
+                          const LossOptions& loss, int limit, double tent_rmse, int thread_count) {
   const std::vector<uint32_t> functions = data.functionsAbove(tent_rmse);
   const int64_t function_count = static_cast<int64_t>(functions.size()), count = std::min<int64_t>(limit, function_count);
   if (count == 0) return {};
@@ -36,7 +36,7 @@ HeldOutError heldOutError(GeneratorNetwork& network, const Representation& repre
     for (int64_t i = begin; i < std::min<int64_t>(begin + kBatchCount, count); ++i) {
       samples.push_back({.function = functions[static_cast<size_t>(i * function_count / count)], .batch_count = all_points});
     }
-    const ThetaStages stages = runStages(network, representation, data, samples);
+    const ThetaStages stages = runStages(network, representation, data, samples, loss);
     const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
     sums[part] = {stages.mean_squares.front().sqrt().sum().item<double>(), least.sqrt().sum().item<double>()};
   });

@@ -16,18 +16,18 @@ struct ThetaStages {
 
 // Theta of all stages for the samples, each judged on its sample's points.
 ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
-                      const std::vector<Sample>& samples);
+                      const std::vector<Sample>& samples, const LossOptions& loss);
 
 // How the stages do on held-out functions.
 struct HeldOutError {
-  double network = 0.0;  // mean RMSE of one pass of the network alone
+  double network = 0.0;  // mean blend RMSE of one pass of the network alone
   double final = 0.0;    // … and of each function's best stage
 };
 
-// Over all valid support points, for at most `limit` functions, taken at equal distances from those whose bare tent has an RMSE
+// Over all valid support points, for at most `limit` functions, taken at equal distances from those whose bare tent has a blend RMSE
 // above `tent_rmse`; zeros when there are none. The same on any number of threads.
-HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data, int limit,
-                          double tent_rmse = -1.0, int thread_count = 1);
+HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
+                          const LossOptions& loss, int limit, double tent_rmse = -1.0, int thread_count = 1);
 
 // Coefficients of the samples' functions, mirrored: B x K.
 torch::Tensor coefficientBatch(const TrainingData& data, const std::vector<Sample>& samples);

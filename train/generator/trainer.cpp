@@ -48,9 +48,11 @@ void requireFinite(double value, int64_t step, const char* quantity) {
   if (!std::isfinite(value)) throw NumericalError("train", "step " + std::to_string(step), quantity, value);
 }
 
-// No loss of a stage counts for more: phi is within [0, 1], and a theta that is further off than saying nothing has gone astray. One
-// such theta in a million would otherwise decide a whole step.
-constexpr double kLargestLoss = 1.0;
+// No loss of a stage counts for more: phi is within [0, 1], and a theta that is further off than by 1 wherever that costs most has gone
+// astray. One such theta in a million would otherwise decide a whole step.
+double largestLoss(const TrainOptions& options) {
+  return std::pow(std::max(options.loss.dark_weight, std::pow(options.loss.blend_floor, -2.0)), options.error_power);
+}
 
 // Of the sigmoid's slope where a point is shut, at the start; it falls to 0 at kLeakEnd of the steps.
 constexpr double kStartLeak = 0.25, kLeakEnd = 0.8;
@@ -61,17 +63,17 @@ torch::Tensor codeLosses(const TrainOptions& options, const TrainingData& data, 
   const torch::Device device = state.network->parameters().front().device();
   const torch::Tensor z = state.network->forward(coefficientBatch(data, samples).to(device)).cpu();
   const double phase = static_cast<double>(state.step) / options.steps;
-  const DictionaryLossOptions loss{kStartLeak * std::max(0.0, 1.0 - phase / kLeakEnd), options.dark_weight};
+  const DictionaryLossOptions loss{kStartLeak * std::max(0.0, 1.0 - phase / kLeakEnd), options.loss};
   const torch::Tensor mean_squares = codeMeanSquares(state.network, z, data, samples, samples.front().batch, loss);
-  return (mean_squares + 1e-6).pow(options.error_power).clamp_max(kLargestLoss);
+  return (mean_squares + 1e-6).pow(options.error_power).clamp_max(largestLoss(options));
 }
 
 // Loss of each sample: the mean over the stages of its theta.
 torch::Tensor stepLosses(const TrainOptions& options, const Representation& representation, const TrainingData& data,
                          const std::vector<Sample>& samples, TrainingState& state) {
   if (representation.isCode()) return codeLosses(options, data, samples, state);
-  const ThetaStages stages = runStages(state.network, representation, data, samples);
-  return (torch::stack(stages.mean_squares) + 1e-6).pow(options.error_power).clamp_max(kLargestLoss).mean(0);
+  const ThetaStages stages = runStages(state.network, representation, data, samples, options.loss);
+  return (torch::stack(stages.mean_squares) + 1e-6).pow(options.error_power).clamp_max(largestLoss(options)).mean(0);
 }
 
 // One of `count` shares of the samples.
@@ -141,16 +143,19 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("warmup_share", &o.warmup_share, "share of the steps over which the rate rises", 0.0, 1.0);
   table.add("gradient_clip", &o.gradient_clip, "largest norm of the gradient", 1e-9, 1e9);
   table.add("average_decay", &o.average_decay, "decay of the averaged weights", 0.0, 0.999999);
-  table.add("error_power", &o.error_power, "0.5 trains on RMSE, 1 on MSE (more weight to the tail)", 0.1, 4.0);
+  table.add("error_power", &o.error_power, "power of each function's loss: 0.5 trains on blend RMSE, 1 gives more weight to the tail", 0.1, 4.0);
   table.add("point_batches", &o.point_batches, "eighths of a network's points that a sample is judged on: 1, 2, 4 or 8", 1, 8);
   table.add("coefficients", &o.coefficients, "of the basis, those of largest variance; 0: all", 0, kSupportPointCount);
   table.add("whitening", &o.whitening, "1: coefficients have deviation 1; 0: their own, but for one factor", 0.0, 1.0);
   table.add("theta_share", &o.theta_share, "share of a batch drawn from the functions that take a theta alone", 0.0, 0.99);
-  table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function that the bare tent gives with no larger an RMSE takes no theta", 0.0,
+  table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function takes no theta where the bare tent's blend RMSE is at most this", 0.0,
             1.0);
   table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
-  table.add("dark_weight", &o.dark_weight, "codes: weight of squared residuals where the function is 0 and the tent is not", 1.0,
-            1e6);
+  table.add("dark_weight", &o.loss.dark_weight, "the loss: weight of squared residuals where the function is 0 and the tent is not",
+            1.0, 1e6);
+  table.add("blend_floor", &o.loss.blend_floor,
+            "the loss: elsewhere the weight is 1 over the square of the sum of all functions there, which is taken as this at least",
+            1e-3, 1.0);
   table.group("Networks");
   table.add("representation_slope", &o.representation_slope, "LeakyReLU slope of the tiny network", 1e-6, 0.9);
   table.add("width", &o.shape.width, "width of the generator's hidden layers", 1, 8192);
@@ -255,7 +260,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     mean = kept_mean;
   };
   const auto judge = [&] {
-    return heldOutError(state->average, representation, held_out, options.validation_functions, options.bare_tent_rmse,
+    return heldOutError(state->average, representation, held_out, options.loss, options.validation_functions, options.bare_tent_rmse,
                         options.threads);
   };
   while (state->step < options.steps) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "runtime_eval/fit/direct.h"
+#include "runtime_eval/fit/policy_options.h"
 #include "tool/options.h"
 #include "train/basis/basis_file.h"
 #include "train/generator/checkpoint.h"
@@ -26,7 +27,7 @@ struct TrainOptions {
   double warmup_share = 0.15;    // of the steps, rising; the rest falls along a cosine
   double gradient_clip = 1.0;    // largest norm of the whole gradient
   double average_decay = 0.999;  // of the averaged weights
-  double error_power = 0.5;      // loss = mean over functions of (mean squared error + 1e-6) ^ error_power; 0.5: RMSE, 1: MSE
+  double error_power = 0.5;      // of a function's loss, before the mean over functions; 0.5: its blend RMSE
   int point_batches = 1;   // eighths of a network's points that a sample is judged on: 1, 2, 4 or 8; fields take all of theirs
   int coefficients = 0;    // of the basis, those of largest variance; 0: all
   double whitening = 0.5;  // 1: coefficients have deviation 1; 0: their own, but for one factor (basis_fit.h)
@@ -34,7 +35,7 @@ struct TrainOptions {
   // as often as the set has them in what is left, so that theta stays sane there.
   double theta_share = 0.95;
   double bare_tent_rmse = 0.002;       // a function that the bare tent gives so well takes no theta: the policy's own setting
-  double dark_weight = 1.0;            // codes: of squared residuals at dark points
+  LossOptions loss = CheckOptions().loss();  // the bake's
   double divergence_ratio = 10;        // a loss over so many times the running median takes training back (loss_guard.h)
   double representation_slope = 0.01;  // LeakyReLU of the tiny network
   GeneratorShape shape;

@@ -38,7 +38,7 @@ class TrainingData {
   // Coefficients of the function mirrored by `mirror`, K floats.
   void copyCoefficients(int64_t index, int mirror, float* coefficients) const;
 
-  // Functions whose bare tent has an RMSE above `tent_rmse`, rising.
+  // Functions whose bare tent has a blend RMSE above `tent_rmse`, rising.
   std::vector<uint32_t> functionsAbove(double tent_rmse) const;
 
  private:

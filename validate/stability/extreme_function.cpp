@@ -82,7 +82,7 @@ void WorstBake::add(const StabilityInputs& inputs, const NamedGenerator& named, 
   const FunctionCheck &network = made.record.at(ThetaWord::network), &last = made.check(), &before = unrefined.check();
   const FunctionCheck& corrected = made.record.at(ThetaWord::corrected);
   // what fits minimise, and what decides between two theta
-  const auto error = [&](const FunctionCheck& of) { return of.weighedRmse(check); };
+  const auto error = [&](const FunctionCheck& of) { return of.blend_rmse; };
 
   ++bake_count_;
   failing_count_ += !last.passes(check);

@@ -84,7 +84,7 @@ TEST_F(CodeRoundingTest, StopsWhereTheFunctionNeedsNoMore) {
       // what a code of that length can do, and a rounding of its own: 1.5 of the bytes' rounding, 1/255/sqrt(12), twice
       const RoundedTheta rounded = round(fitted, optionsOf(1.0, 3.4e-3));
       EXPECT_LE(lengthOf(rounded), length) << "seed " << seed;
-      EXPECT_LE(rounded.check.weighedRmse(check_), std::max(3.4e-3, fitted.present.check.weighedRmse(check_))) << "seed " << seed;
+      EXPECT_LE(rounded.check.blend_rmse, std::max(3.4e-3, fitted.present.check.blend_rmse)) << "seed " << seed;
     }
   }
 }
@@ -93,7 +93,7 @@ TEST_F(CodeRoundingTest, IsNoLongerTheMoreItMayBeOff) {
   int cut = 0;
   for (uint64_t seed = 1; seed < 9; ++seed) {
     const Fitted fitted = fit(fallingSample(code_.dictionary, seed));
-    const double before = fitted.present.check.weighedRmse(check_);
+    const double before = fitted.present.check.blend_rmse;
     int longest = 48;
     for (const double ratio : {1.0, 1.1, 1.5, 3.0, 1e6}) {
       // nothing passes, and nothing has to
@@ -103,7 +103,7 @@ TEST_F(CodeRoundingTest, IsNoLongerTheMoreItMayBeOff) {
       const int length = lengthOf(rounded);
       EXPECT_LE(length, longest) << "seed " << seed << ", ratio " << ratio;
       if (length < 48) {
-        EXPECT_LE(rounded.check.weighedRmse(check_), ratio * before) << "seed " << seed << ", ratio " << ratio;
+        EXPECT_LE(rounded.check.blend_rmse, ratio * before) << "seed " << seed << ", ratio " << ratio;
       }
       cut += length < 48;
       longest = length;
@@ -139,9 +139,9 @@ TEST_F(CoarseCodeRoundingTest, MakesUpForWhatWasRounded) {
     const Fitted fitted = fit(wallSample(seed));
     Theta plain = fitted.present.theta;
     ASSERT_TRUE(roundTheta(code_, ThetaPrecision::int8, plain.data()));
-    apart += checkOf(fitted, plain).weighedRmse(check_);
-    together += round(fitted, optionsOf(1.0, 0.0)).check.weighedRmse(check_);
-    before += fitted.present.check.weighedRmse(check_);
+    apart += checkOf(fitted, plain).blend_rmse;
+    together += round(fitted, optionsOf(1.0, 0.0)).check.blend_rmse;
+    before += fitted.present.check.blend_rmse;
   }
   EXPECT_GT(apart, 1.05 * before) << "there is something to make up for";
   EXPECT_LT(together - before, 0.5 * (apart - before));
@@ -157,8 +157,8 @@ TEST_F(CodeRoundingTest, TakesNumbersBeyondAByte) {
     for (const float number : fitted.present.theta) beyond += std::fabs(number) > 127.5f;
     Theta plain = fitted.present.theta;
     ASSERT_TRUE(roundTheta(code_, ThetaPrecision::int8, plain.data()));
-    apart += checkOf(fitted, plain).weighedRmse(check_);
-    together += round(fitted, optionsOf(1.0, 0.0)).check.weighedRmse(check_);
+    apart += checkOf(fitted, plain).blend_rmse;
+    together += round(fitted, optionsOf(1.0, 0.0)).check.blend_rmse;
   }
   EXPECT_GT(beyond, 8) << "the case is one";
   EXPECT_LT(together, apart);
@@ -166,7 +166,7 @@ TEST_F(CodeRoundingTest, TakesNumbersBeyondAByte) {
     const Fitted fitted = fit(sample);
     const RoundedTheta rounded = round(fitted, {});
     EXPECT_TRUE(std::isfinite(rounded.check.rmse));
-    EXPECT_LT(rounded.check.weighedRmse(check_), 0.5 * checkOf(fitted, Theta(48, 0.0f)).weighedRmse(check_));
+    EXPECT_LT(rounded.check.blend_rmse, 0.5 * checkOf(fitted, Theta(48, 0.0f)).blend_rmse);
   }
 }
 

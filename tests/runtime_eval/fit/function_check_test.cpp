@@ -70,11 +70,11 @@ TEST(FunctionCheck, HasTheErrorThatFitsMinimise) {
       const double fitted =
           functionRmse(representation, decodeFunction(sample.view(), pointOrder(representation), dark_weight), theta.data());
       const FunctionCheck check = checker.check(representation, sample.view(), theta.data(), options);
-      EXPECT_NEAR(check.weighedRmse(options), fitted, 1e-5 * fitted) << dark_weight;
+      EXPECT_NEAR(check.blend_rmse, fitted, 1e-5 * fitted) << dark_weight;
       if (dark_weight == 1.0) {
-        EXPECT_EQ(check.weighedRmse(options), check.rmse);
+        EXPECT_EQ(check.blend_rmse, check.rmse);
       } else {
-        EXPECT_GT(check.weighedRmse(options), check.rmse);
+        EXPECT_GT(check.blend_rmse, check.rmse);
       }
     }
   }

@@ -165,8 +165,8 @@ TEST(ThetaPolicy, RecordsWhatItsThetaIs) {
     EXPECT_EQ(std::memcmp(made[i].theta.data(), &trace.fitted[n * D], D * sizeof(float)), 0) << "function " << i;
     EXPECT_EQ(record.refined, !record.at(ThetaWord::stored).passes(options.check()) || record.ended == ThetaStage::refinement)
         << "function " << i;
-    EXPECT_LE(record.at(ThetaWord::corrected).weighedRmse(options.check()),
-              record.at(ThetaWord::network).weighedRmse(options.check()) * (1 + 1e-6))
+    EXPECT_LE(record.at(ThetaWord::corrected).blend_rmse,
+              record.at(ThetaWord::network).blend_rmse * (1 + 1e-6))
         << "function " << i;
     const bool fitted = isFit(record.ended);
     EXPECT_LE(fitted, record.took_fit) << "function " << i;
@@ -213,7 +213,7 @@ TEST(ThetaPolicy, EndsAfterTheStageThatItIsTold) {
     policy.bake(functions.views.data(), static_cast<int>(made.size()), made.data());
     double sum = 0.0;
     for (const MadeTheta& one : made) {
-      sum += one.check().weighedRmse(options.check());
+      sum += one.check().blend_rmse;
       if (one.isBareTent()) continue;
       EXPECT_LE(one.record.ended, plan.stage);
       for (int s = static_cast<int>(plan.stage) + 1; s <= static_cast<int>(ThetaStage::larger); ++s) {

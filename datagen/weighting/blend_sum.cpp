@@ -1,0 +1,102 @@
+#include "datagen/weighting/blend_sum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace nlg {
+namespace {
+
+// Of the offset to a neighbour, in the octant of `mirror`, along the axes `away`.
+std::array<int, 3> offsetOf(int mirror, int away) {
+  std::array<int, 3> offset{};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (away >> axis & 1) offset[axis] = mirror >> axis & 1 ? -1 : 1;
+  }
+  return offset;
+}
+
+size_t indexOf(const std::array<int, 3>& offset) {
+  return static_cast<size_t>((offset[0] + 1) + 3 * (offset[1] + 1) + 9 * (offset[2] + 1));
+}
+
+bool touchesOctant(const LocalTriangle& triangle, int mirror) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const float middle = mirror >> axis & 1 ? -0.5f : 0.5f;
+    if (std::fabs(triangle.center[axis] - middle) > triangle.extent[axis] + 0.5f + kBoxMargin) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+NeighbourEyes neighbourEyes(const glm::dvec3& position_m, float spacing_m, ProbeEyes* eyes, EyeFinder* finder) {
+  NeighbourEyes found;
+  const LatticePoint own = eyes->latticeOf(position_m);
+  const int32_t units = eyes->unitsOf(spacing_m);
+  for (int z = -1; z <= 1; ++z) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        found[indexOf({x, y, z})] = eyes->eyeOf({own[0] + x * units, own[1] + y * units, own[2] + z * units}, units, finder);
+      }
+    }
+  }
+  return found;
+}
+
+BlendSum::BlendSum() : sum_(kOctantPointCount) {
+  const std::vector<LocalPoint>& points = supportPattern().points;
+  for (int mirror = 0; mirror < kMirrorCount; ++mirror) octants_[mirror] = makeOctantPackets(mirror);
+  for (int away = 0; away < kMirrorCount; ++away) {
+    tents_[away].resize(kOctantPointCount);
+    for (int i = 0; i < kOctantPointCount; ++i) {
+      tents_[away][i] = 1.0f;
+      for (int axis = 0; axis < 3; ++axis) tents_[away][i] *= away >> axis & 1 ? points[i][axis] : 1.0f - points[i][axis];
+    }
+  }
+}
+
+void BlendSum::addNeighbour(int mirror, int away, const LocalPoint& eye, bool in_place, const std::vector<LocalTriangle>& triangles) {
+  blockOctantRays(octants_[mirror], triangles, in_place ? near_ : all_, eye, blocked_.data());
+  const float* tent = tents_[away].data();
+  for (size_t packet = 0; packet < blocked_.size(); ++packet) {
+    float* sum = &sum_[packet * kPacketLanes];
+    const float* add = tent + packet * kPacketLanes;
+    const uint16_t blocked = blocked_[packet];
+    if (blocked == 0) {
+      for (int i = 0; i < kPacketLanes; ++i) sum[i] += add[i];
+    } else if (blocked != 0xffff) {
+      for (int i = 0; i < kPacketLanes; ++i) sum[i] += blocked >> i & 1 ? 0.0f : add[i];
+    }
+  }
+}
+
+void BlendSum::compute(const std::vector<LocalTriangle>& triangles, const NeighbourEyes& eyes, const float* phi, uint8_t* sums) {
+  all_.resize(triangles.size());
+  std::iota(all_.begin(), all_.end(), 0u);
+  for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+    const float* own = phi + mirror * kOctantPointCount;
+    uint8_t* to = sums + mirror * kOctantPointCount;
+    std::fill_n(to, kOctantPointCount, uint8_t{255});
+    if (std::all_of(own, own + kOctantPointCount, [](float value) { return value == 0.0f; })) continue;
+    near_.clear();
+    for (const uint32_t t : all_) {
+      if (touchesOctant(triangles[t], mirror)) near_.push_back(t);
+    }
+    std::copy_n(own, kOctantPointCount, sum_.begin());
+    for (int away = 1; away < kMirrorCount; ++away) {
+      const std::array<int, 3> offset = offsetOf(mirror, away);
+      const std::optional<LocalPoint>& theirs = eyes[indexOf(offset)];
+      if (!theirs) continue;
+      LocalPoint eye;
+      for (int axis = 0; axis < 3; ++axis) eye[axis] = static_cast<float>(offset[axis]) + (*theirs)[axis];
+      addNeighbour(mirror, away, eye, *theirs == LocalPoint{}, triangles);
+    }
+    for (int i = 0; i < kOctantPointCount; ++i) {
+      if (own[i] > 0.0f) to[i] = static_cast<uint8_t>(std::lround(255.0f * std::min(1.0f, sum_[i])));
+    }
+  }
+}
+
+}  // namespace nlg
