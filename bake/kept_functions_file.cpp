@@ -90,8 +90,7 @@ void add(const KeptTheta& theta, Arrays* arrays) {
   arrays->ended.push_back(static_cast<uint8_t>(record.ended));
   arrays->stop.push_back(static_cast<uint8_t>(record.refinement_stop));
   for (const FunctionCheck& check : record.check) {
-    for (const double number : {check.rmse, check.blend_rmse, check.leak_mean, check.leak_share})
-      arrays->check.push_back(number);
+    for (const double number : {check.rmse, check.blend_rmse, check.leak_mean, check.leak_share}) arrays->check.push_back(number);
     for (const int count : {check.valid_count, check.zero_count}) arrays->check_count.push_back(count);
   }
   arrays->theta.insert(arrays->theta.end(), theta.made.theta.begin(), theta.made.theta.end());

@@ -272,8 +272,8 @@ void blockRaysVectors(const PointPackets& points, const std::vector<LocalTriangl
   }
 }
 
-void blockOctantVectors(const OctantPackets& points, const std::vector<LocalTriangle>& triangles, const std::vector<uint32_t>& some,
-                        const LocalPoint& eye, uint16_t* HWY_RESTRICT blocked) {
+void blockOctantVectors(const OctantPackets& points, const std::vector<LocalTriangle>& triangles,
+                        const std::vector<uint32_t>& some, const LocalPoint& eye, uint16_t* HWY_RESTRICT blocked) {
   constexpr uint32_t kPackets = kOctantPointCount / kPacketLanes;
   const Vectors from = broadcast(eye.data());
   std::fill(blocked, blocked + kPackets, uint16_t{0});

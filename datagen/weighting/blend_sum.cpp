@@ -57,7 +57,8 @@ BlendSum::BlendSum() : sum_(kOctantPointCount) {
   }
 }
 
-void BlendSum::addNeighbour(int mirror, int away, const LocalPoint& eye, bool in_place, const std::vector<LocalTriangle>& triangles) {
+void BlendSum::addNeighbour(int mirror, int away, const LocalPoint& eye, bool in_place,
+                            const std::vector<LocalTriangle>& triangles) {
   blockOctantRays(octants_[mirror], triangles, in_place ? near_ : all_, eye, blocked_.data());
   const float* tent = tents_[away].data();
   for (size_t packet = 0; packet < blocked_.size(); ++packet) {

@@ -36,8 +36,9 @@ class BlendSum {
   void addNeighbour(int mirror, int away, const LocalPoint& eye, bool in_place, const std::vector<LocalTriangle>& triangles);
 
   std::array<OctantPackets, kMirrorCount> octants_;
-  std::array<AlignedFloats, kMirrorCount> tents_;  // by axes along which a neighbour is away, bits: its tent at an octant's points
-  std::vector<uint32_t> all_, near_;               // triangles: of the support, and of the octant
+  std::array<AlignedFloats, kMirrorCount>
+      tents_;                         // by axes along which a neighbour is away, bits: its tent at an octant's points
+  std::vector<uint32_t> all_, near_;  // triangles: of the support, and of the octant
   std::array<uint16_t, kOctantPointCount / kPacketLanes> blocked_{};
   AlignedFloats sum_;  // of one octant
 };

@@ -51,8 +51,9 @@ class ProbeEyes {
     std::mutex mutex;
     std::unordered_map<Key, std::optional<LocalPoint>, KeyHash> eyes;
   };
-  static constexpr size_t kParts = 64;        // threads seldom wait for each other
-  static constexpr size_t kMostKept = 65536;  // of a part; then it begins anew: probes are visited along a curve, and few are asked for again
+  static constexpr size_t kParts = 64;  // threads seldom wait for each other
+  static constexpr size_t kMostKept =
+      65536;  // of a part; then it begins anew: probes are visited along a curve, and few are asked for again
 
   ProbeTreeFrame lattice_;
   std::array<Part, kParts> parts_;

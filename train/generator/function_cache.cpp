@@ -13,9 +13,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime_eval/fit/policy_options.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
-#include "runtime_eval/fit/policy_options.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 #include "train/generator/cache_layout.h"
