@@ -217,7 +217,6 @@ ProbeOutcome SceneFunctions::seeAndGenerate(const PlacedProbe& probe, ThreadStat
   if (seen != ProbeOutcome::function) return seen;
   times.triangles += state.builder.visibility().triangles().size();
   const ProbeOutcome outcome = state.builder.generate(&state.function);
-  if (outcome == ProbeOutcome::function) state.builder.sumBlend(&state.function);
   times.functions_s += secondsBetween(after, Clock::now());
   return outcome;
 }
@@ -232,8 +231,13 @@ void SceneFunctions::makeFunction(const PlacedProbe& probe, ThreadState& state, 
   const Clock::time_point appended = Clock::now();
   state.times.functions_s += secondsBetween(start, appended);
   const FunctionCheck tent = state.checker.checkBareTent(storedFunction(rows, rows.functionCount() - 1), options_.policy.check());
-  block->bare_tent_rmse.push_back(takesBareTent(tent, options_.policy) ? std::optional(tent.rmse) : std::nullopt);
-  state.times.bare_tent_s += secondsBetween(appended, Clock::now());
+  const bool is_tent = takesBareTent(tent, options_.policy);
+  block->bare_tent_rmse.push_back(is_tent ? std::optional(tent.rmse) : std::nullopt);
+  const Clock::time_point checked = Clock::now();
+  state.times.bare_tent_s += secondsBetween(appended, checked);
+  if (is_tent) return;
+  state.builder.sumBlend(state.function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
+  state.times.functions_s += secondsBetween(checked, Clock::now());
 }
 
 bool SceneFunctions::takeKnown(const PlacedProbe& probe, const KeptKey& key, ThreadState& state, ProbeBlock* block) {
@@ -297,9 +301,8 @@ void SceneFunctions::setTargets(const PlacedProbe& probe, bool is_known, ThreadS
 void SceneFunctions::makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block) {
   const auto [x, y, z] = scene_.tree.probePosition(number);
   PlacedProbe probe{number, {x, y, z}, scene_.tree.probeSpacing(number), Clock::now(), {}};
-  probe.settled = state.builder.begin(probe.position, probe.spacing_m, InSolid::by_eye);
+  probe.settled = state.builder.begin(probe.position, probe.spacing_m, InSolid::by_eye, &eyes_);
   state.times.cavity_probes += state.builder.isInCavity();
-  if (!probe.settled) state.builder.lookAround(&eyes_);
   const bool is_noted = known_ != nullptr && !probe.settled;
   const KeptKey key = is_noted ? keyOf(state.builder) : KeptKey{};
   const bool is_known = is_noted && takeKnown(probe, key, state, block);

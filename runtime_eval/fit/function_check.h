@@ -30,7 +30,7 @@ class FunctionChecker {
   // theta   D floats
   FunctionCheck check(const Representation& representation, const StoredFunction& stored, const float* theta,
                       const CheckOptions& options);
-  // The bare tent, which needs no theta.
+  // The bare tent, which needs no theta. It misses nothing, so that sums of the blend are not asked: as without them.
   FunctionCheck checkBareTent(const StoredFunction& stored, const CheckOptions& options);
 
  private:
