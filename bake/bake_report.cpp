@@ -232,6 +232,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"simd", report.simd},
           {"tau_rmse", report.policy.check().tau_rmse},
           {"rmse", words},
+          {"blend", toJson(s.blend)},
           {"took_fit", s.tookFit()},
           {"share_fitted", {{"all", share(s.tookFit(), with_tents)}, {"theta", share(s.tookFit(), counts.functions)}}},
           {"ended", ended},
@@ -324,6 +325,7 @@ std::string toTable(const BakeReport& report) {
                         number("mean"), number("p95"), number("worst"),
                         100.0 * share(s.failing(word, report.policy.check()), counts.functions));
   }
+  text += toText(s.blend);
   text += fmt::format(
       "fitted: {:.1f} % of all functions took a step of Adam or Levenberg-Marquardt, {:.1f} % of those that take a "
       "theta\n",

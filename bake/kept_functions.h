@@ -41,6 +41,7 @@ struct KeptProbe {
   KeptKey key{};                   // keyOf its support
   std::vector<FarQuestion> asked;  // in order
   ProbeOutcome outcome = ProbeOutcome::empty;
+  LocalPoint eye{};                        // of a function: from where it sees
   uint8_t flags = 0;                       // of a function: FunctionFlag
   std::optional<double> bare_tent_rmse;    // of a function that the bare tent stands for
   std::shared_ptr<KeptFunction> function;  // of any other one

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char *kKind = "nlg-kept-functions", *kVersion = "1", *kExpected = "functions that a bake kept";
+constexpr const char *kKind = "nlg-kept-functions", *kVersion = "2", *kExpected = "functions that a bake kept";
 constexpr uint32_t kNoFunction = 0xffffffffu;
 constexpr double kNoTent = -1.0;
 constexpr size_t kCheckNumbers = 4 * kThetaWordCount, kCheckCounts = 2 * kThetaWordCount;
@@ -27,6 +27,7 @@ struct Arrays {
   // by probe
   std::vector<uint64_t> probe_key;  // two each
   std::vector<uint8_t> outcome, flags;
+  std::vector<float> eye;  // three each
   std::vector<double> tent_rmse;
   std::vector<uint32_t> function;
   std::vector<uint16_t> question_count;
@@ -49,6 +50,7 @@ void forEachTensor(Of& arrays, const Visit& visit) {
   visit("probe.key", arrays.probe_key);
   visit("probe.outcome", arrays.outcome);
   visit("probe.flags", arrays.flags);
+  visit("probe.eye", arrays.eye);
   visit("probe.tent_rmse", arrays.tent_rmse);
   visit("probe.function", arrays.function);
   visit("probe.question_count", arrays.question_count);
@@ -90,8 +92,7 @@ void add(const KeptTheta& theta, Arrays* arrays) {
   arrays->ended.push_back(static_cast<uint8_t>(record.ended));
   arrays->stop.push_back(static_cast<uint8_t>(record.refinement_stop));
   for (const FunctionCheck& check : record.check) {
-    for (const double number : {check.rmse, check.blend_rmse, check.leak_mean, check.leak_share})
-      arrays->check.push_back(number);
+    for (const double number : {check.rmse, check.blend_rmse, check.leak_mean, check.leak_share}) arrays->check.push_back(number);
     for (const int count : {check.valid_count, check.zero_count}) arrays->check_count.push_back(count);
   }
   arrays->theta.insert(arrays->theta.end(), theta.made.theta.begin(), theta.made.theta.end());
@@ -118,9 +119,11 @@ class Parser {
   void checkCounts() const {
     const Arrays& a = arrays_;
     const size_t probes = a.outcome.size(), functions = a.has_theta.size(), thetas = a.generator.size();
-    require(a.probe_key.size() == 2 * probes && a.flags.size() == probes && a.tent_rmse.size() == probes &&
-                a.function.size() == probes && a.question_count.size() == probes,
+    require(a.probe_key.size() == 2 * probes && a.flags.size() == probes && a.eye.size() == 3 * probes &&
+                a.tent_rmse.size() == probes && a.function.size() == probes && a.question_count.size() == probes,
             "probe", "one of everything for each");
+    require(std::all_of(a.eye.begin(), a.eye.end(), [](float e) { return e >= -1.0f && e <= 1.0f; }), "probe.eye",
+            "a place of the support");
     require(std::accumulate(a.question_count.begin(), a.question_count.end(), uint64_t{0}) == a.question.size(), "question",
             "as many as probes have");
     uint64_t points = 0;
@@ -198,6 +201,7 @@ class Parser {
       require(arrays_.outcome[p] <= static_cast<uint8_t>(ProbeOutcome::empty), "probe.outcome", "0 to 3");
       probe.outcome = static_cast<ProbeOutcome>(arrays_.outcome[p]);
       probe.flags = arrays_.flags[p];
+      std::copy_n(&arrays_.eye[3 * p], 3, probe.eye.begin());
       if (arrays_.tent_rmse[p] != kNoTent) probe.bare_tent_rmse = arrays_.tent_rmse[p];
       const uint32_t function = arrays_.function[p];
       require(function < functions_.size() || function == kNoFunction, "probe.function", "a function, or none");
@@ -257,6 +261,7 @@ std::string keptBytes(const KeptProbes& probes, const Json& origin) {
     arrays.probe_key.insert(arrays.probe_key.end(), probe.key.begin(), probe.key.end());
     arrays.outcome.push_back(static_cast<uint8_t>(probe.outcome));
     arrays.flags.push_back(probe.flags);
+    arrays.eye.insert(arrays.eye.end(), probe.eye.begin(), probe.eye.end());
     arrays.tent_rmse.push_back(probe.bare_tent_rmse.value_or(kNoTent));
     arrays.function.push_back(probe.function ? numberOf(*probe.function) : kNoFunction);
     arrays.question_count.push_back(static_cast<uint16_t>(probe.asked.size()));

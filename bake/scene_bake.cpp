@@ -47,6 +47,8 @@ class SceneBake {
 
   Bake run() {
     const Clock::time_point start = Clock::now();
+    BlendTargets targets(scene_, options_.seed, thread_count_);
+    functions_.tellTargets(&targets);
     makeFunctions(1);
     statistics_.functions_wall_s = secondsSince(start);
     const Clock::time_point refinement_start = Clock::now();
@@ -60,6 +62,7 @@ class SceneBake {
     LightGrid grid = makeGrid();
     if (in_time_ != nullptr) options_.light_rays = in_time_->light_rays();
     statistics_.light = bakeLight(scene_, options_, &grid, metadata_);
+    statistics_.blend = blendErrors(targets, grid);
     statistics_.wall_s = secondsSince(start);
     return {std::move(grid), std::move(statistics_)};
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bake/blend_error.h"
 #include "bake/kept_functions.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
@@ -42,6 +43,7 @@ struct BakeStatistics {
   double sharing_wall_s = 0.0;       // to find these
   bool is_keeping = false;           // whether functions of an earlier bake were taken where they are known again
   uint64_t kept_thetas = 0;          // functions whose theta is of one
+  BlendErrors blend;                 // of the grid as it is
 
   double stageSeconds(ThetaStage stage) const;
   // Of the stages that bring theta to a word, of all representations; without checks and without refinement.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "bake/bake_plan.h"
+#include "bake/blend_targets.h"
 #include "datagen/probes/probe_placement.h"
 #include "light/open_sky.h"
 #include "runtime_eval/evaluator/projection.h"
@@ -216,7 +217,6 @@ ProbeOutcome SceneFunctions::seeAndGenerate(const PlacedProbe& probe, ThreadStat
   if (seen != ProbeOutcome::function) return seen;
   times.triangles += state.builder.visibility().triangles().size();
   const ProbeOutcome outcome = state.builder.generate(&state.function);
-  if (outcome == ProbeOutcome::function) state.builder.sumBlend(&state.function);
   times.functions_s += secondsBetween(after, Clock::now());
   return outcome;
 }
@@ -231,8 +231,13 @@ void SceneFunctions::makeFunction(const PlacedProbe& probe, ThreadState& state, 
   const Clock::time_point appended = Clock::now();
   state.times.functions_s += secondsBetween(start, appended);
   const FunctionCheck tent = state.checker.checkBareTent(storedFunction(rows, rows.functionCount() - 1), options_.policy.check());
-  block->bare_tent_rmse.push_back(takesBareTent(tent, options_.policy) ? std::optional(tent.rmse) : std::nullopt);
-  state.times.bare_tent_s += secondsBetween(appended, Clock::now());
+  const bool is_tent = takesBareTent(tent, options_.policy);
+  block->bare_tent_rmse.push_back(is_tent ? std::optional(tent.rmse) : std::nullopt);
+  const Clock::time_point checked = Clock::now();
+  state.times.bare_tent_s += secondsBetween(appended, checked);
+  if (is_tent) return;
+  state.builder.sumBlend(state.function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
+  state.times.functions_s += secondsBetween(checked, Clock::now());
 }
 
 bool SceneFunctions::takeKnown(const PlacedProbe& probe, const KeptKey& key, ThreadState& state, ProbeBlock* block) {
@@ -268,6 +273,7 @@ void SceneFunctions::note(const PlacedProbe& probe, const KeptKey& key, const Th
   kept.asked = state.builder.visibility().asked();
   kept.outcome = block.outcomes.back();
   if (kept.outcome != ProbeOutcome::function) return;
+  kept.eye = state.builder.visibility().eye();
   kept.flags = block.functions.flags.back();
   kept.bare_tent_rmse = block.bare_tent_rmse.back();
   if (kept.bare_tent_rmse) return;
@@ -277,20 +283,36 @@ void SceneFunctions::note(const PlacedProbe& probe, const KeptKey& key, const Th
   if (!kept.function) kept.function = std::make_shared<KeptFunction>(KeptFunction{samples_key, packSamples(samples), {}});
 }
 
+void SceneFunctions::setTargets(const PlacedProbe& probe, bool is_known, ThreadState& state, const ProbeBlock& block) {
+  const ProbeOutcome outcome = block.outcomes.back();
+  if (outcome == ProbeOutcome::free_space) return targets_->setTargets(probe.number, {}, nullptr);
+  if (outcome != ProbeOutcome::function) return;
+  FunctionRows anew = supportRows();
+  targets_->setTargets(probe.number, is_known ? kept_[probe.number]->eye : state.builder.visibility().eye(), [&] {
+    if (!is_known || !block.bare_tent_rmse.back()) return storedFunction(block.functions, block.functions.functionCount() - 1);
+    // nobody keeps the samples of what is all but the bare tent
+    state.builder.look();
+    state.builder.generate(&state.function);
+    appendFunction(state.function, probe.position, probe.spacing_m, &anew);
+    return storedFunction(anew, 0);
+  });
+}
+
 void SceneFunctions::makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block) {
   const auto [x, y, z] = scene_.tree.probePosition(number);
   PlacedProbe probe{number, {x, y, z}, scene_.tree.probeSpacing(number), Clock::now(), {}};
-  probe.settled = state.builder.begin(probe.position, probe.spacing_m, InSolid::by_eye);
+  probe.settled = state.builder.begin(probe.position, probe.spacing_m, InSolid::by_eye, &eyes_);
   state.times.cavity_probes += state.builder.isInCavity();
-  if (!probe.settled) state.builder.lookAround(&eyes_);
-  if (known_ == nullptr || probe.settled) return makeFunction(probe, state, block);
-  const KeptKey key = keyOf(state.builder);
-  if (takeKnown(probe, key, state, block)) {
+  const bool is_noted = known_ != nullptr && !probe.settled;
+  const KeptKey key = is_noted ? keyOf(state.builder) : KeptKey{};
+  const bool is_known = is_noted && takeKnown(probe, key, state, block);
+  if (is_known) {
     state.times.kept_s += secondsBetween(probe.start, Clock::now());
   } else {
     makeFunction(probe, state, block);
-    note(probe, key, state, *block);
+    if (is_noted) note(probe, key, state, *block);
   }
+  if (targets_ != nullptr) setTargets(probe, is_known, state, *block);
 }
 
 void SceneFunctions::keep(const KeptIndex& known) {

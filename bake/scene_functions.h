@@ -61,6 +61,8 @@ struct FunctionTimes {
   double kept_s = 0.0;
 };
 
+class BlendTargets;
+
 class SceneFunctions {
  public:
   // spool_folder   where samples lie meanwhile: 9 kB a distinct function, in a file without a name
@@ -76,6 +78,9 @@ class SceneFunctions {
   // known   must outlive this object
   void keep(const KeptIndex& known);
   KeptProbes takeKept();  // once makeAll has returned
+
+  // From now on says of every probe what it should weigh at these points; targets   of this scene; must live until makeAll returns
+  void tellTargets(BlendTargets* targets) { targets_ = targets; }
 
   // By probe: a function's number, kFreeSpace or kNoWeight. Of probes in free space, and of bareTents: kFreeSpace.
   const std::vector<uint32_t>& probeFunction() const { return probe_function_; }
@@ -95,6 +100,8 @@ class SceneFunctions {
   // Returns whether the probe that was begun is known again; then it is in the block.
   bool takeKnown(const PlacedProbe& probe, const KeptKey& key, ThreadState& state, ProbeBlock* block);
   void note(const PlacedProbe& probe, const KeptKey& key, const ThreadState& state, const ProbeBlock& block);
+  // Of the block's last probe. is_known   whether it was known again
+  void setTargets(const PlacedProbe& probe, bool is_known, ThreadState& state, const ProbeBlock& block);
   void makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block);
 
   const BakeScene& scene_;
@@ -104,6 +111,7 @@ class SceneFunctions {
   FunctionCollector collector_;
   std::vector<uint32_t> probe_function_;
   ShardCounts counts_;
+  BlendTargets* targets_ = nullptr;
   const KeptIndex* known_ = nullptr;
   std::vector<std::optional<KeptProbe>> kept_;  // by probe; of none unless somebody asks
 };

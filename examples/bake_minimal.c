@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
   float* theta = malloc(nlg_theta_count(generator) * sizeof(float));
   if (theta == NULL) return 1;
   nlg_made made;
-  if (nlg_make_theta(generator, phi, validity, 1, theta, &made, scratch) != NLG_OK) return 1;
+  if (nlg_make_theta(generator, phi, validity, NULL, 1, theta, &made, scratch) != NLG_OK) return 1;
   nlg_evaluate(generator, theta, NLG_SUPPORT_POINT_COUNT, x, y, z, values, scratch);
 
   printf("at the first support point: %.4f, stored %.4f\n", phi[0] / 255.0, values[0]);

@@ -205,7 +205,8 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   const TrainReport report = train(options, representation, training, held_out, &state, save, processes);
   if (processes.rank() != 0) return;
   if (representation.isCode()) {
-    orderCodes(training, used, {.tent_rmse = options.bare_tent_rmse, .loss = options.loss, .threads = options.threads}, &state.average);
+    orderCodes(training, used, {.tent_rmse = options.bare_tent_rmse, .loss = options.loss, .threads = options.threads},
+               &state.average);
   }
   writeFileAtomically(request.log, state.log_csv);
   writeCheckpoint(request.out, identity, state);

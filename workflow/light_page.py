@@ -309,6 +309,23 @@ def scenes_section(scenes):
     return text + table(["scene", "kind", "dark places", "truth's noise", "floor: air", "surface", "turned"], rows)
 
 
+BLEND_INTRODUCTION = """
+## Holes, leaks and shares
+What the functions of {ours} make of blends, probes {spacing} apart, at points in air and before surfaces. A *hole*: nobody has weight, though some probe should. A *leak*: probes that should have none hold more than a fifth. *TV*: half of what shares are off by, mean. In the order *holes; leaks; TV*, in per cent. How it is measured: [theory](../theory/math.md#7-errors).
+"""
+
+
+def blend_section(results):
+    """Empty of results without these figures."""
+    blends = {entry["name"]: entry["blend"] for entry in results["scenes"].values() if "blend" in entry}
+    if not blends:
+        return ""
+    classes = list(next(iter(blends.values())))
+    cell = lambda found: "; ".join(number(100 * found[key], 2) for key in ("holes", "leaks", "total_variation"))
+    head = [name.replace("_", " ").replace("cm", " cm") for name in classes]
+    return BLEND_INTRODUCTION.format(ours=f"`{results['ours']}`", spacing=spacing_text(SHOWN_SPACING)) + table(["scene", *head], [[name, *(cell(found[some]) for some in classes)] for name, found in blends.items()])
+
+
 def page(all_results):
     results = all_results[NAME]
     text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}. {results.get('note', '')}\n"
@@ -316,4 +333,4 @@ def page(all_results):
     text += seen_section(results) if "views" in results else ""
     text += "".join(methods_section(kind, shown(found[SHOWN_SPACING])) + by_room_section(shown(found[SHOWN_SPACING])) for kind, found in results["methods"].items()
                     if kind in ("levels", "furnished", "daylight") and SHOWN_SPACING in found)
-    return text + scenes_section(results["scenes"])
+    return text + blend_section(results) + scenes_section(results["scenes"])

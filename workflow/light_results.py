@@ -240,7 +240,17 @@ def noise(path):
     return take(read_json(path), ["scene", "light", "spacing_m", "runs", "noise", "answers", "probes_per_s"], path)
 
 
-def read_scene(path, light_direct):
+def blend(document, ours, path):
+    """Holes, leaks and shares of our grid with probes as far apart as today's, by class of points; None of results from before they were measured."""
+    for spacing in document["spacings"]:
+        for found in spacing.get("blends", []):
+            if spacing["spacing_m"] == TODAY[1] and found["weights"] == ours:
+                classes = {"air": found["air"], **{f"{100 * some['from_m']:g}_to_{100 * some['to_m']:g}cm": some for some in found["surface"]}}
+                return {name: take(some, ["points", "holes", "leaks", "total_variation"], f"{path}: blends") for name, some in classes.items()}
+    return None
+
+
+def read_scene(path, ours, light_direct):
     """Its revision, and what is kept of it."""
     document = read_json(path)
     options = take(take(document, ["provenance"], path)["provenance"], ["options"], f"{path}: provenance")["options"]
@@ -248,7 +258,8 @@ def read_scene(path, light_direct):
         fail(f"{path}: provenance.options.light_direct", light_direct, options["light_direct"])
     truth = take(take(document, ["truth"], path)["truth"], ["noise", "places"], f"{path}: truth")
     floor = take(take(document, ["floor"], path)["floor"], GROUPS, f"{path}: floor")
-    return revision(document, path), {"name": document["scene"], "kind": "", "truth": truth, "floor": {group: floor[group]["rmse"] for group in GROUPS}}
+    blended = blend(document, ours, path)
+    return revision(document, path), {"name": document["scene"], "kind": "", "truth": truth, "floor": {group: floor[group]["rmse"] for group in GROUPS}, **({"blend": blended} if blended else {})}
 
 
 def measured(folder, files, ours, light_direct):
@@ -259,7 +270,7 @@ def measured(folder, files, ours, light_direct):
     alone = sorted({point.scene for point in points} - {point.scene for point in points if point.method[0] in RIVALS})
     if alone:
         fail(folder, "rivals in the results of every scene", f"grids alone (--grids-only) of {', '.join(alone)}")
-    documents = [held_to(lambda path: read_scene(path, light_direct), path) for path in files]
+    documents = [held_to(lambda path: read_scene(path, ours, light_direct), path) for path in files]
     whole = {(point.scene, point.spacing_m): point for point in points if point.method == (ours, "solved")}
     for point in points:
         if is_ours(point, ours):  # bytes a probe are of all that the whole grid has: those that are left out hold nothing

@@ -19,15 +19,6 @@ void appendBits(const std::vector<uint8_t>& bits, size_t first, size_t count, st
   }
 }
 
-// Nobody summed: as if others saw whatever the probe sees.
-void appendSums(const GeneratedFunction& function, size_t count, std::vector<uint8_t>* bytes) {
-  if (function.blend_sum.empty()) {
-    bytes->insert(bytes->end(), count, 255);
-  } else {
-    bytes->insert(bytes->end(), function.blend_sum.begin(), function.blend_sum.end());
-  }
-}
-
 uint8_t functionFlags(const GeneratedFunction& function, size_t point_count) {
   size_t seen_count = 0;
   for (size_t i = 0; i < point_count; ++i) seen_count += function.seen[i];
@@ -43,7 +34,7 @@ void appendFunction(const GeneratedFunction& function, const glm::dvec3& positio
   const auto points = static_cast<size_t>(rows->point_count), test = static_cast<size_t>(rows->test_point_count);
   appendSamples(function, 0, points, rows->phi);
   appendBits(function.valid, 0, points, rows->validity);
-  appendSums(function, points, &rows->blend_sum);
+  rows->blend_sum.resize(rows->blend_sum.size() + points, 255);
   appendBits(function.seen, 0, points, rows->seen);
   appendSamples(function, points, test, rows->phi_test);
   appendBits(function.valid, points, test, rows->validity_test);

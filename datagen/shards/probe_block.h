@@ -19,7 +19,7 @@ struct ProbeBlock {
   std::vector<std::optional<double>> bare_tent_rmse;
 };
 
-// Appends the function, quantised, to rows whose point counts are set.
+// Appends the function, quantised, to rows whose point counts are set; its sums of the blend are those of nobody else's functions, 255.
 // position_m   in the world
 void appendFunction(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m, FunctionRows* rows);
 

@@ -138,12 +138,15 @@ void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& 
     const glm::dvec3 position(x, y, z);
     const float spacing_m = tree_.probeSpacing(index);
     const bool by_eye = Random(mixSeed(seed_, kInSolidStream, index)).chance(options_.in_solid);
-    const ProbeOutcome outcome = builder.build(position, spacing_m, &function, by_eye ? InSolid::by_eye : InSolid::left_out);
+    const InSolid in_solid = by_eye ? InSolid::by_eye : InSolid::left_out;
+    const std::optional<ProbeOutcome> settled = builder.begin(position, spacing_m, in_solid, &eyes_);
+    ProbeOutcome outcome = settled ? *settled : builder.look();
+    if (outcome == ProbeOutcome::function) outcome = builder.generate(&function);
     block->outcomes.push_back(outcome);
     if (outcome != ProbeOutcome::function) continue;
-    builder.lookAround(&eyes_);
-    builder.sumBlend(&function);
-    appendFunction(function, scene_.origin_m + position, spacing_m, &block->functions);
+    FunctionRows& rows = block->functions;
+    appendFunction(function, scene_.origin_m + position, spacing_m, &rows);
+    builder.sumBlend(function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
   }
 }
 

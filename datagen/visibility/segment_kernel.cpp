@@ -272,8 +272,15 @@ void blockRaysVectors(const PointPackets& points, const std::vector<LocalTriangl
   }
 }
 
-void blockOctantVectors(const OctantPackets& points, const std::vector<LocalTriangle>& triangles, const std::vector<uint32_t>& some,
-                        const LocalPoint& eye, uint16_t* HWY_RESTRICT blocked) {
+void sortIntoOctantsVectors(const Boxes& boxes, const std::vector<LocalTriangle>& triangles,
+                            std::array<std::vector<uint32_t>, kMirrorCount>* octants) {
+  for (uint32_t t = 0; t < triangles.size(); ++t) {
+    forEachBit(touchingChildren(WideTriangle(triangles[t]), boxes, 0), [&](uint32_t i) { (*octants)[i].push_back(t); });
+  }
+}
+
+void blockOctantVectors(const OctantPackets& points, const std::vector<LocalTriangle>& triangles,
+                        const std::vector<uint32_t>& some, const LocalPoint& eye, uint16_t* HWY_RESTRICT blocked) {
   constexpr uint32_t kPackets = kOctantPointCount / kPacketLanes;
   const Vectors from = broadcast(eye.data());
   std::fill(blocked, blocked + kPackets, uint16_t{0});
@@ -307,6 +314,7 @@ namespace nlg {
 HWY_EXPORT(blockRaysVectors);
 HWY_EXPORT(blockLinksVectors);
 HWY_EXPORT(blockOctantVectors);
+HWY_EXPORT(sortIntoOctantsVectors);
 
 bool segmentMeets(const LocalTriangle& triangle, const LocalPoint& from, const LocalPoint& to) {
   const auto dot = [](const float* a, const LocalPoint& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; };
@@ -328,6 +336,21 @@ bool segmentMeets(const LocalTriangle& triangle, const LocalPoint& from, const L
 void blockRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, const LocalPoint& eye,
                uint16_t* blocked) {
   HWY_DYNAMIC_DISPATCH(blockRaysVectors)(points, triangles, eye, blocked);
+}
+
+void sortIntoOctants(const std::vector<LocalTriangle>& triangles, std::array<std::vector<uint32_t>, kMirrorCount>* octants) {
+  static_assert(kMirrorCount == kTreeWidth);
+  static const Boxes boxes = [] {
+    Boxes all;
+    all.resize(kPacketLanes);  // whole vectors
+    for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+      LocalPoint low, high;
+      for (int axis = 0; axis < 3; ++axis) low[axis] = mirror >> axis & 1 ? -1.0f : 0.0f, high[axis] = low[axis] + 1.0f;
+      all.set(static_cast<size_t>(mirror), low, high);
+    }
+    return all;
+  }();
+  HWY_DYNAMIC_DISPATCH(sortIntoOctantsVectors)(boxes, triangles, octants);
 }
 
 OctantPackets makeOctantPackets(int mirror) {

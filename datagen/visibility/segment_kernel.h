@@ -47,6 +47,9 @@ struct LinkScratch {
 // blocked   a word a packet, all written
 void blockRays(const PointPackets& points, const std::vector<LocalTriangle>& triangles, const LocalPoint& eye, uint16_t* blocked);
 
+// Adds each triangle's index to the lists of the octants that it touches, or comes near; bits as in SupportPattern.
+void sortIntoOctants(const std::vector<LocalTriangle>& triangles, std::array<std::vector<uint32_t>, kMirrorCount>* octants);
+
 // The same of some of the triangles and the points of an octant: bit i of blocked[p] is of its point 16 p + i.
 // some      indices into triangles
 // eye       local coordinates, anywhere

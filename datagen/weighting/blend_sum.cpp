@@ -20,14 +20,6 @@ size_t indexOf(const std::array<int, 3>& offset) {
   return static_cast<size_t>((offset[0] + 1) + 3 * (offset[1] + 1) + 9 * (offset[2] + 1));
 }
 
-bool touchesOctant(const LocalTriangle& triangle, int mirror) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const float middle = mirror >> axis & 1 ? -0.5f : 0.5f;
-    if (std::fabs(triangle.center[axis] - middle) > triangle.extent[axis] + 0.5f + kBoxMargin) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 NeighbourEyes neighbourEyes(const glm::dvec3& position_m, float spacing_m, ProbeEyes* eyes, EyeFinder* finder) {
@@ -37,8 +29,7 @@ NeighbourEyes neighbourEyes(const glm::dvec3& position_m, float spacing_m, Probe
   for (int z = -1; z <= 1; ++z) {
     for (int y = -1; y <= 1; ++y) {
       for (int x = -1; x <= 1; ++x) {
-        if (x == 0 && y == 0 && z == 0) continue;
-        found[indexOf({x, y, z})] = eyes->eyeOf({own[0] + x * units, own[1] + y * units, own[2] + z * units}, units, finder);
+        found[indexOf({x, y, z})] = eyes->sightOf({own[0] + x * units, own[1] + y * units, own[2] + z * units}, units, finder).eye;
       }
     }
   }
@@ -57,8 +48,9 @@ BlendSum::BlendSum() : sum_(kOctantPointCount) {
   }
 }
 
-void BlendSum::addNeighbour(int mirror, int away, const LocalPoint& eye, bool in_place, const std::vector<LocalTriangle>& triangles) {
-  blockOctantRays(octants_[mirror], triangles, in_place ? near_ : all_, eye, blocked_.data());
+void BlendSum::addNeighbour(int mirror, int away, const LocalPoint& eye, bool in_place,
+                            const std::vector<LocalTriangle>& triangles) {
+  blockOctantRays(octants_[mirror], triangles, in_place ? near_[mirror] : all_, eye, blocked_.data());
   const float* tent = tents_[away].data();
   for (size_t packet = 0; packet < blocked_.size(); ++packet) {
     float* sum = &sum_[packet * kPacketLanes];
@@ -75,26 +67,29 @@ void BlendSum::addNeighbour(int mirror, int away, const LocalPoint& eye, bool in
 void BlendSum::compute(const std::vector<LocalTriangle>& triangles, const NeighbourEyes& eyes, const float* phi, uint8_t* sums) {
   all_.resize(triangles.size());
   std::iota(all_.begin(), all_.end(), 0u);
+  for (std::vector<uint32_t>& near : near_) near.clear();
+  sortIntoOctants(triangles, &near_);
   for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
     const float* own = phi + mirror * kOctantPointCount;
     uint8_t* to = sums + mirror * kOctantPointCount;
     std::fill_n(to, kOctantPointCount, uint8_t{255});
     if (std::all_of(own, own + kOctantPointCount, [](float value) { return value == 0.0f; })) continue;
-    near_.clear();
-    for (const uint32_t t : all_) {
-      if (touchesOctant(triangles[t], mirror)) near_.push_back(t);
-    }
+    const auto offsetTo = [mirror](int away) { return indexOf(offsetOf(mirror, away)); };
+    const auto isInPlace = [](const std::optional<LocalPoint>& eye) { return eye && *eye == LocalPoint{}; };
+    bool all_see_all = near_[mirror].empty();
+    for (int away = 1; away < kMirrorCount && all_see_all; ++away) all_see_all = isInPlace(eyes[offsetTo(away)]);
+    if (all_see_all) continue;
     std::copy_n(own, kOctantPointCount, sum_.begin());
     for (int away = 1; away < kMirrorCount; ++away) {
       const std::array<int, 3> offset = offsetOf(mirror, away);
-      const std::optional<LocalPoint>& theirs = eyes[indexOf(offset)];
+      const std::optional<LocalPoint>& theirs = eyes[offsetTo(away)];
       if (!theirs) continue;
       LocalPoint eye;
       for (int axis = 0; axis < 3; ++axis) eye[axis] = static_cast<float>(offset[axis]) + (*theirs)[axis];
-      addNeighbour(mirror, away, eye, *theirs == LocalPoint{}, triangles);
+      addNeighbour(mirror, away, eye, isInPlace(theirs), triangles);
     }
     for (int i = 0; i < kOctantPointCount; ++i) {
-      if (own[i] > 0.0f) to[i] = static_cast<uint8_t>(std::lround(255.0f * std::min(1.0f, sum_[i])));
+      if (own[i] > 0.0f) to[i] = static_cast<uint8_t>(255.0f * std::min(1.0f, sum_[i]) + 0.5f);
     }
   }
 }

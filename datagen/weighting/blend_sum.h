@@ -17,8 +17,8 @@
 
 namespace nlg {
 
-// Of the probes around one, by where they stand: offset (x, y, z) in -1 … 1 at index (x + 1) + 3 (y + 1) + 9 (z + 1); in their own local
-// coordinates. Nothing where a neighbour has no function; the probe's own is not looked at.
+// Of a probe and those around it, by where they stand: offset (x, y, z) in -1 … 1 at index (x + 1) + 3 (y + 1) + 9 (z + 1); in their own
+// local coordinates. Nothing where one has no function.
 using NeighbourEyes = std::array<std::optional<LocalPoint>, 27>;
 NeighbourEyes neighbourEyes(const glm::dvec3& position_m, float spacing_m, ProbeEyes* eyes, EyeFinder* finder);
 
@@ -36,8 +36,10 @@ class BlendSum {
   void addNeighbour(int mirror, int away, const LocalPoint& eye, bool in_place, const std::vector<LocalTriangle>& triangles);
 
   std::array<OctantPackets, kMirrorCount> octants_;
-  std::array<AlignedFloats, kMirrorCount> tents_;  // by axes along which a neighbour is away, bits: its tent at an octant's points
-  std::vector<uint32_t> all_, near_;               // triangles: of the support, and of the octant
+  std::array<AlignedFloats, kMirrorCount>
+      tents_;                         // by axes along which a neighbour is away, bits: its tent at an octant's points
+  std::vector<uint32_t> all_;                             // triangles of the support …
+  std::array<std::vector<uint32_t>, kMirrorCount> near_;  // … and of each octant
   std::array<uint16_t, kOctantPointCount / kPacketLanes> blocked_{};
   AlignedFloats sum_;  // of one octant
 };

@@ -6,10 +6,11 @@
 
 namespace nlg {
 
-std::optional<LocalPoint> EyeFinder::find(const glm::dvec3& position_m, float spacing_m) {
-  if (!visibility_.voteAt(position_m).solid()) return LocalPoint{};
+ProbeSight EyeFinder::find(const glm::dvec3& position_m, float spacing_m) {
+  const SolidVote vote = visibility_.voteAt(position_m);
+  if (!vote.solid()) return {vote, LocalPoint{}};
   visibility_.beginProbe(position_m, spacing_m);
-  return solid_eye_.open(&visibility_);
+  return {vote, solid_eye_.open(&visibility_)};
 }
 
 LatticePoint ProbeEyes::latticeOf(const glm::dvec3& position_m) const {
@@ -26,20 +27,20 @@ size_t ProbeEyes::KeyHash::operator()(const Key& key) const {
                  static_cast<uint64_t>(static_cast<uint32_t>(key[2])) << 32 | static_cast<uint32_t>(key[3]));
 }
 
-std::optional<LocalPoint> ProbeEyes::eyeOf(const LatticePoint& at, int32_t units, EyeFinder* finder) {
+ProbeSight ProbeEyes::sightOf(const LatticePoint& at, int32_t units, EyeFinder* finder) {
   const Key key = {at[0], at[1], at[2], units};
   Part& part = parts_[KeyHash()(key) % kParts];
   {
     const std::lock_guard lock(part.mutex);
-    if (const auto found = part.eyes.find(key); found != part.eyes.end()) return found->second;
+    if (const auto found = part.sights.find(key); found != part.sights.end()) return found->second;
   }
   glm::dvec3 position_m;
   for (int axis = 0; axis < 3; ++axis) position_m[axis] = lattice_.first_m[axis] + lattice_.spacing_m * at[axis];
-  const std::optional<LocalPoint> eye = finder->find(position_m, static_cast<float>(units * lattice_.spacing_m));
+  const ProbeSight sight = finder->find(position_m, static_cast<float>(units * lattice_.spacing_m));
   const std::lock_guard lock(part.mutex);
-  if (part.eyes.size() >= kMostKept) part.eyes.clear();
-  part.eyes.emplace(key, eye);
-  return eye;
+  if (part.sights.size() >= kMostKept) part.sights.clear();
+  part.sights.emplace(key, sight);
+  return sight;
 }
 
 }  // namespace nlg

@@ -16,15 +16,20 @@
 
 namespace nlg {
 
+// Of one probe.
+struct ProbeSight {
+  SolidVote vote;                 // of its own place
+  std::optional<LocalPoint> eye;  // in its own local coordinates; nothing where it has no function
+};
+
 // What one thread takes to find an eye.
 class EyeFinder {
  public:
   // Both must outlive this object.
   EyeFinder(const RayScene& scene, const LinkTable& links) : visibility_(scene, links) {}
 
-  // In the probe's own local coordinates; nothing where it has no function.
   // position_m   relative to the scene's origin; spacing_m > 0
-  std::optional<LocalPoint> find(const glm::dvec3& position_m, float spacing_m);
+  ProbeSight find(const glm::dvec3& position_m, float spacing_m);
 
  private:
   SupportVisibility visibility_;
@@ -40,7 +45,7 @@ class ProbeEyes {
   LatticePoint latticeOf(const glm::dvec3& position_m) const;
   int32_t unitsOf(float spacing_m) const;
   // Of the probe at a lattice point, inside or outside the tree, of a spacing of `units`.
-  std::optional<LocalPoint> eyeOf(const LatticePoint& at, int32_t units, EyeFinder* finder);
+  ProbeSight sightOf(const LatticePoint& at, int32_t units, EyeFinder* finder);
 
  private:
   using Key = std::array<int32_t, 4>;
@@ -49,10 +54,11 @@ class ProbeEyes {
   };
   struct Part {
     std::mutex mutex;
-    std::unordered_map<Key, std::optional<LocalPoint>, KeyHash> eyes;
+    std::unordered_map<Key, ProbeSight, KeyHash> sights;
   };
-  static constexpr size_t kParts = 64;        // threads seldom wait for each other
-  static constexpr size_t kMostKept = 65536;  // of a part; then it begins anew: probes are visited along a curve, and few are asked for again
+  static constexpr size_t kParts = 64;  // threads seldom wait for each other
+  static constexpr size_t kMostKept =
+      65536;  // of a part; then it begins anew: probes are visited along a curve, and few are asked for again
 
   ProbeTreeFrame lattice_;
   std::array<Part, kParts> parts_;

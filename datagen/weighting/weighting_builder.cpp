@@ -42,19 +42,27 @@ ProbeOutcome WeightingBuilder::see(const glm::dvec3& position_m, float spacing_m
   return settled ? *settled : look();
 }
 
-std::optional<ProbeOutcome> WeightingBuilder::begin(const glm::dvec3& position_m, float spacing_m, InSolid in_solid) {
-  position_m_ = position_m;
-  spacing_m_ = spacing_m;
-  probe_vote_ = visibility_.voteAt(position_m);
+std::optional<ProbeOutcome> WeightingBuilder::begin(const glm::dvec3& position_m, float spacing_m, InSolid in_solid,
+                                                    ProbeEyes* eyes) {
+  has_neighbours_ = false;
+  probe_vote_ = eyes == nullptr ? visibility_.voteAt(position_m)
+                                : eyes->sightOf(eyes->latticeOf(position_m), eyes->unitsOf(spacing_m), &eye_finder_).vote;
   if (probe_vote_.solid() && in_solid == InSolid::left_out) return ProbeOutcome::in_solid;
   visibility_.beginProbe(position_m, spacing_m);
-  if (!visibility_.supportIsEmpty()) return std::nullopt;
   // without triangles all is as the probe is: there is no eye
-  return probe_vote_.solid() ? ProbeOutcome::in_solid : ProbeOutcome::free_space;
+  if (visibility_.supportIsEmpty()) return probe_vote_.solid() ? ProbeOutcome::in_solid : ProbeOutcome::free_space;
+  if (eyes == nullptr) return std::nullopt;
+  neighbours_ = neighbourEyes(position_m, spacing_m, eyes, &eye_finder_);
+  has_neighbours_ = true;
+  return std::nullopt;
 }
 
 ProbeOutcome WeightingBuilder::look() {
-  if (!probe_vote_.solid()) {
+  if (has_neighbours_) {
+    const std::optional<LocalPoint>& own = neighbours_[neighbours_.size() / 2];
+    if (!own) return ProbeOutcome::in_solid;
+    visibility_.traceRays(*own);
+  } else if (!probe_vote_.solid()) {
     visibility_.traceProbeRays();
   } else if (!solid_eye_.open(&visibility_)) {
     return ProbeOutcome::in_solid;
@@ -65,7 +73,6 @@ ProbeOutcome WeightingBuilder::look() {
 }
 
 ProbeOutcome WeightingBuilder::generate(GeneratedFunction* result) {
-  result->blend_sum.clear();
   result->open_shell = open_shell_;
   result->in_solid = probe_vote_.solid();
   lightSeenPoints(result);
@@ -75,9 +82,8 @@ ProbeOutcome WeightingBuilder::generate(GeneratedFunction* result) {
   return empty ? ProbeOutcome::empty : ProbeOutcome::function;
 }
 
-void WeightingBuilder::sumBlend(GeneratedFunction* result) {
-  result->blend_sum.resize(kSupportPointCount);
-  blend_sum_.compute(visibility_.triangles(), neighbours_, result->phi.data(), result->blend_sum.data());
+void WeightingBuilder::sumBlend(const GeneratedFunction& function, uint8_t* sums) {
+  blend_sum_.compute(visibility_.triangles(), neighbours_, function.phi.data(), sums);
 }
 
 // Gives the tent to what the probe sees; lists the valid points that wait for weight.

@@ -28,12 +28,11 @@ enum class ProbeOutcome {
 
 // The result for one probe; arrays run over all points of the link table (P support points, then the test points).
 struct GeneratedFunction {
-  std::vector<float> phi;      // [0, 1]; 0 at invalid points
-  std::vector<uint8_t> valid;  // 0 or 1
-  std::vector<uint8_t> seen;   // 0 or 1: seen by the probe's eye (and valid)
-  std::vector<uint8_t> blend_sum;  // of the support points, as StoredFunction has it; empty where nobody summed
-  bool open_shell = false;     // votes about solid were disputed
-  bool in_solid = false;       // the probe is in solid, its eye elsewhere
+  std::vector<float> phi;          // [0, 1]; 0 at invalid points
+  std::vector<uint8_t> valid;      // 0 or 1
+  std::vector<uint8_t> seen;       // 0 or 1: seen by the probe's eye (and valid)
+  bool open_shell = false;         // votes about solid were disputed
+  bool in_solid = false;           // the probe is in solid, its eye elsewhere
 };
 
 // What becomes of a probe in solid.
@@ -59,15 +58,16 @@ class WeightingBuilder {
 
   // see in two steps. begin: the vote of the probe's own place and the triangles of its support; its outcome, where they settle it.
   // look: the rest, where they do not
-  std::optional<ProbeOutcome> begin(const glm::dvec3& position_m, float spacing_m, InSolid in_solid);
+  // eyes   of the scene's lattice, on which the probe stands; null: it looks for its own, and nobody sums blends
+  std::optional<ProbeOutcome> begin(const glm::dvec3& position_m, float spacing_m, InSolid in_solid, ProbeEyes* eyes = nullptr);
   ProbeOutcome look();
   const SolidVote& probeVote() const { return probe_vote_; }  // of the probe that was begun last
 
-  // The eyes of the probes around the one that was begun, and what they and its function add up to: blend_sum of a function that
-  // generate has made.
-  void lookAround(ProbeEyes* eyes) { neighbours_ = neighbourEyes(position_m_, spacing_m_, eyes, &eye_finder_); }
+  // The eyes of the probe that was begun and of those around it, where `begin` was given them and settled nothing.
   const NeighbourEyes& neighbours() const { return neighbours_; }
-  void sumBlend(GeneratedFunction* result);
+  // What they and the function that generate has made of it add up to.
+  // sums   P, overwritten: StoredFunction::blend_sum
+  void sumBlend(const GeneratedFunction& function, uint8_t* sums);
 
   // Of the probe that was seen last: whether it sees a place of its support, and what its function is there, by the rule that
   // gives functions at the test points of a link table. The place must be in air: nobody votes about it.
@@ -92,8 +92,7 @@ class WeightingBuilder {
   EyeFinder eye_finder_;
   BlendSum blend_sum_;
   NeighbourEyes neighbours_;
-  glm::dvec3 position_m_{0.0};  // of the probe that was begun last
-  float spacing_m_ = 1.0f;
+  bool has_neighbours_ = false;  // of the probe that was begun last
   SolidVote probe_vote_;
   bool open_shell_ = false;
   std::vector<float> tent_;        // by point

@@ -53,11 +53,17 @@ Rows<float> generate(const Generator& generator, const py::object& phi) {
   return theta;
 }
 
-py::tuple makeTheta(const Generator& generator, const py::object& phi, const py::object& validity) {
+py::tuple makeTheta(const Generator& generator, const py::object& phi, const py::object& validity, const py::object& blend_sum) {
   const Rows<uint8_t> samples = rowsOf<uint8_t>("phi", phi, {kAnyLength, kSupportPointCount});
   const py::ssize_t function_count = samples.shape(0);
   const Rows<uint8_t> valid = rowsOf<uint8_t>("validity", validity, {function_count, kValidityByteCount});
   const uint8_t *const phi_from = samples.data(), *const valid_from = valid.data();
+  const uint8_t* sums_from = nullptr;
+  Rows<uint8_t> sums;
+  if (!blend_sum.is_none()) {
+    sums = rowsOf<uint8_t>("blend_sum", blend_sum, {function_count, kSupportPointCount});
+    sums_from = sums.data();
+  }
   Rows<float> theta({function_count, thetaCount(generator)});
   Rows<bool> has_theta(function_count);
   Rows<double> rmse(function_count);
@@ -70,7 +76,8 @@ py::tuple makeTheta(const Generator& generator, const py::object& phi, const py:
     std::vector<StoredFunction> functions;
     std::vector<MadeTheta> made(static_cast<size_t>(count));
     for (py::ssize_t i = first; i < first + count; ++i) {
-      functions.push_back({phi_from + i * kSupportPointCount, valid_from + i * kValidityByteCount});
+      functions.push_back({phi_from + i * kSupportPointCount, valid_from + i * kValidityByteCount, nullptr,
+                           sums_from != nullptr ? sums_from + i * kSupportPointCount : nullptr});
     }
     policy.bake(functions.data(), count, made.data());
     for (int i = 0; i < count; ++i) {
@@ -122,12 +129,15 @@ Any number of threads may use one. Below, P is 8192 and D the numbers of one the
 
 phi:   (n, P) uint8: functions at support_points(), round(255 phi); 0 at points inside solid
 theta: (n, D) float32)")
-      .def("make_theta", &makeTheta, py::arg("phi"), py::arg("validity"), R"(make_theta(phi, validity) -> theta, has_theta, rmse
+      .def("make_theta", &makeTheta, py::arg("phi"), py::arg("validity"), py::arg("blend_sum") = py::none(),
+           R"(make_theta(phi, validity, blend_sum=None) -> theta, has_theta, rmse
 
 The whole policy of a bake, with its defaults: network, check, exact last layer, fits and refinement of what fails.
 
 phi:       (n, P) uint8: functions at support_points(), round(255 phi); 0 at points inside solid
 validity:  (n, P / 8) uint8: 1 outside solid, a bit a point: numpy.packbits(valid, axis=1, bitorder="little")
+blend_sum: (n, P) uint8: round(255 min(1, S)), S the sum of the functions of all probes of the cell there; None: 1 everywhere, and
+           places that one probe alone sees may turn black
 theta:     (n, D) float32
 has_theta: (n,) bool: False where the bare tent is enough, and theta is all 0
 rmse:      (n,) float64: of what stands for the function, over valid points

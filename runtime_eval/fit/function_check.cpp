@@ -41,7 +41,8 @@ void compareVectors(const float* HWY_RESTRICT values, const float* HWY_RESTRICT 
   const auto lane_bit = hn::Shl(hn::Set(di, 1), hn::Iota(di, 0));
   const auto zero = hn::Zero(d), scale = hn::Set(d, 1.0f / 255.0f);
   const auto share = hn::Set(d, static_cast<float>(options.tau_leak)), rim = hn::Set(d, kRimTent);
-  const auto dark_weight = hn::Set(d, static_cast<float>(options.dark_weight)), floor = hn::Set(d, static_cast<float>(options.blend_floor));
+  const auto dark_weight = hn::Set(d, static_cast<float>(options.dark_weight)),
+             floor = hn::Set(d, static_cast<float>(options.blend_floor));
   const auto unit = hn::Set(d, 1.0f);
   const auto one = hn::Set(di, 1), none = hn::Zero(di);
   for (int begin = 0; begin < kSupportPointCount; begin += kOctantPointCount) {
@@ -135,7 +136,9 @@ FunctionCheck FunctionChecker::check(const Representation& representation, const
 }
 
 FunctionCheck FunctionChecker::checkBareTent(const StoredFunction& stored, const CheckOptions& options) {
-  return compare(tent_.data(), stored, options);
+  StoredFunction alone = stored;
+  alone.blend_sum = nullptr;
+  return compare(tent_.data(), alone, options);
 }
 
 FunctionCheck FunctionChecker::compare(const float* values, const StoredFunction& stored, const CheckOptions& options) const {

@@ -9,9 +9,10 @@ namespace nlg {
 // One theta against one stored function, over all valid support points. A bake does not store what the probe sees: leaks are counted at
 // all points whose phi is 0, a few of which it does see, at the tent's rim.
 struct FunctionCheck {
-  double rmse = 0.0;        // 0 when no point is valid; not finite, whatever the points, when theta is not
-  double blend_rmse = 0.0;  // the root of the loss (loss_weights.h), likewise: what fits minimise, and of two theta the lower one wins
-  double leak_mean = 0.0;    // mean |value| over valid points whose phi is stored as 0; 0 when there are none
+  double rmse = 0.0;  // 0 when no point is valid; not finite, whatever the points, when theta is not
+  double blend_rmse =
+      0.0;  // the root of the loss (loss_weights.h), likewise: what fits minimise, and of two theta the lower one wins
+  double leak_mean = 0.0;   // mean |value| over valid points whose phi is stored as 0; 0 when there are none
   double leak_share = 0.0;  // share of them with |value| above tau_leak of the tent and what a byte's rounding hides
   int valid_count = 0;
   int zero_count = 0;  // valid points whose phi is stored as 0
@@ -29,7 +30,7 @@ class FunctionChecker {
   // theta   D floats
   FunctionCheck check(const Representation& representation, const StoredFunction& stored, const float* theta,
                       const CheckOptions& options);
-  // The bare tent, which needs no theta.
+  // The bare tent, which needs no theta. It misses nothing, so that sums of the blend are not asked: as without them.
   FunctionCheck checkBareTent(const StoredFunction& stored, const CheckOptions& options);
 
  private:

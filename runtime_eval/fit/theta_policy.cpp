@@ -188,8 +188,7 @@ Theta ThetaPolicy::startOfLarger(const StoredFunction& function, size_t g, const
   Theta finer(larger.thetaCount());
   resampleField(smaller.resolution, present.theta.data(), larger.resolution, finer.data());
   const FunctionCheck of_finer = checker_.check(larger, function, finer.data(), options_.check());
-  const bool finer_is_better =
-      of_finer.blend_rmse < record.at(ThetaWord::stored).blend_rmse;
+  const bool finer_is_better = of_finer.blend_rmse < record.at(ThetaWord::stored).blend_rmse;
   return finer_is_better ? finer : own;
 }
 

@@ -28,8 +28,8 @@ int decodeStratum(const PointOrder& order, const StoredFunction& stored, int str
 
 }  // namespace
 
-int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored, int mirror, const LossWeights& weights, float* phi,
-                float* mask) {
+int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored, int mirror, const LossWeights& weights,
+                float* phi, float* mask) {
   if (order.resolution == 0) return decodeStratum(order, stored, batch, mirror, weights, phi, mask);
   int valid_count = 0;
   const int begin = order.batch_begin[batch], end = order.batch_begin[batch + 1];

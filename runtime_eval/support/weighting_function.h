@@ -25,8 +25,8 @@ StoredFunction storedFunction(const Functions& functions, size_t index) {
 // phi, mask   as many as the batch has places; mask is what residuals are multiplied by, LossWeights::root at valid points, 0 at others
 //             and at places without a point; phi is in [0, 1]
 // returns     how many points of the batch are valid
-int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored, int mirror, const LossWeights& weights, float* phi,
-                float* mask);
+int decodeBatch(const PointOrder& order, int batch, const StoredFunction& stored, int mirror, const LossWeights& weights,
+                float* phi, float* mask);
 
 struct WeightingFunction {
   AlignedFloats phi;   // by place of the order, [0, 1]

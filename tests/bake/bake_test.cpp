@@ -373,10 +373,15 @@ TEST_F(SceneBakeTest, ReportHoldsTheSameNumbersForProgramsAndPeople) {
       json.at("rmse").at("stored").at("worst").get<double>(),
       std::max(wall.statistics.records[0].at(ThetaWord::stored).rmse, wall.statistics.records[1].at(ThetaWord::stored).rmse));
   EXPECT_GT(json.at("thread_seconds").at("stages").at("last_layer"), 0.0);
+  const BlendErrors& blend = wall.statistics.blend;
+  EXPECT_GT(blend[1].points, 0u);
+  EXPECT_EQ(json.at("blend").at("air").at("leaks").get<double>(), blend[0].leaks);
+  EXPECT_EQ(json.at("blend").at("surface").at(2).at("total_variation").get<double>(), blend[3].total_variation);
   EXPECT_EQ(json.at("probes"), wall.grid.tree.probeCount());
   EXPECT_DOUBLE_EQ(json.at("bytes_per_probe").get<double>() * static_cast<double>(wall.grid.tree.probeCount()), 123456.0);
   const std::string table = toTable(report);
-  for (const char* word : {"network", "corrected", "fitted", "stored"}) EXPECT_NE(table.find(word), std::string::npos) << table;
+  for (const char* word : {"network", "corrected", "fitted", "stored", "holes", "leaks"})
+    EXPECT_NE(table.find(word), std::string::npos) << table;
   EXPECT_NE(table.find(std::to_string(wall.grid.tree.probeCount())), std::string::npos) << table;
 }
 

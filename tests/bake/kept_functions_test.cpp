@@ -95,7 +95,9 @@ class KeptFunctions : public testing::Test {
 
   void expectWholeBakesBytes(const Change& change) {
     now_ = bakeHouse(change, &kept_);
-    EXPECT_TRUE(now_.grid == bakeHouse(change, nullptr).grid);
+    const Result whole = bakeHouse(change, nullptr);
+    EXPECT_TRUE(now_.grid == whole.grid);
+    EXPECT_EQ(now_.statistics.blend, whole.statistics.blend);
   }
 
   struct First {

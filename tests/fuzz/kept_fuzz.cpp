@@ -20,6 +20,7 @@ KeptProbe probeOf(uint64_t number, const std::shared_ptr<KeptFunction>& function
   KeptProbe probe;
   probe.key = {number, ~number};
   probe.outcome = ProbeOutcome::function;
+  probe.eye = {0.25f, -1.0f, static_cast<float>(number) / 8.0f};
   FarQuestion asked;
   asked.point_count = 2;
   asked.points = {7, 8191};

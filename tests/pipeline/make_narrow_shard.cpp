@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   for (size_t i = 0; i < kFunctions * kPoints; ++i) shard.phi.push_back(static_cast<uint8_t>(argc == 3 ? 9 : i));
   shard.validity.assign(kFunctions * kPoints / 8, 0xff);
   shard.seen = shard.validity;
+  shard.blend_sum.assign(shard.phi.size(), 255);
   shard.probe_position_m.assign(kFunctions * 3, 0.0);
   shard.spacing_m.assign(kFunctions, 1.0f);
   shard.flags.assign(kFunctions, 0);

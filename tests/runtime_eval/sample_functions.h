@@ -30,9 +30,16 @@ static_assert(kNetworkCount == 4, "kNetworkRepresentations holds them all");
 struct StoredSample {
   std::vector<uint8_t> phi = std::vector<uint8_t>(kSupportPointCount, 0);
   std::vector<uint8_t> validity = std::vector<uint8_t>(kValidityByteCount, 0);
-  StoredFunction view() const { return {phi.data(), validity.data()}; }
+  std::vector<uint8_t> blend_sum;  // none: as if other probes saw whatever this one sees
+  StoredFunction view() const { return {phi.data(), validity.data(), nullptr, blend_sum.empty() ? nullptr : blend_sum.data()}; }
   bool valid(int p) const { return validity[p / 8] >> (p % 8) & 1; }
 };
+
+// A function in the order of fits: all of its valid points count alike, unless a test is about the loss.
+inline WeightingFunction decoded(const StoredFunction& stored, const PointOrder& order = stratumOrder(),
+                                 const LossOptions& loss = kUnweighed) {
+  return decodeFunction(stored, order, loss);
+}
 
 // Every byte at random.
 inline StoredSample noiseSample(uint64_t seed) {
@@ -61,6 +68,17 @@ inline StoredSample wallSample(uint64_t seed) {
     for (int axis = 0; axis < 3; ++axis) distance += normal[axis] / std::sqrt(length) * point[axis];
     if (distance < 0) sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(point)));
     if (distance < 0 || distance > thickness) sample.validity[p / 8] |= static_cast<uint8_t>(1 << (p % 8));
+  }
+  return sample;
+}
+
+// The same where other probes see some of it: sums of the blend from what this one has to 1.
+inline StoredSample crowdedSample(uint64_t seed) {
+  StoredSample sample = wallSample(seed);
+  Random random(seed + 1000);
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    const uint32_t others = random.below(256);
+    sample.blend_sum.push_back(sample.phi[p] == 0 ? 255 : static_cast<uint8_t>(std::max<uint32_t>(sample.phi[p], others)));
   }
   return sample;
 }

@@ -92,7 +92,7 @@ int usePolicy(const char* weights, const char* name, const char* value) {
     std::vector<uint8_t> phi(NLG_SUPPORT_POINT_COUNT), validity(NLG_SUPPORT_POINT_COUNT / 8, 0xff);
     for (size_t i = 0; i < phi.size(); ++i) phi[i] = i % 2 == 0 ? 0 : 255;
     std::vector<float> theta(nlg_theta_count(generator));
-    status = nlg_make_theta(generator, phi.data(), validity.data(), 1, theta.data(), nullptr, scratch);
+    status = nlg_make_theta(generator, phi.data(), validity.data(), nullptr, 1, theta.data(), nullptr, scratch);
   }
   nlg_scratch_free(scratch);
   nlg_generator_free(generator);

@@ -117,6 +117,18 @@ class Light(unittest.TestCase):
             errors = [worst["error"] for worst in method["worst"]]
             self.assertEqual(errors, sorted(errors, reverse=True))
 
+    def test_has_holes_and_leaks_of_every_grid(self):
+        for spacing in self.result["spacings"]:
+            self.assertEqual([found["weights"] for found in spacing["blends"]], ["tent_mlp4", "pf3 or pf5"])
+            for found in spacing["blends"]:
+                self.assertEqual([(some["from_m"], some["to_m"]) for some in found["surface"]], [(0, .02), (.02, .08), (.08, .2)])
+                for some in (found["air"], *found["surface"]):
+                    self.assertGreater(some["points"], 100)
+                    self.assertTrue(all(0 <= some[key] <= 1 for key in ("holes", "leaks")), some)
+                    self.assertTrue(0 < some["total_variation"] < 1, some)
+            first, second = spacing["blends"]
+            self.assertEqual([some["points"] for some in first["surface"]], [some["points"] for some in second["surface"]])
+
     def test_places_are_the_same_at_every_spacing(self):
         fine, coarse = (spacing["methods"][0] for spacing in self.result["spacings"])
         self.assertEqual(fine["air"]["places"], coarse["air"]["places"])

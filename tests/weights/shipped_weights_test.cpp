@@ -80,7 +80,7 @@ TEST_F(ShippedWeights, PredictTheirOwnFunction) {
     double constant = 0.0;
     for (const StoredSample& wall : walls.samples) {
       generator.generate(wall.phi.data(), 1, predicted.emplace_back(representation.thetaCount()).data(), &scratch);
-      functions.push_back(decodeFunction(wall.view(), pointOrder(representation)));
+      functions.push_back(decoded(wall.view(), pointOrder(representation)));
       constant += functionRmse(representation, functions.back(), generator.theta0());
     }
     const auto shifted = [&](int shift) {

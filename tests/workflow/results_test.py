@@ -340,6 +340,23 @@ class Results(unittest.TestCase):
             self.assertEqual(line.count("|"), cells, line)
             self.assertNotIn("None", line)
 
+    def test_blends_are_tabled_where_they_were_measured(self):
+        self.write_light()
+        self.assertEqual(self.collect_light().returncode, 0)
+        self.assertNotIn("## Holes", (self.root / "docs/reference/light.md").read_text())
+        found = light("kaos2", 0.4, 0.1)
+        figures = lambda holes: {"points": 900, "holes": holes, "leaks": 0.014, "total_variation": 0.1}
+        surface = [{"from_m": 0.0, "to_m": 0.02, **figures(0.02)}, {"from_m": 0.02, "to_m": 0.08, **figures(0.0357)}]
+        found["spacings"][0]["blends"] = [{"weights": "pf3", "air": figures(1.0), "surface": []}, {"weights": "tent_mlp4", "air": figures(0.0), "surface": surface}]
+        self.write("out/light/kaos2.json", found)
+        self.quote(["light@scenes.kaos2.blend.2_to_8cm.holes:%"])
+        result = self.collect_light()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual((self.root / "README.md").read_text(), "number 0 of 1 is 3.6 %\n")
+        page = (self.root / "docs/reference/light.md").read_text()
+        self.assertIn("| scene | air | 0 to 2 cm | 2 to 8 cm |", page)
+        self.assertIn("| kaos2 | .00; 1.40; 10.00 | 2.00; 1.40; 10.00 | 3.57; 1.40; 10.00 |", page)
+
     def test_indirect_light_comes_first_and_says_where_a_rival_is_ahead(self):
         self.write_light()
         for scene, rival, ours in (("kaos2", 0.4, 0.1), ("am_thornish", 0.2, 0.1), ("aggressor", 0.1, 0.2)):

@@ -65,8 +65,7 @@ FittedCodes fitAll(const TrainingData& training, const std::vector<Sample>& samp
     Worker& worker = workers[static_cast<size_t>(thread)];
     for (size_t i = part * samples.size() / kSumParts; i < (part + 1) * samples.size() / kSumParts; ++i) {
       float* z = codes.data_ptr<float>() + static_cast<int64_t>(i) * K;
-      const WeightingFunction function =
-          decodeFunction(training.function(samples[i].function), pointOrder(code), options.loss);
+      const WeightingFunction function = decodeFunction(training.function(samples[i].function), pointOrder(code), options.loss);
       worker.fit.iterate(code, function, fit_options, K, z);
       worker.fit.equationsAt(code, function, fit_options, z, &worker.equations);
       sums[part] += Eigen::Map<const Eigen::MatrixXf>(worker.equations.matrix.data(), K, K).cast<double>();

@@ -12,8 +12,8 @@
 namespace nlg {
 
 struct CodeOrderingOptions {
-  int functions = 4096;       // of the training set, at equal distances, that are fitted
-  double tent_rmse = 0.002;   // of those whose bare tent has a larger blend RMSE
+  int functions = 4096;      // of the training set, at equal distances, that are fitted
+  double tent_rmse = 0.002;  // of those whose bare tent has a larger blend RMSE
   LossOptions loss = CheckOptions().loss();
   int threads = 1;
 };

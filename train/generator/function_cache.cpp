@@ -13,9 +13,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime_eval/fit/policy_options.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
-#include "runtime_eval/fit/policy_options.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 #include "train/generator/cache_layout.h"
@@ -169,7 +169,7 @@ float tentRmse(const StoredFunction& function) {
   for (int p = 0; p < kSupportPointCount; ++p) {
     if (!function.isValid(p)) continue;
     const double difference = function.phi[p] / 255.0 - static_cast<double>(tents[p]);
-    const double residual = difference * weights.root(function.phi[p], tents[p], function.blendSum(p));
+    const double residual = difference * weights.root(function.phi[p], tents[p], 255);
     sum += residual * residual;
     ++count;
   }

@@ -143,19 +143,21 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("warmup_share", &o.warmup_share, "share of the steps over which the rate rises", 0.0, 1.0);
   table.add("gradient_clip", &o.gradient_clip, "largest norm of the gradient", 1e-9, 1e9);
   table.add("average_decay", &o.average_decay, "decay of the averaged weights", 0.0, 0.999999);
-  table.add("error_power", &o.error_power, "power of each function's loss: 0.5 trains on blend RMSE, 1 gives more weight to the tail", 0.1, 4.0);
+  table.add("error_power", &o.error_power,
+            "power of each function's loss: 0.5 trains on blend RMSE, 1 gives more weight to the tail", 0.1, 4.0);
   table.add("point_batches", &o.point_batches, "eighths of a network's points that a sample is judged on: 1, 2, 4 or 8", 1, 8);
   table.add("coefficients", &o.coefficients, "of the basis, those of largest variance; 0: all", 0, kSupportPointCount);
   table.add("whitening", &o.whitening, "1: coefficients have deviation 1; 0: their own, but for one factor", 0.0, 1.0);
   table.add("theta_share", &o.theta_share, "share of a batch drawn from the functions that take a theta alone", 0.0, 0.99);
-  table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function takes no theta where the bare tent's blend RMSE is at most this", 0.0,
-            1.0);
+  table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function takes no theta where the bare tent's blend RMSE is at most this",
+            0.0, 1.0);
   table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
-  table.add("dark_weight", &o.loss.dark_weight, "the loss: weight of squared residuals where the function is 0 and the tent is not",
-            1.0, 1e6);
-  table.add("blend_floor", &o.loss.blend_floor,
-            "the loss: elsewhere the weight is 1 over the square of the sum of all functions there, which is taken as this at least",
-            1e-3, 1.0);
+  table.add("dark_weight", &o.loss.dark_weight,
+            "the loss: weight of squared residuals where the function is 0 and the tent is not", 1.0, 1e6);
+  table.add(
+      "blend_floor", &o.loss.blend_floor,
+      "the loss: elsewhere the weight is 1 over the square of the sum of all functions there, which is taken as this at least",
+      1e-3, 1.0);
   table.group("Networks");
   table.add("representation_slope", &o.representation_slope, "LeakyReLU slope of the tiny network", 1e-6, 0.9);
   table.add("width", &o.shape.width, "width of the generator's hidden layers", 1, 8192);
@@ -260,8 +262,8 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     mean = kept_mean;
   };
   const auto judge = [&] {
-    return heldOutError(state->average, representation, held_out, options.loss, options.validation_functions, options.bare_tent_rmse,
-                        options.threads);
+    return heldOutError(state->average, representation, held_out, options.loss, options.validation_functions,
+                        options.bare_tent_rmse, options.threads);
   };
   while (state->step < options.steps) {
     const Clock::time_point step_start = Clock::now();

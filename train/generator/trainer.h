@@ -34,10 +34,10 @@ struct TrainOptions {
   // Of every batch: drawn from the functions that take a theta at a bake alone. The others, for which the bare tent is enough, come
   // as often as the set has them in what is left, so that theta stays sane there.
   double theta_share = 0.95;
-  double bare_tent_rmse = 0.002;       // a function that the bare tent gives so well takes no theta: the policy's own setting
+  double bare_tent_rmse = 0.002;  // a function that the bare tent gives so well takes no theta: the policy's own setting
   LossOptions loss = CheckOptions().loss();  // the bake's
-  double divergence_ratio = 10;        // a loss over so many times the running median takes training back (loss_guard.h)
-  double representation_slope = 0.01;  // LeakyReLU of the tiny network
+  double divergence_ratio = 10;              // a loss over so many times the running median takes training back (loss_guard.h)
+  double representation_slope = 0.01;        // LeakyReLU of the tiny network
   GeneratorShape shape;
   StartOptions start{.candidates = 2048};  // most random starts end badly: a good theta0 is found once and serves all functions
   int checkpoint_steps = 1000;             // a checkpoint and a validation every so many steps

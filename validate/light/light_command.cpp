@@ -148,11 +148,14 @@ class LightMeasurement {
     std::vector<glm::dvec3> positions_m;
     for (const LightPlace& place : places_.places) positions_m.push_back(place.position_m);
     if (!asked.grids_alone) methods.addTargetFunctions(positions_m, options.diffusion);
+    Json blends = Json::array();
     for (const auto& [name, generators] : sets) {
       BakeOptions without_light = options;
       without_light.light = "none";
       const double start = processorSeconds();
       Bake bake = bakeScene(scene, generators, without_light, temporaryFolder());
+      blends.push_back({{"weights", name}});
+      blends.back().update(toJson(bake.statistics.blend));
       methods.addGrid(name, std::move(bake.grid), processorSeconds() - start);
     }
     const size_t first_word = methods.methods().size();
@@ -167,6 +170,7 @@ class LightMeasurement {
     }
     Json json = {{"spacing_m", options.spacing_m},
                  {"probes", {{"count", methods.probes().count()}, {"in_air", methods.probes().air_count}}},
+                 {"blends", blends},
                  {"methods", Json::array()}};
     for (size_t m = 0; m < first_word; ++m) {
       const LightMethod& method = methods.methods()[m];

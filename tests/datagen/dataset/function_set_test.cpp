@@ -28,6 +28,7 @@ Shard shardOf(const std::string& scene, int count, int first, int test = kTest) 
     for (int p = 0; p < kPoints; ++p) shard.phi.push_back(static_cast<uint8_t>(n + p));
     shard.validity.insert(shard.validity.end(), kPoints / 8, 0xff);
     shard.seen.insert(shard.seen.end(), kPoints / 8, static_cast<uint8_t>(n));
+    shard.blend_sum.insert(shard.blend_sum.end(), kPoints, 255);
     shard.phi_test.insert(shard.phi_test.end(), test, static_cast<uint8_t>(n));
     shard.validity_test.insert(shard.validity_test.end(), test / 8, 0xff);
     shard.seen_test.insert(shard.seen_test.end(), test / 8, static_cast<uint8_t>(n));
@@ -160,6 +161,7 @@ TEST_F(FunctionSetFiles, RefuseAShardOfAnotherPointCount) {
   narrow.phi.resize(2 * 8);
   narrow.validity.resize(2);
   narrow.seen.resize(2);
+  narrow.blend_sum.resize(2 * 8);
   EXPECT_THROW(readFunctionSet({write(shardOf("a", 2, 10)), write(narrow)}, kPattern), InputError);
 }
 

@@ -43,6 +43,7 @@ Shard shardOf(uint64_t N, int P, int U) {
     }
   };
   fill(P, &shard.phi, &shard.validity, &shard.seen);
+  for (uint64_t i = 0; i < shard.phi.size(); ++i) shard.blend_sum.push_back(static_cast<uint8_t>(i * 7 + 3));
   fill(U, &shard.phi_test, &shard.validity_test, &shard.seen_test);
   for (uint64_t i = 0; i < N; ++i) {
     for (int axis = 0; axis < 3; ++axis) shard.probe_position_m.push_back(1e5 + 0.1 * static_cast<double>(3 * i) + axis);
@@ -137,6 +138,7 @@ void writeByHand(const std::string& path, Shard shard, uint64_t version, const s
   file.write("phi", {N, P}, shard.phi.data());
   file.write("validity", {N, P / 8}, shard.validity.data());
   file.write("seen", {N, P / 8}, shard.seen.data());
+  file.write("blend_sum", {N, P}, shard.blend_sum.data());
   file.write("probe_position_m", {N, 3}, shard.probe_position_m.data());
   file.write("spacing_m", {N}, shard.spacing_m.data());
   file.write("flags", {N}, shard.flags.data());

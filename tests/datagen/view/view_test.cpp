@@ -51,6 +51,7 @@ Shard tentsOverAHouse(int count) {
   }
   shard.validity.assign(static_cast<size_t>(count) * kValidityByteCount, 0xff);
   shard.seen = shard.validity;
+  shard.blend_sum.assign(shard.phi.size(), 255);
   return shard;
 }
 

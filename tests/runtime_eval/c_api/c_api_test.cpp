@@ -47,12 +47,14 @@ const GeneratorData& exactData() {
 
 // Functions one after another as an engine holds them, a third of them noise.
 struct EngineFunctions {
-  std::vector<uint8_t> phi, validity;
+  std::vector<uint8_t> phi, validity, blend_sum;
   explicit EngineFunctions(int count) {
     for (int n = 0; n < count; ++n) {
-      const StoredSample sample = n % 3 == 2 ? noiseSample(n) : wallSample(n);
+      const StoredSample sample = n % 3 == 2 ? noiseSample(n) : crowdedSample(n);
       phi.insert(phi.end(), sample.phi.begin(), sample.phi.end());
       validity.insert(validity.end(), sample.validity.begin(), sample.validity.end());
+      blend_sum.insert(blend_sum.end(), sample.blend_sum.begin(), sample.blend_sum.end());
+      blend_sum.resize(phi.size(), 255);
     }
   }
   std::vector<StoredFunction> views() const {
@@ -82,7 +84,8 @@ TEST(CApi, GivesAnEngineInCTheNumbersOfTheLibrary) {
   constexpr int kCount = 3;
   const EngineFunctions functions(kCount);
   float *theta = nullptr, *values = nullptr;
-  const int failed_step = engine_bake(path.c_str(), functions.phi.data(), functions.validity.data(), kCount, &theta, &values);
+  const int failed_step = engine_bake(path.c_str(), functions.phi.data(), functions.validity.data(), functions.blend_sum.data(),
+                                      kCount, &theta, &values);
   std::filesystem::remove(path);
   ASSERT_EQ(failed_step, 0);
 
@@ -219,8 +222,8 @@ TEST(CApi, ItsDefaultPolicyIsWhatNoOptionsMean) {
   std::vector<nlg_made> made(kCount);
   for (const bool are_given : {true, false}) {
     const Loaded loaded(exactData(), are_given ? &options : nullptr);
-    ASSERT_EQ(nlg_make_theta(loaded.generator, functions.phi.data(), functions.validity.data(), kCount,
-                             (are_given ? with_options : without).data(), made.data(), loaded.scratch),
+    ASSERT_EQ(nlg_make_theta(loaded.generator, functions.phi.data(), functions.validity.data(), functions.blend_sum.data(),
+                             kCount, (are_given ? with_options : without).data(), made.data(), loaded.scratch),
               NLG_OK);
   }
   EXPECT_EQ(with_options, without);
@@ -287,14 +290,17 @@ TEST(CApi, AnswersArgumentsThatAreNoneWithAStatus) {
   const EngineFunctions functions(1);
   const uint8_t *phi = functions.phi.data(), *validity = functions.validity.data();
   std::vector<float> theta(1000);
-  EXPECT_EQ(nlg_make_theta(nullptr, phi, validity, 1, theta.data(), nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
-  EXPECT_EQ(nlg_make_theta(loaded.generator, nullptr, validity, 1, theta.data(), nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
-  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, nullptr, 1, theta.data(), nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
-  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, 1, nullptr, nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
-  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, 1, theta.data(), nullptr, nullptr), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(nullptr, phi, validity, nullptr, 1, theta.data(), nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, nullptr, validity, nullptr, 1, theta.data(), nullptr, loaded.scratch),
+            NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, nullptr, nullptr, 1, theta.data(), nullptr, loaded.scratch),
+            NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, nullptr, 1, nullptr, nullptr, loaded.scratch), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, nullptr, 1, theta.data(), nullptr, nullptr), NLG_INVALID_ARGUMENT);
   // its theta are longer: written where the caller has room for others
-  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, 1, theta.data(), nullptr, other.scratch), NLG_INVALID_ARGUMENT);
-  EXPECT_EQ(nlg_make_theta(loaded.generator, nullptr, nullptr, 0, nullptr, nullptr, loaded.scratch), NLG_OK);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, phi, validity, nullptr, 1, theta.data(), nullptr, other.scratch),
+            NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_make_theta(loaded.generator, nullptr, nullptr, nullptr, 0, nullptr, nullptr, loaded.scratch), NLG_OK);
   nlg_light_grid_free(nullptr);
   nlg_look_up_scratch_free(nullptr);
   nlg_generator_free(nullptr);
@@ -308,6 +314,7 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
   // every tenth is the bare tent
   for (size_t n = 0; n < kCount; n += 10) {
     std::fill_n(&functions.validity[n * kValidityByteCount], kValidityByteCount, uint8_t{255});
+    std::fill_n(&functions.blend_sum[n * kSupportPointCount], kSupportPointCount, uint8_t{255});
     for (int p = 0; p < kSupportPointCount; ++p) {
       functions.phi[n * kSupportPointCount + p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
     }
@@ -316,7 +323,7 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
     o.bare_tent_rmse = 0.0021, o.good_rmse = 0.0011, o.retry_rmse = 0.0051;
     o.lm_iterations = 4, o.lm_theta0_iterations = 5;
     o.adam_rmse = 0.0031, o.adam_steps = 60;
-    o.tau_rmse = 0.021, o.tau_leak = 0.11, o.leak_share = 0.012, o.dark_weight = 9.0;
+    o.tau_rmse = 0.021, o.tau_blend = 0.031, o.tau_leak = 0.11, o.dark_weight = 9.0, o.blend_floor = 0.3;
     o.refine_rounds = 1, o.refine_first_steps = 70, o.refine_growth = 8;
   };
   nlg_policy_options options = nlg_default_policy();
@@ -332,8 +339,8 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
     for (const size_t count : {size_t{0}, size_t{1}, size_t{kBatchCount}, kCount}) {
       std::vector<float> theta(count * theta_count + 1, -7.0f);
       std::vector<nlg_made> made(count + 1);
-      ASSERT_EQ(nlg_make_theta(loaded.generator, functions.phi.data(), functions.validity.data(), count, theta.data(),
-                               made.data(), loaded.scratch),
+      ASSERT_EQ(nlg_make_theta(loaded.generator, functions.phi.data(), functions.validity.data(), functions.blend_sum.data(),
+                               count, theta.data(), made.data(), loaded.scratch),
                 NLG_OK);
       EXPECT_EQ(theta.back(), -7.0f) << count;
       for (size_t n = 0; n < count; ++n) {
@@ -349,9 +356,11 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
         EXPECT_EQ(made[n].fitted.rmse, one.record.at(ThetaWord::fitted).rmse) << n;
         EXPECT_EQ(made[n].fitted.passes, one.check().passes(same.check())) << n;
         if (made[n].has_theta == 0) continue;
-        const nlg_check check = nlg_check_theta(loaded.generator, &functions.phi[n * kSupportPointCount],
-                                                &functions.validity[n * kValidityByteCount], of_c.data(), loaded.scratch);
+        const nlg_check check =
+            nlg_check_theta(loaded.generator, &functions.phi[n * kSupportPointCount], &functions.validity[n * kValidityByteCount],
+                            &functions.blend_sum[n * kSupportPointCount], of_c.data(), loaded.scratch);
         EXPECT_EQ(check.rmse, made[n].fitted.rmse) << n;
+        EXPECT_EQ(check.blend_rmse, made[n].fitted.blend_rmse) << n;
         EXPECT_EQ(check.leak_mean, made[n].fitted.leak_mean) << n;
       }
     }

@@ -5,8 +5,8 @@
 
 #include "runtime_eval/c_api/nlg.h"
 
-int engine_bake(const char* path, const unsigned char* phi, const unsigned char* validity, size_t count, float** theta,
-                float** values) {
+int engine_bake(const char* path, const unsigned char* phi, const unsigned char* validity, const unsigned char* blend_sum,
+                size_t count, float** theta, float** values) {
   nlg_generator* generator = NULL;
   nlg_scratch* scratch = NULL;
   const float* points = NULL;
@@ -20,7 +20,7 @@ int engine_bake(const char* path, const unsigned char* phi, const unsigned char*
 
   theta_count = nlg_theta_count(generator);
   *theta = malloc(count * theta_count * sizeof(float));
-  if (nlg_make_theta(generator, phi, validity, count, *theta, NULL, scratch) != NLG_OK) return 3;
+  if (nlg_make_theta(generator, phi, validity, blend_sum, count, *theta, NULL, scratch) != NLG_OK) return 3;
 
   x = malloc(3 * NLG_SUPPORT_POINT_COUNT * sizeof(float));
   y = x + NLG_SUPPORT_POINT_COUNT;

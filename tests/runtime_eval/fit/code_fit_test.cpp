@@ -24,7 +24,7 @@ Representation sampleCodeOf(int resolution, int count, uint64_t seed) {
 }
 
 WeightingFunction functionOf(const Representation& code, const StoredSample& sample, double dark_weight = 1.0) {
-  return decodeFunction(sample.view(), pointOrder(code), dark_weight);
+  return decoded(sample.view(), pointOrder(code), {dark_weight, 1.0});
 }
 
 // Steps from a start, by a workspace of its own; the options' iterations bound them.
@@ -50,7 +50,7 @@ TEST(CodeLoss, EqualsTheFormulasInDoubleOnEveryTarget) {
     const std::vector<double> exact = toDouble(z);
     const CodeAtPlaces at = atPlaces(*dictionary, order, exact);
     for (const StoredSample& sample : {wallSample(3), noiseSample(4)}) {
-      WeightingFunction function = decodeFunction(sample.view(), order);
+      WeightingFunction function = decoded(sample.view(), order);
       weigh(&function.mask);
       double sum = 0.0;
       std::vector<double> gradient(16, 0.0), magnitude(16, 0.0);

@@ -30,7 +30,7 @@ class CodeRoundingTest : public testing::Test {
   Fitted fit(StoredSample sample) {
     Fitted fitted{std::move(sample), {}};
     fitted.present.theta.assign(48, 0.0f);
-    const WeightingFunction function = decodeFunction(fitted.sample.view(), pointOrder(code_), check_.dark_weight);
+    const WeightingFunction function = decoded(fitted.sample.view(), pointOrder(code_), check_.loss());
     CodeFit().iterate(code_, function, {.iterations = 30}, 48, fitted.present.theta.data());
     fitted.present.check = checkOf(fitted, fitted.present.theta);
     return fitted;
@@ -119,7 +119,7 @@ TEST_F(CodeRoundingTest, KeepsWhatPassesTheCheck) {
     const Fitted fitted = fit(fallingSample(code_.dictionary, seed));
     // an error that a short code exceeds; leaks are allowed
     CheckOptions tight = check_;
-    tight.leak_share = 1.0;
+    tight.tau_blend = 1.0;
     tight.tau_rmse = 1.3 * fitted.present.check.rmse;
     ASSERT_TRUE(fitted.present.check.passes(tight));
     const RoundedTheta loose = CodeRounding(optionsOf(1e6, 0.0)).round(code_, fitted.sample.view(), fitted.present, tight);

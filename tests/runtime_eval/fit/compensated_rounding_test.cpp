@@ -24,7 +24,7 @@ Theta fittedTheta(const Representation& representation, const WeightingFunction&
 // every number from the equations themselves.
 TEST(CompensatedRounding, PutsEveryNumberNextToItsBestGivenTheOnesBefore) {
   for (const Representation& representation : kRounded) {
-    const WeightingFunction function = decodeFunction(wallSample(3).view(), pointOrder(representation));
+    const WeightingFunction function = decoded(wallSample(3).view(), pointOrder(representation));
     const Theta fitted = fittedTheta(representation, function, 3);
     const Compensation compensation{{120, 120}, 0.03, 2};
     Theta rounded = fitted, scaled = fitted;
@@ -64,7 +64,7 @@ TEST(CompensatedRounding, LosesLessThanRoundingEachNumberForItself) {
   double alone_sum = 0.0, together_sum = 0.0;
   const Representation representation = Representation::mlp();
   for (uint64_t seed = 1; seed <= 12; ++seed) {
-    const WeightingFunction function = decodeFunction(wallSample(seed).view());
+    const WeightingFunction function = decoded(wallSample(seed).view());
     Theta alone = fittedTheta(representation, function, seed), together = alone;
     solveLastLayer(representation, function, alone.data());
     const double fitted = functionRmse(representation, function, alone.data());
@@ -79,7 +79,7 @@ TEST(CompensatedRounding, LosesLessThanRoundingEachNumberForItself) {
 }
 
 TEST(CompensatedRounding, RefusesAFunctionWithoutAPointAndLeavesTheta) {
-  WeightingFunction none = decodeFunction(wallSample(1).view());
+  WeightingFunction none = decoded(wallSample(1).view());
   std::fill(none.mask.begin(), none.mask.end(), 0.0f);
   Theta theta = randomTheta({}, 1);
   EXPECT_FALSE(CompensatedRounding().round({}, none, {}, theta.data()));
@@ -88,7 +88,7 @@ TEST(CompensatedRounding, RefusesAFunctionWithoutAPointAndLeavesTheta) {
 
 // Nothing reads a unit of zeros, and nothing that it reads changes: their derivatives are 0.
 TEST(CompensatedRounding, SurvivesUnitsOfNothing) {
-  const WeightingFunction function = decodeFunction(wallSample(2).view());
+  const WeightingFunction function = decoded(wallSample(2).view());
   Theta theta(ThetaLayout::count, 0.0f);
   theta[ThetaLayout::b3] = 0.3f;
   ASSERT_TRUE(CompensatedRounding().round({}, function, {}, theta.data()));

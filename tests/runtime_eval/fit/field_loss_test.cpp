@@ -33,7 +33,7 @@ TEST(FieldLossReference, HasTheGradientOfCentralDifferences) {
   constexpr double kStep = 1e-5;
   for (const int resolution : kFieldResolutions) {
     const PointOrder& order = cellOrder(resolution);
-    WeightingFunction function = decodeFunction(noiseSample(1).view(), order);
+    WeightingFunction function = decoded(noiseSample(1).view(), order);
     weigh(&function.mask);
     const std::vector<double> theta = toDouble(randomField(resolution, 2, 0.1, 0.9));
     const Gradient at = reference(order, function, theta);
@@ -50,7 +50,7 @@ TEST(FieldLossReference, HasTheGradientOfCentralDifferences) {
 TEST(FieldLossReference, IsTheSquaredDistanceOfTheEvaluatedField) {
   for (const int resolution : kFieldResolutions) {
     const PointOrder& order = cellOrder(resolution);
-    const WeightingFunction function = decodeFunction(noiseSample(3).view(), order);
+    const WeightingFunction function = decoded(noiseSample(3).view(), order);
     const std::vector<double> theta = toDouble(randomField(resolution, 4, -0.5, 1.5));
     double sum = 0.0;
     for (int place = 0; place < order.placeCount(); ++place) {
@@ -85,7 +85,7 @@ TEST(FieldLoss, AgreesWithTheReference) {
     const PointOrder& order = cellOrder(resolution);
     for (const StoredSample& sample : {noiseSample(5), wallSample(6)}) {
       const Theta theta = randomField(resolution, 7, -0.5, 1.5);
-      WeightingFunction function = decodeFunction(sample.view(), order);
+      WeightingFunction function = decoded(sample.view(), order);
       maskClamp(order, theta, trilinearError(resolution, theta, 0), &function.mask);
       weigh(&function.mask);
       const Gradient expected = reference(order, function, toDouble(theta));
@@ -110,7 +110,7 @@ TEST(FieldLoss, IgnoresWhatTheMaskLeavesOut) {
   for (const int resolution : kFieldResolutions) {
     const PointOrder& order = cellOrder(resolution);
     const Theta theta = randomField(resolution, 8, -0.5, 1.5);
-    const WeightingFunction function = decodeFunction(wallSample(9).view(), order);
+    const WeightingFunction function = decoded(wallSample(9).view(), order);
     WeightingFunction other = function;
     for (int place = 0; place < order.placeCount(); ++place) {
       if (other.mask[place] == 0.0f) other.phi[place] = 1e6f;

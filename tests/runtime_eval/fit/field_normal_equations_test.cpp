@@ -49,7 +49,7 @@ TEST(FieldNormalEquations, AgreesWithTheFullProductsOfTheReference) {
   for (const int resolution : kFieldResolutions) {
     const PointOrder& order = cellOrder(resolution);
     const Theta theta = randomField(resolution, 21, -0.5, 1.5);
-    WeightingFunction function = decodeFunction(wallSample(22).view(), order);
+    WeightingFunction function = decoded(wallSample(22).view(), order);
     maskClamp(order, theta, trilinearError(resolution, theta, 0), &function.mask);
     const FullEquations full = fullEquations(order, function, theta);
     // Both derivatives carry the field's error; sums of a cell have at most a rounding a point, and 20 more. All are at most 1
@@ -83,7 +83,7 @@ TEST(FieldNormalEquations, HasHalfTheGradientOfTheLoss) {
   for (const int resolution : kFieldResolutions) {
     const PointOrder& order = cellOrder(resolution);
     const Theta theta = randomField(resolution, 23, 0.0, 1.0);
-    const WeightingFunction function = decodeFunction(noiseSample(24).view(), order);
+    const WeightingFunction function = decoded(noiseSample(24).view(), order);
     std::vector<float> gradient(theta.size());
     NormalEquations equations;
     forEachTarget([&] {
@@ -99,10 +99,10 @@ TEST(FieldNormalEquations, HasHalfTheGradientOfTheLoss) {
 TEST(FieldNormalEquations, GivesTheSameForTheSameWhateverItHeld) {
   const PointOrder& order = cellOrder(5);
   const Theta theta = randomField(5, 25, -0.5, 1.5);
-  const WeightingFunction function = decodeFunction(wallSample(26).view(), order);
+  const WeightingFunction function = decoded(wallSample(26).view(), order);
   NormalEquations fresh, used;
   const PointOrder& other = cellOrder(7);
-  fieldNormalEquations(other, decodeFunction(wallSample(27).view(), other), randomField(7, 28, 0.0, 1.0).data(), &used);
+  fieldNormalEquations(other, decoded(wallSample(27).view(), other), randomField(7, 28, 0.0, 1.0).data(), &used);
   std::vector<double> right(used.gradient);
   for (int i = 0; i < used.hessian.count(); ++i) used.hessian.at(i, i) += 1.0;
   ASSERT_TRUE(used.hessian.solve(right.data()));

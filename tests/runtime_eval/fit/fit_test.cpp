@@ -24,7 +24,7 @@ bool sameBits(const Theta& a, const Theta& b) {
 WeightingFunction withoutPoints() {
   StoredSample sample = noiseSample(1);
   std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
-  return decodeFunction(sample.view());
+  return decoded(sample.view());
 }
 
 struct Fitter {
@@ -66,17 +66,17 @@ TEST(FunctionRmse, IsTheRootOfTheMeanOverValidPoints) {
     magnitude = std::max(magnitude, evaluateReference({}, magnitudes(point), magnitudes(theta).data()) + 1.0);
   }
   // residuals are off by 25 roundings of their magnitude, and so is the root of their mean square; the sums by 66
-  EXPECT_NEAR(functionRmse({}, decodeFunction(sample.view()), theta.data()), std::sqrt(sum / count),
+  EXPECT_NEAR(functionRmse({}, decoded(sample.view()), theta.data()), std::sqrt(sum / count),
               (25 + 66) * kFloatRounding * magnitude);
   EXPECT_EQ(functionRmse({}, withoutPoints(), theta.data()), 0.0);
-  EXPECT_FALSE(std::isfinite(functionRmse({}, decodeFunction(sample.view()), filled(NAN).data())));
+  EXPECT_FALSE(std::isfinite(functionRmse({}, decoded(sample.view()), filled(NAN).data())));
 }
 
 TEST(Fit, NeverReturnsWorseThanItsStart) {
   for (const Fitter& fitter : kFitters) {
     for (const Representation& representation : kNetworkRepresentations) {
       for (uint64_t seed = 0; seed < 24; ++seed) {
-        const WeightingFunction function = decodeFunction(seed % 3 ? wallSample(seed).view() : noiseSample(seed).view());
+        const WeightingFunction function = decoded(seed % 3 ? wallSample(seed).view() : noiseSample(seed).view());
         expectNeverWorse(fitter, representation, function, randomTheta(representation, seed), "seed " + std::to_string(seed));
       }
     }
@@ -86,7 +86,7 @@ TEST(Fit, NeverReturnsWorseThanItsStart) {
 TEST(Fit, TakesExtremeStarts) {
   Theta mixed = randomTheta({}, 1);
   for (int i = 0; i < ThetaLayout::count; i += 2) mixed[i] *= 1e-30f;
-  const WeightingFunction function = decodeFunction(wallSample(5).view());
+  const WeightingFunction function = decoded(wallSample(5).view());
   for (const Fitter& fitter : kFitters) {
     for (const Representation& representation : kBothRepresentations) {
       for (const float value : {0.0f, 1e3f, -1e3f, 1e-40f, -1e-40f, 1e-20f}) {
@@ -98,7 +98,7 @@ TEST(Fit, TakesExtremeStarts) {
 }
 
 TEST(Fit, ReturnsTheStartWhenNumbersAreNotFinite) {
-  const WeightingFunction function = decodeFunction(wallSample(6).view());
+  const WeightingFunction function = decoded(wallSample(6).view());
   for (const Fitter& fitter : kFitters) {
     for (const float bad : {NAN, INFINITY, -INFINITY, 1e30f}) {
       for (const int place : {ThetaLayout::w1, ThetaLayout::b2, ThetaLayout::w3, ThetaLayout::b3}) {
@@ -120,7 +120,7 @@ TEST(Fit, ReturnsTheStartWhenNumbersAreNotFinite) {
 
 TEST(Fit, RefusesAnInfiniteStartWhoseErrorIsFinite) {
   // a sigmoid of +-Inf is 0 or 1: the sum of squares alone does not tell
-  const WeightingFunction function = decodeFunction(wallSample(6).view());
+  const WeightingFunction function = decoded(wallSample(6).view());
   const Representation network{RepresentationKind::tent_mlp4, 0.01f};
   for (const Fitter& fitter : kFitters) {
     for (const float bad : {INFINITY, -INFINITY}) {
@@ -146,7 +146,7 @@ TEST(Fit, ReturnsTheStartWithoutAnyValidPoint) {
 }
 
 TEST(Fit, TakesNoStepFromABudgetOfNone) {
-  const WeightingFunction function = decodeFunction(wallSample(8).view());
+  const WeightingFunction function = decoded(wallSample(8).view());
   const Theta start = randomTheta({}, 8);
   NormalEquationsKernel kernel;
   EXPECT_EQ(fitAdam({}, function, start, refinementAdam({}, 0)).theta, start);
@@ -156,7 +156,7 @@ TEST(Fit, TakesNoStepFromABudgetOfNone) {
 // A bake keeps one workspace a thread: what it holds of the function before must not reach the next one.
 TEST(Fit, GivesTheSameBitsFromAUsedWorkspace) {
   const Representation tent_mlp = Representation::tentMlp(0.01f);
-  const WeightingFunction function = decodeFunction(wallSample(9).view()), before = decodeFunction(noiseSample(9).view());
+  const WeightingFunction function = decoded(wallSample(9).view()), before = decoded(noiseSample(9).view());
   const AdamOptions adam = refinementAdam(tent_mlp, 40);
   const LevenbergMarquardtOptions levenberg{.iterations = 6};
   NormalEquationsKernel fresh_kernel, used_kernel;
@@ -184,7 +184,7 @@ TEST(Fit, GivesTheSameBitsFromAUsedWorkspace) {
 TEST(Fit, LowersTheErrorOfARandomStart) {
   // a constant is within reach of every network: predicting the mean already beats a random start, whose output is of size 1
   for (const Fitter& fitter : kFitters) {
-    const WeightingFunction function = decodeFunction(wallSample(10).view());
+    const WeightingFunction function = decoded(wallSample(10).view());
     const FitResult result = fitter.fit({}, function, randomTheta({}, 10));
     EXPECT_LT(result.rmse, 0.5 * functionRmse({}, function, randomTheta({}, 10).data())) << fitter.name;
   }
@@ -192,13 +192,13 @@ TEST(Fit, LowersTheErrorOfARandomStart) {
 
 TEST(Fit, IgnoresInvalidPoints) {
   StoredSample sample = wallSample(11);
-  const WeightingFunction function = decodeFunction(sample.view());
+  const WeightingFunction function = decoded(sample.view());
   for (int p = 0; p < kSupportPointCount; ++p) {
     if (!sample.valid(p)) sample.phi[p] = static_cast<uint8_t>(p % 251);
   }
   for (const Fitter& fitter : kFitters) {
     EXPECT_EQ(fitter.fit({}, function, randomTheta({}, 11)).theta,
-              fitter.fit({}, decodeFunction(sample.view()), randomTheta({}, 11)).theta)
+              fitter.fit({}, decoded(sample.view()), randomTheta({}, 11)).theta)
         << fitter.name;
   }
 }
@@ -232,7 +232,7 @@ TEST(LevenbergMarquardt, TakesARankDeficientJacobian) {
     StoredSample sample = wallSample(12);
     std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
     for (int p = 0; p < valid_points; ++p) sample.validity[9 * p] = static_cast<uint8_t>(1 << (p % 8));
-    const WeightingFunction function = decodeFunction(sample.view());
+    const WeightingFunction function = decoded(sample.view());
     ASSERT_EQ(function.validCount(), valid_points);
     expectNeverWorse(kFitters[2], {}, function, randomTheta({}, 12), std::to_string(valid_points) + " points");
     // fewer equations than unknowns: there are networks through all points, and 300 iterations must come near one
@@ -244,14 +244,14 @@ TEST(LevenbergMarquardt, TakesARankDeficientJacobian) {
   Theta dead = randomTheta({}, 13);
   for (int j = 0; j < 4; ++j) dead[ThetaLayout::w3 + j] = 0.0f;
   for (int i = 0; i < 4 * kHiddenCount; ++i) dead[ThetaLayout::w2 + i] = 0.0f;
-  const WeightingFunction function = decodeFunction(wallSample(13).view());
+  const WeightingFunction function = decoded(wallSample(13).view());
   const FitResult result = expectNeverWorse(kFitters[2], {}, function, dead, "dead units");
   EXPECT_LT(result.rmse, 0.9 * functionRmse({}, function, dead.data()));
 }
 
 TEST(LevenbergMarquardt, ArrivesAtTheBestConstantFromZero) {
   // from theta = 0 the bias is the only way down: LM must arrive at the mean over valid points, and move nothing else
-  const WeightingFunction function = decodeFunction(wallSample(14).view());
+  const WeightingFunction function = decoded(wallSample(14).view());
   double sum = 0.0, squares = 0.0;
   for (int i = 0; i < kSupportPointCount; ++i) {
     if (function.mask[i] != 0.0f) sum += function.phi[i], squares += double{function.phi[i]} * function.phi[i];
@@ -278,7 +278,7 @@ TEST(FitDirect, IsTheBestOfItsCandidates) {
   const LevenbergMarquardtOptions polish = refinementLevenbergMarquardt(tent_mlp, options.levenberg_iterations);
   int wins[4] = {};  // LM from theta0; Adam and LM from theta0, from the first random start, from the second
   for (uint64_t seed = 0; seed < 12; ++seed) {
-    const WeightingFunction function = decodeFunction(wallSample(seed).view());
+    const WeightingFunction function = decoded(wallSample(seed).view());
     const Theta theta0 = randomTheta({}, seed);
     const DirectResult result = fitDirect(tent_mlp, function, theta0, options, &kernel);
     const auto adam = [&](const Theta& start, const AdamOptions& how) { return fitAdam(tent_mlp, function, start, how); };
@@ -309,7 +309,7 @@ TEST(FitDirect, IsTheBestOfItsCandidates) {
 
 TEST(FitDirect, FindsAFitWhenTheta0IsNotFinite) {
   NormalEquationsKernel kernel;
-  const WeightingFunction function = decodeFunction(wallSample(15).view());
+  const WeightingFunction function = decoded(wallSample(15).view());
   const DirectResult result =
       fitDirect({}, function, filled(NAN), {.adam_steps = 60, .levenberg_iterations = 2, .restarts = 1}, &kernel);
   EXPECT_TRUE(std::isfinite(result.best.rmse));
@@ -319,7 +319,7 @@ TEST(FitDirect, FindsAFitWhenTheta0IsNotFinite) {
 // With nothing fitted on, the best of the short fits is what remains; what is fitted on is never worse.
 TEST(FitStart, IsTheBestShortRandomFitOrBetter) {
   NormalEquationsKernel kernel;
-  const WeightingFunction function = decodeFunction(wallSample(16).view());
+  const WeightingFunction function = decoded(wallSample(16).view());
   const StartOptions fitted_on{
       .candidates = 6, .candidate_steps = 40, .finalists = 2, .final_steps = 40, .levenberg_iterations = 3};
   StartOptions short_only = fitted_on;

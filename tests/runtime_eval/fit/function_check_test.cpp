@@ -15,22 +15,26 @@ FunctionCheck expectedCheck(const Representation& representation, const StoredSa
                             const CheckOptions& options) {
   const std::vector<double> exact = toDouble(theta);
   FunctionCheck check;
-  double square_sum = 0.0, leak_sum = 0.0;
+  double square_sum = 0.0, loss = 0.0, leak_sum = 0.0;
   int over = 0;
   for (int p = 0; p < kSupportPointCount; ++p) {
     if (!sample.valid(p)) continue;
     const double value = evaluateReference(representation, supportPattern().points[p], exact.data());
-    square_sum += (value - sample.phi[p] / 255.0) * (value - sample.phi[p] / 255.0);
+    const double residual = value - sample.phi[p] / 255.0, tent_here = tent(supportPattern().points[p]);
+    square_sum += residual * residual;
     ++check.valid_count;
-    if (sample.phi[p] != 0) continue;
+    if (sample.phi[p] != 0) {
+      const double sum = sample.blend_sum.empty() ? 1.0 : std::clamp(sample.blend_sum[p] / 255.0, options.blend_floor, 1.0);
+      loss += residual * residual / (sum * sum);
+      continue;
+    }
+    loss += residual * residual * (tent_here > 0.5 / 255.0 ? options.dark_weight : 1.0);
     ++check.zero_count;
     leak_sum += std::fabs(value);
-    const double tent_here = tent(supportPattern().points[p]);
-    if (tent_here > 0.5 / 255.0) check.dark_square += value * value;
     over += std::fabs(value) > options.tau_leak * tent_here + 0.5 / 255.0;
   }
   check.rmse = std::sqrt(square_sum / check.valid_count);
-  check.dark_square /= check.valid_count;
+  check.blend_rmse = std::sqrt(loss / check.valid_count);
   check.leak_mean = leak_sum / check.zero_count;
   check.leak_share = static_cast<double>(over) / check.zero_count;
   return check;
@@ -40,7 +44,7 @@ TEST(FunctionCheck, EqualsItsDefinitionOnEveryTarget) {
   for (const Representation& representation : sampleRepresentations()) {
     const char* name = representationName(representation);
     for (uint64_t seed = 1; seed < 4; ++seed) {
-      const StoredSample sample = seed == 3 ? noiseSample(seed) : wallSample(seed);
+      const StoredSample sample = seed == 3 ? noiseSample(seed) : seed == 2 ? crowdedSample(seed) : wallSample(seed);
       const Theta theta = randomTheta(representation, seed);
       const FunctionCheck expected = expectedCheck(representation, sample, theta, {});
       forEachTarget([&] {
@@ -50,7 +54,7 @@ TEST(FunctionCheck, EqualsItsDefinitionOnEveryTarget) {
         EXPECT_EQ(got.zero_count, expected.zero_count) << name;
         // values of a few units, each off by some hundred roundings; sums of 1024 floats
         EXPECT_NEAR(got.rmse, expected.rmse, 2e-4 * expected.rmse) << name << ", seed " << seed;
-        EXPECT_NEAR(got.dark_square, expected.dark_square, 4e-4 * expected.dark_square) << name << ", seed " << seed;
+        EXPECT_NEAR(got.blend_rmse, expected.blend_rmse, 2e-4 * expected.blend_rmse) << name << ", seed " << seed;
         EXPECT_NEAR(got.leak_mean, expected.leak_mean, 2e-4 * expected.leak_mean) << name << ", seed " << seed;
         // a value within rounding of tau may fall on either side
         EXPECT_NEAR(got.leak_share, expected.leak_share, 2.5 / expected.zero_count) << name << ", seed " << seed;
@@ -61,18 +65,17 @@ TEST(FunctionCheck, EqualsItsDefinitionOnEveryTarget) {
 
 TEST(FunctionCheck, HasTheErrorThatFitsMinimise) {
   for (const Representation& representation : kNetworkRepresentations) {
-    const StoredSample sample = wallSample(5);
+    const StoredSample sample = crowdedSample(5);
     const Theta theta = randomTheta(representation, 5);
     FunctionChecker checker;
-    for (const double dark_weight : {1.0, 64.0}) {
+    for (const LossOptions& loss : {kUnweighed, LossOptions{64.0, 1.0}, LossOptions{64.0, 0.2}}) {
       CheckOptions options;
-      options.dark_weight = dark_weight;
-      const double fitted =
-          functionRmse(representation, decodeFunction(sample.view(), pointOrder(representation), dark_weight), theta.data());
+      options.dark_weight = loss.dark_weight, options.blend_floor = loss.blend_floor;
+      const double fitted = functionRmse(representation, decoded(sample.view(), pointOrder(representation), loss), theta.data());
       const FunctionCheck check = checker.check(representation, sample.view(), theta.data(), options);
-      EXPECT_NEAR(check.blend_rmse, fitted, 1e-5 * fitted) << dark_weight;
-      if (dark_weight == 1.0) {
-        EXPECT_EQ(check.blend_rmse, check.rmse);
+      EXPECT_NEAR(check.blend_rmse, fitted, 1e-5 * fitted) << loss.dark_weight << ' ' << loss.blend_floor;
+      if (loss.dark_weight == 1.0) {
+        EXPECT_NEAR(check.blend_rmse, check.rmse, 1e-6 * check.rmse);
       } else {
         EXPECT_GT(check.blend_rmse, check.rmse);
       }
@@ -80,8 +83,8 @@ TEST(FunctionCheck, HasTheErrorThatFitsMinimise) {
   }
 }
 
-// A slab behind a wall far from the probe: what it lets through is nothing to the RMSE, and all the light that is there.
-TEST(FunctionCheck, SeesALeakAtFewPointsOfLowTent) {
+// A slab behind a wall far from the probe: what comes through is nothing to the RMSE, and all the light that is there.
+TEST(FunctionCheck, WeighsALeakAtFewPointsOfLowTent) {
   Theta bare(ThetaLayout::count, 0.0f);
   bare[ThetaLayout::b3] = 1.0f;
   FunctionChecker checker;
@@ -98,8 +101,10 @@ TEST(FunctionCheck, SeesALeakAtFewPointsOfLowTent) {
   ASSERT_LT(dark, 200);
   const FunctionCheck of_theta = checker.check(Representation::tentMlp(), sample.view(), bare.data(), options);
   EXPECT_LT(of_theta.rmse, options.tau_rmse / 4);
-  EXPECT_FALSE(of_theta.passes(options));
-  EXPECT_FALSE(checker.checkBareTent(sample.view(), options).passes(options));
+  // nearly all of the error is at dark points; the rest is the rounding of bytes, at most half a step
+  EXPECT_GT(of_theta.blend_rmse,
+            0.9 * std::sqrt(options.dark_weight) * std::sqrt(of_theta.rmse * of_theta.rmse - 0.25 / (255.0 * 255.0)));
+  EXPECT_EQ(checker.checkBareTent(sample.view(), options).blend_rmse, of_theta.blend_rmse);
   // a share that the check allows
   Theta tenth = bare;
   tenth[ThetaLayout::b3] = 0.09f;
@@ -107,7 +112,7 @@ TEST(FunctionCheck, SeesALeakAtFewPointsOfLowTent) {
 }
 
 TEST(FunctionCheck, PassesAPerfectThetaAndFailsLeaksAlone) {
-  // the constant .15: on a function of .15 at one in 50 points leaks are small in RMSE, and everywhere above tau_leak
+  // the constant .15: on a function of .15 leaks at one in 512 points are small in RMSE, and 64 times as much in the loss
   Theta theta(ThetaLayout::count, 0.0f);
   theta[ThetaLayout::b3] = 0.15f;
   StoredSample sample;
@@ -121,7 +126,7 @@ TEST(FunctionCheck, PassesAPerfectThetaAndFailsLeaksAlone) {
   EXPECT_LT(leaking.rmse, options.tau_rmse);
   EXPECT_EQ(leaking.leak_share, 1.0);
   EXPECT_FALSE(leaking.passes(options));
-  EXPECT_DOUBLE_EQ(leaking.trouble(options), 2.0);
+  EXPECT_DOUBLE_EQ(leaking.trouble(options), leaking.blend_rmse / options.tau_blend);
 }
 
 TEST(FunctionCheck, FailsAnInfiniteThetaWhoseValuesAreFinite) {

@@ -17,7 +17,7 @@ TEST(LastLayer, LeavesNoGradientInItself) {
     for (const Representation& representation : kBothRepresentations) {
       for (uint64_t seed = 1; seed < 6; ++seed) {
         // with every dark point counting once, and 64 times: the solution is that of weighed least squares
-        const WeightingFunction function = decodeFunction(wallSample(seed).view(), stratumOrder(), seed % 2 == 0 ? 64.0 : 1.0);
+        const WeightingFunction function = decoded(wallSample(seed).view(), stratumOrder(), {seed % 2 == 0 ? 64.0 : 1.0, 1.0});
         Theta theta = randomTheta(representation, seed);
         const double before = functionRmse(representation, function, theta.data());
         ASSERT_TRUE(solveLastLayer(representation, function, theta.data()));
@@ -40,12 +40,12 @@ TEST(LastLayer, LeavesNoGradientInItself) {
 TEST(LastLayer, RefusesAnOutputThatIsNotLinear) {
   const Representation representation{RepresentationKind::tent_mlp4};
   Theta theta = randomTheta(representation, 9);
-  EXPECT_FALSE(solveLastLayer(representation, decodeFunction(wallSample(9).view()), theta.data()));
+  EXPECT_FALSE(solveLastLayer(representation, decoded(wallSample(9).view()), theta.data()));
   EXPECT_EQ(theta, randomTheta(representation, 9));
 }
 
 TEST(LastLayer, TouchesNothingElse) {
-  const WeightingFunction function = decodeFunction(wallSample(7).view());
+  const WeightingFunction function = decoded(wallSample(7).view());
   const Theta start = randomTheta({}, 7);
   Theta theta = start;
   ASSERT_TRUE(solveLastLayer({}, function, theta.data()));
@@ -53,7 +53,7 @@ TEST(LastLayer, TouchesNothingElse) {
 }
 
 TEST(LastLayer, SurvivesDeadUnitsAndRefusesBrokenTheta) {
-  const WeightingFunction function = decodeFunction(wallSample(8).view());
+  const WeightingFunction function = decoded(wallSample(8).view());
   // every unit of the second layer the same: eight equal rows
   Theta equal(ThetaLayout::count, 0.0f);
   for (int j = 0; j < kHiddenCount; ++j) equal[ThetaLayout::b2 + j] = 1.0f;

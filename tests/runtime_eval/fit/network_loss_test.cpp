@@ -50,7 +50,7 @@ TEST(LossReference, HasTheGradientOfCentralDifferences) {
   const double step = 1e-4;
   for (const Representation& representation : kNetworkRepresentations) {
     const Theta start = randomTheta(representation, 11);
-    WeightingFunction function = decodeFunction(wallSample(1).view());
+    WeightingFunction function = decoded(wallSample(1).view());
     maskKinks(representation, points(), start, 2e-2, &function.mask);
     weigh(&function.mask);
     std::vector<double> theta = toDouble(start);
@@ -84,7 +84,7 @@ TEST(LossKernel, EqualsTheReferenceOnRaggedRangesAndEveryTarget) {
   for (const Representation& representation : kNetworkRepresentations) {
     for (uint64_t seed = 0; seed < 3; ++seed) {
       const Theta theta = randomTheta(representation, seed);
-      WeightingFunction function = decodeFunction(seed == 2 ? noiseSample(seed).view() : wallSample(seed).view());
+      WeightingFunction function = decoded(seed == 2 ? noiseSample(seed).view() : wallSample(seed).view());
       maskKinks(representation, points(), theta, 1e-3, &function.mask);
       if (seed == 1) weigh(&function.mask);
       const AlignedFloats minus_phi = negated(function.phi);
@@ -111,7 +111,7 @@ TEST(LossKernel, EqualsTheReferenceOnRaggedRangesAndEveryTarget) {
 
 TEST(LossKernel, IgnoresWhatStandsAtMaskedPoints) {
   const StoredSample sample = wallSample(4);
-  const WeightingFunction function = decodeFunction(sample.view());
+  const WeightingFunction function = decoded(sample.view());
   ASSERT_LT(function.validCount(), kSupportPointCount);
   WeightingFunction changed = function;
   Random random(5);
@@ -140,7 +140,7 @@ TEST(LossKernel, IsZeroWithoutAnyValidPoint) {
 
 TEST(LossKernel, AddsUpOverStrata) {
   const Theta theta = randomTheta({}, 7);
-  const WeightingFunction function = decodeFunction(wallSample(7).view());
+  const WeightingFunction function = decoded(wallSample(7).view());
   const auto over = [&](int first, int count) {
     return vectorised(Representation::tentMlp(0.01f), first, count, &function.phi[first], &function.mask[first], theta);
   };
@@ -161,7 +161,7 @@ TEST(LossKernel, AddsUpOverStrata) {
 
 // phi, mask, theta and the gradient lie where the caller has them, and the gradient holds whatever stood there.
 TEST(LossKernel, GivesTheSameBitsWhereverItsArraysLie) {
-  const WeightingFunction function = decodeFunction(noiseSample(8).view());
+  const WeightingFunction function = decoded(noiseSample(8).view());
   for (const Representation& representation : kNetworkRepresentations) {
     const Theta theta = randomTheta(representation, 8);
     const int count = representation.thetaCount();

@@ -56,7 +56,7 @@ TEST(NormalEquations, EqualTheExplicitProductOnEveryTarget) {
   for (const Representation& representation : kNetworkRepresentations) {
     const int theta_count = representation.thetaCount();
     const Theta theta = randomTheta(representation, 21);
-    WeightingFunction function = decodeFunction(wallSample(21).view());
+    WeightingFunction function = decoded(wallSample(21).view());
     maskKinks(representation, points(), theta, 1e-3, &function.mask);
     const std::vector<double> expected =
         explicitHessian(representation.network(), representation.slope, points(), function.mask, toDouble(theta));
@@ -80,7 +80,7 @@ TEST(NormalEquations, HaveHalfTheGradientOfTheLossKernel) {
   for (const Representation& representation : kNetworkRepresentations) {
     for (uint64_t seed = 30; seed < 33; ++seed) {
       const Theta theta = randomTheta(representation, seed);
-      const WeightingFunction function = decodeFunction(wallSample(seed).view());
+      const WeightingFunction function = decoded(wallSample(seed).view());
       const AlignedFloats minus_phi = negated(function.phi);
       std::vector<double> magnitude(representation.thetaCount());
       const double sum_magnitude = networkLossAndGradientReference(
@@ -106,7 +106,7 @@ TEST(NormalEquations, ArePositiveSemidefinite) {
   for (const Representation& representation : kNetworkRepresentations) {
     for (uint64_t seed = 40; seed < 44; ++seed) {
       const NormalEquations got =
-          equationsOf(representation, decodeFunction(noiseSample(seed).view()), randomTheta(representation, seed));
+          equationsOf(representation, decoded(noiseSample(seed).view()), randomTheta(representation, seed));
       double trace = 0.0;
       for (int i = 0; i < representation.thetaCount(); ++i) {
         trace += got.hessian.at(i, i);
@@ -122,14 +122,14 @@ TEST(NormalEquations, ArePositiveSemidefinite) {
 
 TEST(NormalEquations, IgnoreMaskedPointsAndWhatTheWorkspaceHeld) {
   const Theta theta = randomTheta({}, 50);
-  WeightingFunction function = decodeFunction(wallSample(50).view());
+  WeightingFunction function = decoded(wallSample(50).view());
   // one stratum without any valid point: it is skipped, its rows stay in the workspace
   std::fill_n(&function.mask[3 * kStratumPointCount], kStratumPointCount, 0.0f);
   function.valid_count[3] = 0;
   const NormalEquations fresh = equationsOf({}, function, theta);
   NormalEquationsKernel used;
   NormalEquations equations;
-  used.compute(Representation::tentMlp(0.3f), decodeFunction(noiseSample(51).view()), randomTheta({}, 51).data(), &equations);
+  used.compute(Representation::tentMlp(0.3f), decoded(noiseSample(51).view()), randomTheta({}, 51).data(), &equations);
   for (int i = 0; i < kSupportPointCount; ++i) {
     if (function.mask[i] == 0.0f) function.phi[i] = -1e6f;
   }

@@ -10,7 +10,7 @@ namespace {
 // By rising number of parameters.
 std::vector<FunctionCheck> checksOf(const std::vector<double>& rmse) {
   std::vector<FunctionCheck> checks(rmse.size());
-  for (size_t i = 0; i < rmse.size(); ++i) checks[i].rmse = rmse[i];
+  for (size_t i = 0; i < rmse.size(); ++i) checks[i].rmse = checks[i].blend_rmse = rmse[i];
   return checks;
 }
 
@@ -29,15 +29,15 @@ TEST(ChooseRepresentation, StopsAtAnErrorThatIsEnough) {
 
 TEST(ChooseRepresentation, PrefersOneThatPassesTheCheck) {
   // flat at once, but too wrong: the first that is flat and passes
-  EXPECT_EQ(chooseRepresentation(checksOf({0.025, 0.024, 0.019}), {}, {}), 2);
+  EXPECT_EQ(chooseRepresentation(checksOf({0.045, 0.044, 0.019}), {}, {}), 2);
   // nobody passes: the first that is flat
   EXPECT_EQ(chooseRepresentation(checksOf({0.09, 0.04, 0.035}), {}, {}), 1);
   std::vector<FunctionCheck> leaking = checksOf({0.001, 0.001});
-  leaking[0].leak_share = 0.5;
+  leaking[0].rmse = 0.5;
   EXPECT_EQ(chooseRepresentation(leaking, {}, {}), 1);
   // one that passes is not given up for a better one that fails
   leaking = checksOf({0.015, 0.009});
-  leaking[1].leak_share = 0.5;
+  leaking[1].rmse = 0.5;
   EXPECT_EQ(chooseRepresentation(leaking, {}, {.choice_enough_rmse = 0.001}), 0);
 }
 

@@ -59,7 +59,7 @@ const Representation kExactNetworks[] = {Representation::mlp(), Representation::
 const Representation kTwoFields[] = {Representation::productField(3), Representation::productField(5)};
 
 double rmseOf(const Representation& representation, const StoredSample& sample, const Theta& theta) {
-  return functionRmse(representation, decodeFunction(sample.view(), pointOrder(representation)), theta.data());
+  return functionRmse(representation, decoded(sample.view(), pointOrder(representation)), theta.data());
 }
 
 TEST(StageRunner, NeverMakesAThetaWorse) {
@@ -98,7 +98,7 @@ TEST(StageRunner, SolvesTheLastLayerWhenTheWeightsSaySo) {
       const StoredSample sample = wallSample(seed);
       const Theta start = randomTheta(representation, seed);
       Theta expected = start, broken = start;
-      ASSERT_TRUE(solveLastLayer(representation, decodeFunction(sample.view()), expected.data()));
+      ASSERT_TRUE(solveLastLayer(representation, decoded(sample.view()), expected.data()));
       // one that only its last layer makes infinite, and one that is solved already
       broken[representation.shape().b3()] = NAN;
       for (const Theta& from : {start, broken, expected}) {
@@ -146,7 +146,7 @@ TEST(StageRunner, TakesNoThetaThatFloat16CannotHold) {
     data.exact_last_layer = true;
     EXPECT_FALSE(improve(data, sample, kNoFits).changed()) << "seed " << seed;
     Theta beyond = start;
-    solveLastLayer(representation, decodeFunction(sample.view()), beyond.data());
+    solveLastLayer(representation, decoded(sample.view()), beyond.data());
     tempting += rmseOf(representation, sample, beyond) < rmseOf(representation, sample, start);
   }
   EXPECT_GT(tempting, 0) << "no function says anything";
@@ -184,8 +184,7 @@ FitResult iterated(const Representation& representation, const StoredSample& sam
   LevenbergMarquardtOptions options = refinementLevenbergMarquardt(representation, iterations);
   options.progress_tolerance = 0.05;
   NormalEquationsKernel kernel;
-  return fitLevenbergMarquardt(representation, decodeFunction(sample.view(), pointOrder(representation)), start, options,
-                               &kernel);
+  return fitLevenbergMarquardt(representation, decoded(sample.view(), pointOrder(representation)), start, options, &kernel);
 }
 
 TEST(StageRunner, FitsFieldsByLevenbergMarquardt) {
@@ -239,7 +238,7 @@ TEST(StageRunner, FitsNetworksByAdam) {
   int below_the_cap = 0;
   for (const Representation& representation : kExactNetworks) {
     const StoredSample sample = wallSample(1);
-    const WeightingFunction function = decodeFunction(sample.view(), pointOrder(representation));
+    const WeightingFunction function = decoded(sample.view(), pointOrder(representation));
     const Theta theta0(representation.thetaCount(), 0.0f), start = randomTheta(representation, 2);
     const GeneratorData data = generatorOf(representation, start);
     StageOptions options = kNoFits;
@@ -272,7 +271,7 @@ TEST(StageRunner, FitsNetworksByAdam) {
 TEST(StageRunner, FitsFromTheta0WhereItsThetaLeadsNowhere) {
   for (const Representation& representation : kExactNetworks) {
     const StoredSample sample = wallSample(1);
-    const WeightingFunction function = decodeFunction(sample.view(), pointOrder(representation));
+    const WeightingFunction function = decoded(sample.view(), pointOrder(representation));
     // no unit of the first layer is open anywhere, and none leads to one that is
     Theta stuck = randomTheta(representation, 2);
     const NetworkShape& shape = representation.shape();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime_eval/fit/policy_options.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {
@@ -12,7 +13,7 @@ TEST(DecodeBatch, EqualsTheNaiveDecodeUnderAllMirrors) {
   for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
     for (int stratum = 0; stratum < kStratumCount; ++stratum) {
       float phi[kStratumPointCount], mask[kStratumPointCount];
-      const int valid_count = decodeBatch(stratumOrder(), stratum, sample.view(), mirror, phi, mask);
+      const int valid_count = decodeBatch(stratumOrder(), stratum, sample.view(), mirror, LossWeights(kUnweighed), phi, mask);
       int expected_count = 0;
       for (int at = 0; at < kStratumPointCount; ++at) {
         // from the definitions: stratum order to pattern order, then the point whose value this one takes
@@ -31,17 +32,17 @@ TEST(DecodeBatch, EqualsTheNaiveDecodeUnderAllMirrors) {
 TEST(DecodeBatch, StaysInTheUnitInterval) {
   StoredSample sample = noiseSample(2);
   for (int p = 0; p < kSupportPointCount; ++p) sample.phi[p] = static_cast<uint8_t>(p % 256);
-  const WeightingFunction function = decodeFunction(sample.view());
+  const WeightingFunction function = decoded(sample.view());
   for (const float phi : function.phi) ASSERT_TRUE(phi >= 0.0f && phi <= 1.0f) << phi;
 }
 
 TEST(DecodeFunction, JoinsItsStrata) {
   const StoredSample sample = noiseSample(3);
-  const WeightingFunction function = decodeFunction(sample.view(), stratumOrder());
+  const WeightingFunction function = decoded(sample.view(), stratumOrder());
   int total = 0;
   for (int k = 0; k < kStratumCount; ++k) {
     float phi[kStratumPointCount], mask[kStratumPointCount];
-    const int count = decodeBatch(stratumOrder(), k, sample.view(), 0, phi, mask);
+    const int count = decodeBatch(stratumOrder(), k, sample.view(), 0, LossWeights(kUnweighed), phi, mask);
     EXPECT_EQ(function.valid_count[k], count) << "stratum " << k;
     EXPECT_TRUE(std::equal(phi, phi + kStratumPointCount, &function.phi[k * kStratumPointCount])) << "stratum " << k;
     EXPECT_TRUE(std::equal(mask, mask + kStratumPointCount, &function.mask[k * kStratumPointCount])) << "stratum " << k;
@@ -54,7 +55,7 @@ TEST(DecodeFunction, WeighsDarkPointsAndNotTheRimOfTheTent) {
   for (const Representation& representation : {Representation::tentMlp(), Representation::productField(5)}) {
     const PointOrder& order = pointOrder(representation);
     const StoredSample sample = wallSample(5);
-    const WeightingFunction plain = decodeFunction(sample.view(), order), weighed = decodeFunction(sample.view(), order, 16.0);
+    const WeightingFunction plain = decoded(sample.view(), order), weighed = decoded(sample.view(), order, {16.0, 1.0});
     EXPECT_EQ(weighed.phi, plain.phi);
     EXPECT_EQ(weighed.valid_count, plain.valid_count);
     int dark = 0, rim = 0;
@@ -74,19 +75,42 @@ TEST(DecodeFunction, WeighsDarkPointsAndNotTheRimOfTheTent) {
   }
 }
 
+TEST(DecodeFunction, WeighsLitPointsByWhatTheBlendHasThere) {
+  const LossOptions loss{.dark_weight = 16.0, .blend_floor = 0.25};
+  for (const Representation& representation : {Representation::tentMlp(), Representation::productField(5)}) {
+    const PointOrder& order = pointOrder(representation);
+    const StoredSample sample = crowdedSample(5);
+    const WeightingFunction weighed = decoded(sample.view(), order, loss);
+    int below_floor = 0, alone = 0;
+    for (int place = 0; place < order.placeCount(); ++place) {
+      const int p = order.pattern_index[place];
+      if (p < 0 || !sample.valid(p) || sample.phi[p] == 0) continue;
+      // a quotient of floats: two roundings
+      const double sum = sample.blend_sum[p] / 255.0, root = 1.0 / std::max(sum, 0.25);
+      EXPECT_NEAR(weighed.mask[place], root, 4 * kFloatRounding * root) << int{sample.blend_sum[p]};
+      below_floor += sum < 0.25;
+      alone += sum > 0.25 && sum < 1.0;
+    }
+    EXPECT_GT(below_floor, 0);
+    EXPECT_GT(alone, 0);
+  }
+}
+
 TEST(DecodeBatch, MirroringTwiceIsNothing) {
-  const StoredSample sample = wallSample(4);
-  const WeightingFunction function = decodeFunction(sample.view());
+  const StoredSample sample = crowdedSample(4);
+  const WeightingFunction function = decoded(sample.view(), stratumOrder(), CheckOptions().loss());
   for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
     StoredSample mirrored;
+    mirrored.blend_sum.resize(kSupportPointCount);
     for (int p = 0; p < kSupportPointCount; ++p) {
       const int source = p ^ (mirror * kOctantPointCount);
       mirrored.phi[p] = sample.phi[source];
+      mirrored.blend_sum[p] = sample.blend_sum[source];
       if (sample.valid(source)) mirrored.validity[p / 8] |= static_cast<uint8_t>(1 << (p % 8));
     }
     for (int k = 0; k < kStratumCount; ++k) {
       float phi[kStratumPointCount], mask[kStratumPointCount];
-      decodeBatch(stratumOrder(), k, mirrored.view(), mirror, phi, mask);
+      decodeBatch(stratumOrder(), k, mirrored.view(), mirror, LossWeights(CheckOptions().loss()), phi, mask);
       EXPECT_TRUE(std::equal(phi, phi + kStratumPointCount, &function.phi[k * kStratumPointCount])) << "mirror " << mirror;
       EXPECT_TRUE(std::equal(mask, mask + kStratumPointCount, &function.mask[k * kStratumPointCount])) << "mirror " << mirror;
     }

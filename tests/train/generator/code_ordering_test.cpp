@@ -84,7 +84,7 @@ TEST(OrderCodes, MakesTheMeanEquationsTheIdentityUpToUnits) {
   const Representation before = representationOf(network);
   CodeFit fit;
   for (int n = 0; n < kFunctions; ++n) {
-    const WeightingFunction function = decodeFunction(data().function(n), pointOrder(before), CodeOrderingOptions{}.dark_weight);
+    const WeightingFunction function = decoded(data().function(n), pointOrder(before), CodeOrderingOptions{}.loss);
     fit.iterate(before, function, {.iterations = 12, .prior = 1e-5}, kCodeCount, codes.data_ptr<float>() + n * kCodeCount);
   }
   orderCodes(data(), codeBasis(), allFunctions(), &network);
@@ -103,7 +103,7 @@ TEST(OrderCodes, MakesTheMeanEquationsTheIdentityUpToUnits) {
         Eigen::Map<const Eigen::VectorXf>(codes.data_ptr<float>() + n * kCodeCount, kCodeCount).cast<double>();
     const Eigen::VectorXd z = solver.solve(old_nodes * old + old_c - c);
     const Eigen::VectorXf as_floats = z.cast<float>();
-    const WeightingFunction function = decodeFunction(data().function(n), pointOrder(after), CodeOrderingOptions{}.dark_weight);
+    const WeightingFunction function = decoded(data().function(n), pointOrder(after), CodeOrderingOptions{}.loss);
     fit.equationsAt(after, function, without_prior, as_floats.data(), &one);
     equations += Eigen::Map<const Eigen::MatrixXf>(one.matrix.data(), kCodeCount, kCodeCount).cast<double>() / kFunctions;
     mean += z / kFunctions;
@@ -132,7 +132,7 @@ TEST(OrderCodes, GivesUnitsInWhichAByteHoldsAllButAFewNumbers) {
   torch::Tensor codes = codesOf(network);
   CodeFit fit;
   for (int n = 0; n < kFunctions; ++n) {
-    const WeightingFunction function = decodeFunction(data().function(n), pointOrder(code), CodeOrderingOptions{}.dark_weight);
+    const WeightingFunction function = decoded(data().function(n), pointOrder(code), CodeOrderingOptions{}.loss);
     fit.iterate(code, function, {.iterations = 12}, kCodeCount, codes.data_ptr<float>() + n * kCodeCount);
   }
   for (int k = 0; k < kCodeCount; ++k) {

@@ -33,7 +33,7 @@ double expected(GeneratorNetwork& network, const torch::Tensor& z, int64_t row, 
   for (int b = batch < 0 ? 0 : batch; b < (batch < 0 ? order.batchCount() : batch + 1); ++b) {
     const int begin = order.batch_begin[b], count = order.batch_begin[b + 1] - begin;
     std::vector<float> phi(static_cast<size_t>(count)), mask(static_cast<size_t>(count));
-    decodeBatch(order, b, data().function(sample.function), sample.mirror, phi.data(), mask.data());
+    decodeBatch(order, b, data().function(sample.function), sample.mirror, LossWeights(kUnweighed), phi.data(), mask.data());
     for (int i = 0; i < count; ++i) {
       if (mask[i] == 0.0f) continue;
       ++valid;
@@ -54,7 +54,7 @@ TEST(CodeMeanSquares, AreThoseOfTheFormulas) {
   const torch::NoGradGuard guard;
   for (const double dark_weight : {1.0, 64.0}) {
     for (const int batch : {-1, 0, 5}) {
-      const torch::Tensor got = codeMeanSquares(network, z, data(), samples(), batch, {.dark_weight = dark_weight});
+      const torch::Tensor got = codeMeanSquares(network, z, data(), samples(), batch, {.loss = {dark_weight, 1.0}});
       ASSERT_EQ(got.sizes(), torch::IntArrayRef({4}));
       for (int64_t row = 0; row < 4; ++row) {
         const double wanted = expected(network, z, row, batch, dark_weight);
@@ -71,7 +71,7 @@ TEST(CodeMeanSquares, HaveTheGradientOfFiniteDifferences) {
   GeneratorNetwork network = codeNetwork(5, 3);
   torch::Tensor z = someCodes(4, 4).requires_grad_();
   const auto errorAt = [&] {
-    return codeMeanSquares(network, z, data(), samples(), -1, {.dark_weight = 64.0}).to(torch::kDouble).sum();
+    return codeMeanSquares(network, z, data(), samples(), -1, {.loss = {64.0, 1.0}}).to(torch::kDouble).sum();
   };
   network->zero_grad();
   errorAt().backward();
@@ -104,7 +104,7 @@ TEST(CodeMeanSquares, LeakOnlyIntoTheSlope) {
       network->dictionary().select(1, kCodeCount).fill_(logit);
     }
     network->zero_grad();
-    const torch::Tensor error = codeMeanSquares(network, z, data(), samples(), -1, {.leak = leak}).sum();
+    const torch::Tensor error = codeMeanSquares(network, z, data(), samples(), -1, {.leak = leak, .loss = kUnweighed}).sum();
     error.backward();
     *value = error.item<double>();
     return network->dictionary().grad().select(1, kCodeCount).sum().item<double>();
@@ -151,9 +151,9 @@ TEST(TrainingOfCodes, LearnsADictionaryAndItsCodes) {
   ASSERT_TRUE(findRepresentation("code16", &code));
   TrainingState state = makeState(options, Theta(kCodeCount, 0.0f));
   const torch::Tensor dictionary = state.network->dictionary().detach().clone();
-  const HeldOutError before = heldOutError(state.average, code, held_out, 40);
+  const HeldOutError before = heldOutError(state.average, code, held_out, CheckOptions().loss(), 40);
   train(options, code, training, held_out, &state, [] {});
-  const HeldOutError after = heldOutError(state.average, code, held_out, 40);
+  const HeldOutError after = heldOutError(state.average, code, held_out, CheckOptions().loss(), 40);
   EXPECT_LT(after.network, 0.7 * before.network);
   EXPECT_FALSE(torch::equal(state.average->dictionary(), dictionary));
   // from the same seed the same numbers

@@ -59,6 +59,7 @@ Shard sampleShard(const std::string& scene, int first, int count) {
   shard.phi = set.phi;
   shard.validity = set.validity;
   shard.seen = set.seen;
+  shard.blend_sum = set.blend_sum;
   shard.probe_position_m.assign(3 * static_cast<size_t>(count), 0.0);
   shard.spacing_m.assign(static_cast<size_t>(count), 1.0f);
   shard.flags.assign(static_cast<size_t>(count), 0);

@@ -19,6 +19,7 @@ const TrainingData& data() {
     set.phi.resize(set.phi.size() + kSupportPointCount, 0);
     set.validity.resize(set.validity.size() + kValidityByteCount, 0);
     set.seen = set.validity;
+    set.blend_sum.resize(set.phi.size(), 255);
     return TrainingData(std::move(set), sampleBasis(kSampleClasses, 1), sampleBasis(kSampleClasses, 1));
   }();
   return training;
@@ -36,6 +37,8 @@ torch::Tensor randomThetaBatch(size_t count) {
   return batch;
 }
 
+constexpr LossOptions kLoss{64.0, 0.2};
+
 // The points of a sample: places [first, first + count) of the order.
 struct SamplePoints {
   int first, count, valid_count = 0;
@@ -45,7 +48,7 @@ struct SamplePoints {
       : first(sample.batch * kStratumPointCount), count(sample.batch_count * kStratumPointCount), phi(count), mask(count) {
     for (int b = 0; b < sample.batch_count; ++b) {
       valid_count += decodeBatch(stratumOrder(), sample.batch + b, data().function(sample.function), sample.mirror,
-                                 &phi[b * kStratumPointCount], &mask[b * kStratumPointCount]);
+                                 LossWeights(kLoss), &phi[b * kStratumPointCount], &mask[b * kStratumPointCount]);
     }
   }
 };
@@ -60,7 +63,7 @@ double meanSquare(const Representation& representation, const Sample& sample, co
 }
 
 torch::Tensor functionLoss(const torch::Tensor& theta, const Representation& representation, const std::vector<Sample>& samples) {
-  return differentiable(measureTheta(theta, {representation, data(), samples}), theta);
+  return differentiable(measureTheta(theta, {representation, data(), samples, kLoss}), theta);
 }
 
 TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {

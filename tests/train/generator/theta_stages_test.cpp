@@ -88,7 +88,7 @@ TEST(ThetaStages, AreOnesOfTheta0BeforeTraining) {
     const Theta theta0 = randomTheta(representation, 1);
     GeneratorNetwork network(smallShape(), theta0, 7);
     const std::vector<Sample> samples = allPoints(representation, 5);
-    const ThetaStages stages = runStages(network, representation, training(), samples);
+    const ThetaStages stages = runStages(network, representation, training(), samples, kUnweighed);
     ASSERT_EQ(stages.mean_squares.size(), size_t(1 + solveCount(representation))) << representationName(representation);
     torch::Tensor theta = torch::tensor(theta0).repeat({5, 1});
     const torch::Tensor generated = measureTheta(theta, {representation, training(), samples}).mean_square;
@@ -108,7 +108,7 @@ TEST(ThetaStages, AreAsManyAsTheShapeSays) {
   GeneratorShape shape = smallShape();
   shape.exact_last_layer = false;
   GeneratorNetwork network(shape, randomTheta(kTentMlp, 1), 7);
-  EXPECT_EQ(runStages(network, kTentMlp, training(), allPoints(kTentMlp, 2)).mean_squares.size(), 1u);
+  EXPECT_EQ(runStages(network, kTentMlp, training(), allPoints(kTentMlp, 2), kUnweighed).mean_squares.size(), 1u);
 }
 
 TEST(ThetaStages, NeverRiseWhenTheLastLayerIsSolved) {
@@ -116,7 +116,7 @@ TEST(ThetaStages, NeverRiseWhenTheLastLayerIsSolved) {
   shake(network, 0.2);
   std::vector<Sample> samples;
   for (int n = 0; n < 60; ++n) samples.push_back({n, n % 8, n % 7, 1 + n % 2});
-  const ThetaStages stages = runStages(network, kTentMlp, training(), samples);
+  const ThetaStages stages = runStages(network, kTentMlp, training(), samples, kUnweighed);
   EXPECT_TRUE((stages.mean_squares[1] < stages.mean_squares[0]).all().item<bool>())
       << torch::stack(stages.mean_squares).slice(0, 0, 2);
 }
@@ -127,7 +127,7 @@ std::pair<double, double> slopes(GeneratorNetwork& network, const Representation
   const std::vector<Sample> samples = allPoints(representation, 8);
   std::vector<torch::Tensor> parameters = network->parameters(), gradients;
   network->zero_grad();
-  runStages(network, representation, training(), samples).mean_squares[stage].sum().backward();
+  runStages(network, representation, training(), samples, kUnweighed).mean_squares[stage].sum().backward();
   double square = 0.0;
   for (const torch::Tensor& parameter : parameters) {
     gradients.push_back(parameter.grad().clone());
@@ -137,8 +137,11 @@ std::pair<double, double> slopes(GeneratorNetwork& network, const Representation
   torch::NoGradGuard guard;
   const auto errorAt = [&](double step) {
     for (size_t i = 0; i < parameters.size(); ++i) parameters[i].add_(step / norm * gradients[i]);
-    const double error =
-        runStages(network, representation, training(), samples).mean_squares[stage].to(torch::kDouble).sum().item<double>();
+    const double error = runStages(network, representation, training(), samples, kUnweighed)
+                             .mean_squares[stage]
+                             .to(torch::kDouble)
+                             .sum()
+                             .item<double>();
     for (size_t i = 0; i < parameters.size(); ++i) parameters[i].sub_(step / norm * gradients[i]);
     return error;
   };
@@ -161,7 +164,7 @@ TEST(ThetaStages, HaveTheGradientOfFiniteDifferences) {
 TEST(ThetaStages, LeaveTheGeneratedLastLayerAloneOnceItIsSolved) {
   GeneratorNetwork network(smallShape(), randomTheta(kTentMlp, 1), 7);
   shake(network, 0.05);
-  const ThetaStages stages = runStages(network, kTentMlp, training(), allPoints(kTentMlp, 8));
+  const ThetaStages stages = runStages(network, kTentMlp, training(), allPoints(kTentMlp, 8), kUnweighed);
   for (size_t s = 1; s < stages.mean_squares.size(); ++s) {
     network->zero_grad();
     stages.mean_squares[s].sum().backward({}, /*retain_graph=*/true);
@@ -174,8 +177,8 @@ TEST(ThetaStages, LeaveTheGeneratedLastLayerAloneOnceItIsSolved) {
 TEST(ThetaStages, LearnFunctionsThatTrainingHasNotSeen) {
   for (const Representation& representation : kRepresentations) {
     GeneratorNetwork untrained(smallShape(), startTheta(representation), 1);
-    const HeldOutError before = heldOutError(untrained, representation, heldOut(), kHeldOutCount);
-    const HeldOutError after = heldOutError(trained(representation), representation, heldOut(), kHeldOutCount);
+    const HeldOutError before = heldOutError(untrained, representation, heldOut(), kUnweighed, kHeldOutCount);
+    const HeldOutError after = heldOutError(trained(representation), representation, heldOut(), kUnweighed, kHeldOutCount);
     // 300 steps on 150 functions: the generator has not come far
     EXPECT_LT(after.network, 0.9 * before.network) << representationName(representation);
     EXPECT_LT(after.final, 0.9 * before.final) << representationName(representation);
@@ -188,7 +191,7 @@ TEST(ThetaStages, LearnFunctionsThatTrainingHasNotSeen) {
 TEST(HeldOutError, IsTheMeanOverFunctionsOfTheBestStage) {
   GeneratorNetwork& network = trained(kTentMlp);
   torch::NoGradGuard guard;
-  const ThetaStages stages = runStages(network, kTentMlp, heldOut(), allPoints(kTentMlp, kHeldOutCount));
+  const ThetaStages stages = runStages(network, kTentMlp, heldOut(), allPoints(kTentMlp, kHeldOutCount), kUnweighed);
   double generated = 0.0, final = 0.0;
   for (int n = 0; n < kHeldOutCount; ++n) {
     double least = INFINITY;
@@ -196,7 +199,7 @@ TEST(HeldOutError, IsTheMeanOverFunctionsOfTheBestStage) {
     generated += std::sqrt(stages.mean_squares[0][n].item<double>()) / kHeldOutCount;
     final += std::sqrt(least) / kHeldOutCount;
   }
-  const HeldOutError error = heldOutError(network, kTentMlp, heldOut(), 2048);
+  const HeldOutError error = heldOutError(network, kTentMlp, heldOut(), kUnweighed, 2048);
   EXPECT_NEAR(error.network, generated, 1e-6 * generated);
   EXPECT_NEAR(error.final, final, 1e-6 * final);
 }
@@ -205,7 +208,8 @@ TEST(ThetaStages, AreThoseOfBakeTime) {
   for (const Representation& representation : kRepresentations) {
     GeneratorNetwork& network = trained(representation);
     torch::NoGradGuard guard;
-    const ThetaStages stages = runStages(network, representation, heldOut(), allPoints(representation, kHeldOutCount));
+    const ThetaStages stages =
+        runStages(network, representation, heldOut(), allPoints(representation, kHeldOutCount), kUnweighed);
     const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
 
     const Generator generator(network->toData(representation, basis()));
@@ -216,15 +220,15 @@ TEST(ThetaStages, AreThoseOfBakeTime) {
     for (int n = 0; n < kHeldOutCount; ++n) functions.push_back(heldOut().function(n));
     PolicyOptions options;
     options.good_rmse = 0.0;
-    // nothing passes, so that no theta is put back for its leaks
+    // nothing passes, so that no theta is put back
     options.tau_rmse = 1e-9;
-    // as training fits
-    options.dark_weight = 1.0;
+    // as the stages above were judged
+    options.dark_weight = options.blend_floor = 1.0;
     std::vector<ThetaRecord> records(kHeldOutCount);
     StageRunner(generator, options, ThetaStage::last_layer).make(functions.data(), kHeldOutCount, theta.data(), records.data());
     for (int n = 0; n < kHeldOutCount; ++n) {
       const double expected = least[n].item<double>();
-      const double rmse = functionRmse(representation, decodeFunction(functions[n], pointOrder(representation)), &theta[n * D]);
+      const double rmse = functionRmse(representation, decoded(functions[n], pointOrder(representation)), &theta[n * D]);
       // of a thousand roundings of coefficients, theta and values, each of 2^-24
       EXPECT_NEAR(rmse * rmse, expected, 1e-3 * expected) << representationName(representation) << ", function " << n;
     }

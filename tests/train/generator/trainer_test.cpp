@@ -88,17 +88,17 @@ class Checkpoint : public testing::Test {
 
 TEST(Train, LowersTheLoss) {
   TrainingState state = makeState(run().options, run().theta0);
-  const HeldOutError before = heldOutError(state.network, kTentMlp, run().training, 24);
+  const HeldOutError before = heldOutError(state.network, kTentMlp, run().training, CheckOptions().loss(), 24);
   int saves = 0;
   const TrainReport report = train(run().options, kTentMlp, run().training, run().held_out, &state, [&] { ++saves; });
   EXPECT_EQ(state.step, 40);
   EXPECT_EQ(saves, 2);
   for (GeneratorNetwork* network : {&state.network, &state.average}) {  // the average follows
-    const HeldOutError after = heldOutError(*network, kTentMlp, run().training, 24);
+    const HeldOutError after = heldOutError(*network, kTentMlp, run().training, CheckOptions().loss(), 24);
     EXPECT_LT(after.network, before.network);
     EXPECT_LT(after.final, before.final);
   }
-  const HeldOutError held_out = heldOutError(state.average, kTentMlp, run().held_out, 2048);
+  const HeldOutError held_out = heldOutError(state.average, kTentMlp, run().held_out, CheckOptions().loss(), 2048);
   EXPECT_EQ(report.held_out.network, held_out.network);
   EXPECT_EQ(report.held_out.final, held_out.final);
   EXPECT_EQ(std::count(state.log_csv.begin(), state.log_csv.end(), '\n'), 3) << state.log_csv;
@@ -134,9 +134,9 @@ TEST(Train, BeatsTheBestThetaForAllFunctions) {
   options.start.final_steps = 1000;
   options.start.levenberg_iterations = 30;
   TrainingState state = makeState(options, fitTheta0(kTentMlp, meanOf(sampleSet(24, 1)), options.start));
-  const double best_constant = heldOutError(state.network, kTentMlp, run().training, 24).network;
+  const double best_constant = heldOutError(state.network, kTentMlp, run().training, CheckOptions().loss(), 24).network;
   train(options, kTentMlp, run().training, run().held_out, &state, [] {});
-  EXPECT_LT(heldOutError(state.network, kTentMlp, run().training, 24).network, 0.9 * best_constant);
+  EXPECT_LT(heldOutError(state.network, kTentMlp, run().training, CheckOptions().loss(), 24).network, 0.9 * best_constant);
 }
 
 TEST(Train, RaisesOnNumbersThatAreNotFinite) {
@@ -242,8 +242,8 @@ TEST_F(Checkpoint, ResumesAKilledRunBitForBit) {
   expectSame(whole.average->parameters(), resumed.average->parameters(), "average");
   EXPECT_EQ(whole.draw, resumed.draw);
   EXPECT_EQ(whole.recent_losses, resumed.recent_losses);
-  EXPECT_EQ(heldOutError(whole.average, kTentMlp, run().held_out, 6).final,
-            heldOutError(resumed.average, kTentMlp, run().held_out, 6).final);
+  EXPECT_EQ(heldOutError(whole.average, kTentMlp, run().held_out, CheckOptions().loss(), 6).final,
+            heldOutError(resumed.average, kTentMlp, run().held_out, CheckOptions().loss(), 6).final);
 }
 
 TEST_F(Checkpoint, TellsItsIdentity) {
