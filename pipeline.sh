@@ -96,6 +96,8 @@ mapfile -t again <<<"$damaged"
 workflow ${damaged:+"${again[@]}"} all
 # snakemake takes it away after the last training, and forgets it where it was killed just then
 rm -f "$run/training/functions.cache"
+# the headline, what each generator was judged by, and the rule
+cat "$run/verdict.txt"
 echo "The report: $(realpath "$run/report.html")"
 [ ! -e "$run/evaluation/report.html" ] || echo "… of the evaluation: $(realpath "$run/evaluation/report.html")"
 code=0

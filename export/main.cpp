@@ -97,7 +97,7 @@ void roundMatrices(GeneratorNetwork& network) {
 int64_t spread(const TrainingData& data, int64_t i, int64_t count) { return i * data.functionCount() / count; }
 
 // Mean blend RMSE of predicted theta.
-double meanRmse(const Generator& generator, const TrainingData& data, int limit) {
+double meanBlendRmse(const Generator& generator, const TrainingData& data, int limit) {
   const int64_t count = std::min<int64_t>(limit, data.functionCount());
   GeneratorScratch scratch(generator);
   Theta theta(generator.representation().thetaCount());
@@ -161,10 +161,10 @@ TrainingState readState(const Request& request, const CheckpointFile& checkpoint
   return state;
 }
 
-void checkParity(const Parity& parity, double held_out_rmse, const ExportOptions& options) {
+void checkParity(const Parity& parity, double held_out_blend_rmse, const ExportOptions& options) {
   double difference = parity.theta;
   raise(difference, parity.output);
-  if (difference < options.parity_tolerance && std::isfinite(held_out_rmse)) return;
+  if (difference < options.parity_tolerance && std::isfinite(held_out_blend_rmse)) return;
   throw CheckFailed("parity of libtorch and evaluator over " + std::to_string(parity.functions) + " functions",
                     "a difference below " + std::to_string(options.parity_tolerance), std::to_string(difference));
 }
@@ -200,27 +200,28 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
                                data.basis);
   if (functions.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
   const Parity parity = compare(state, generator, functions, options.parity_functions);
-  const double held_out_rmse = meanRmse(generator, functions, options.parity_functions);
-  checkParity(parity, held_out_rmse, options);
+  const double held_out_blend_rmse = meanBlendRmse(generator, functions, options.parity_functions);
+  checkParity(parity, held_out_blend_rmse, options);
 
   const nlohmann::ordered_json origin =
       provenance("nlg-export", table.toJson(), {{"checkpoint", checkpoint.sha256()}, {"basis", basis_sha256}});
   file.metadata["training_options"] = checkpoint.identity().options_json;
   file.metadata["training_set_sha256"] = checkpoint.identity().training_set_sha256;
   file.metadata["training_functions"] = std::to_string(basis.basis.function_count);
-  file.metadata["held_out_rmse_mean"] = std::to_string(held_out_rmse);
+  file.metadata["held_out_blend_rmse_mean"] = std::to_string(held_out_blend_rmse);
   file.metadata["parity_theta"] = std::to_string(parity.theta);
   file.metadata["provenance"] = origin.dump();
   const std::string bytes = serializeWeights(file);
   writeFileAtomically(request.out, bytes);
   if (!request.onnx.empty()) writeOnnx(file, data, sha256(bytes), request.onnx);
-  const nlohmann::ordered_json result = {{"representation", checkpoint.identity().representation},
-                                         {"dtype", options.dtype},
-                                         {"parity_functions", parity.functions},
-                                         {"parity_theta", parity.theta},
-                                         {"parity_output", parity.output},
-                                         {"held_out_rmse", held_out_rmse},
-                                         {"held_out_rmse_float32", meanRmse(unrounded, functions, options.parity_functions)}};
+  const nlohmann::ordered_json result = {
+      {"representation", checkpoint.identity().representation},
+      {"dtype", options.dtype},
+      {"parity_functions", parity.functions},
+      {"parity_theta", parity.theta},
+      {"parity_output", parity.output},
+      {"held_out_blend_rmse", held_out_blend_rmse},
+      {"held_out_blend_rmse_float32", meanBlendRmse(unrounded, functions, options.parity_functions)}};
   std::cout << result.dump() << '\n';
 }
 

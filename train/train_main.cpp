@@ -150,8 +150,8 @@ void printReport(const Request& request, const TrainingData& training, const Tra
   const nlohmann::ordered_json result = {{"representation", request.representation},
                                          {"functions", training.functionCount()},
                                          {"steps", state.step},
-                                         {"held_out_network", report.held_out.network},
-                                         {"held_out_rmse", report.held_out.final},
+                                         {"held_out_network_blend_rmse", report.held_out.network},
+                                         {"held_out_blend_rmse", report.held_out.final},
                                          {"rollbacks", state.rollbacks},
                                          {"elapsed_s", report.elapsed_s},
                                          {"samples_per_s", report.samples_per_s}};

@@ -26,7 +26,7 @@ from tool.input_file import read_bytes, read_json
 # which tool knows a file by its ending; shards aside
 TOOL_OF = {".h5": "nlg-pca", ".ckpt": "nlg-train", ".safetensors": "nlg-export"}
 # how a whole one ends
-END_OF = {".csv": b"\n", ".html": b"</html>", ".png": b"IEND\xaeB`\x82"}
+END_OF = {".csv": b"\n", ".txt": b"\n", ".html": b"</html>", ".png": b"IEND\xaeB`\x82"}
 
 
 def say(line):

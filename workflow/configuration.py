@@ -179,7 +179,7 @@ class Run:
         names += [*([] if self.report["stability"] == "short" else ["training_cases.json"]), "stability.json"]
         names += [f"savings/{scene}.json" for scene in matching(self.held_out + self.evaluation, self.report["savings"])]
         names += [f"light/{scene}.json" for scene in self.light_scenes]
-        names += [f"{split}{file}" for split in ("", *(f"{name}/" for name in judged[1:])) for file in ("report.html", "slices.png")]
+        names += [f"{split}{file}" for split in ("", *(f"{name}/" for name in judged[1:])) for file in ("report.html", "slices.png", "verdict.txt")]
         return [f"{self.folder}/{name}" for name in names]
 
     def picture_folders(self):

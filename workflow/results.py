@@ -46,6 +46,24 @@ GENERATED = {ROOT / "docs" / "reference" / "results.md": results_page.page, ROOT
 OF_ONE_FILE = (light_page.NAME, reliability_page.NAME, cycles_page.NAME)  # pages of a results file of their name; without it they are left alone
 
 
+RULE = ROOT / "docs" / "guide" / "training.md"  # which says in words when a generator may ship
+RULE_BEGINS, RULE_ENDS = "<!-- the rule, by validate/report/verdict.py: workflow/results.py write -->\n", "<!-- so far -->\n"
+
+
+def with_rule(text, problems):
+    """The guide with the rule as verdict.py has it, its taus being the bake's defaults."""
+    defaults = {setting["name"]: setting["default"] for setting in read_json(ROOT / "workflow" / "settings.json").value if setting["section"] == "bake"}
+    begin, end = text.find(RULE_BEGINS), text.find(RULE_ENDS)
+    if not 0 <= begin < end:
+        problems.append((f"{RULE.relative_to(ROOT)}: expected the lines that begin and end the rule, got none", True))
+        return text
+    sentences = results_page.verdict.rule(results_page.verdict.Limits(), defaults["tau_rmse"], defaults["tau_blend"])
+    whole = text[: begin + len(RULE_BEGINS)] + "".join(f"{i}. {sentence}\n" for i, sentence in enumerate(sentences, 1)) + text[end:]
+    if whole != text:
+        problems.append((f"{RULE.relative_to(ROOT)}: expected the rule as validate/report/verdict.py has it, got another text", False))
+    return whole
+
+
 def expected_texts(all_results, problems):
     """Path → the text as the results have it; problems gets a line and whether it is the key that is wrong."""
     texts = {}
@@ -57,6 +75,8 @@ def expected_texts(all_results, problems):
                 problems.append((f"{path.relative_to(ROOT)}: expected what docs/results says, got another text", False))
     for name, phrases in read_json(ROOT / "workflow" / "quotes.json").value.items():
         texts[ROOT / name] = fill(read_text(ROOT / name), phrases, all_results, problems, name)
+    if RULE.exists():
+        texts[RULE] = with_rule(texts.get(RULE) or read_text(RULE), problems)
     return texts
 
 

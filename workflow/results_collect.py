@@ -1,8 +1,8 @@
 """What a run measured, reduced to what the documentation quotes or tables: docs/results/NAME.json. Read by results.py.
 
 Taken are, where the run's folder has them:
-    evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 1
-    evaluation/frontier.json                           nlg-validate frontier, schema_version 1
+    evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 2
+    evaluation/frontier.json                           nlg-validate frontier, schema_version 2
     stability.json                                     nlg-validate stability
     savings/SCENE.json                                 nlg-bake (--json)
     bakes/SCENE.json                                   nlg-bake (--json)
@@ -23,6 +23,8 @@ from tool.input_file import read_json as read_node
 STAGES = ("network", "corrected", "fitted", "stored")
 POPULATIONS = ("all", "theta", "hard")
 FITS = ("direct", "adam_theta0", "lm_theta0", "adam_random", "best_known")
+ERRORS = ("blend_rmse", "rmse")
+SCHEMA_VERSION = 2  # of summary.json and frontier.json
 STATISTICS = ("median", "mean", "p95", "p99", "worst")
 DIGITS = 4  # significant: as many as any text shows
 
@@ -72,7 +74,7 @@ def quantiles(q, place):
 
 def figures(source, place):
     """One population's figures: the errors in full, their means alone at test points and occluded points."""
-    out = {"functions": source["functions"], "rmse": {**quantiles(source["rmse"], f"{place}.rmse"), "interval": source["rmse"]["interval"]}}
+    out = {"functions": source["functions"], **{key: {**quantiles(take(source, ERRORS, place)[key], f"{place}.{key}"), "interval": source[key]["interval"]} for key in ERRORS}}
     for key in ("rmse_test_points", "rmse_occluded"):
         out[key] = {**take(source[key], ["mean"], f"{place}.{key}"), "interval": take(source[key]["interval"], ["mean"], f"{place}.{key}.interval")}
     keys = ["leak", "share_failing_check", "share_fitted", "us_per_function", "us_per_function_median"]
@@ -86,7 +88,7 @@ def by_population(source, place):
 def sample(source, place):
     """What direct fits were made of: too few functions for percentiles of their own to stand beside those of all."""
     def short(population, where):
-        return {"rmse": take(population["rmse"], ["median", "mean"], where), **take(population, ["functions", "us_per_function"], where)}
+        return {**{key: take(population[key], ["median", "mean"], where) for key in ERRORS}, **take(population, ["functions", "us_per_function"], where)}
     words = [word for word in (*STAGES, *FITS) if word in source]
     return {**take(source, ["functions", "hard", "ratios"], place), **{key: source[key] for key in ("best_known_from",) if key in source},
             **{word: {key: short(source[word][key], f"{place}.{word}.{key}") for key in ("theta", "hard")} for word in words}}
@@ -98,15 +100,21 @@ def representation(source, place):
     out.update({word: by_population(source[word], f"{place}.{word}") for word in STAGES})
     if "sample" in source:
         out["sample"] = sample(source["sample"], f"{place}.sample")
-    out["by_scene"] = {scene: {word: quantiles(q, f"{place}.by_scene.{scene}.{word}") for word, q in words.items()}
+    out["by_scene"] = {scene: {word: {key: quantiles(errors[key], f"{place}.by_scene.{scene}.{word}.{key}") for key in ERRORS} for word, errors in words.items()}
                        for scene, words in sorted(source["by_scene"].items())}
     return out
 
 
-def summary(path):
+def read_measured(path):
+    """summary.json or frontier.json."""
     document = read_json(path)
-    if document.get("schema_version") != 1:
-        fail(path, "schema_version 1", document.get("schema_version"))
+    if document.get("schema_version") != SCHEMA_VERSION:
+        fail(path, f"schema_version {SCHEMA_VERSION}", document.get("schema_version"))
+    return document
+
+
+def summary(path):
+    document = read_measured(path)
     out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
            **take(document, ["tau", "theta_precision", "functions"], path), "tent": by_population(document["tent"], f"{path}: tent")}
     out["representations"] = {name: representation(entry, f"{path}: {name}") for name, entry in document["representations"].items()}
@@ -121,9 +129,7 @@ def point_key(point, others):
 
 def frontier(path):
     """Points by representation and family; what is by scene stays behind."""
-    document = read_json(path)
-    if document.get("schema_version") != 1:
-        fail(path, "schema_version 1", document.get("schema_version"))
+    document = read_measured(path)
     keys = ["functions", "bare_tent", "front_sentences", "speed_at_equal_error", "speed_at_equal_error_hard"]
     out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
            **take(document, keys, path), "points": {}}

@@ -1,6 +1,13 @@
 """docs/reference/results.md: what the documentation holds of all results, as tables. Written by results.py from docs/results/, where the rest stands."""
+import sys
+from pathlib import Path
+
 from results_collect import STAGES
 from results_quotes import MAIN, microseconds, number, percent
+from tool.input_file import Node
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "validate" / "report"))  # whose verdict is judged by
+import verdict
 
 INTRODUCTION = """# Results
 
@@ -15,11 +22,11 @@ A *generator* looks at a weighting function φ and writes down θ, the numbers t
 - **stored**: what the grid holds in the end, rounded, and with bare tents.
 
 *Share fitted* is the share of functions that took any such step, whether or not its result was kept.
-The *bare tent* is the pyramid that every function is where nothing stands in its probe's way. Where it is good enough a bake stores no θ. A function is *hard* when its bare tent has an error of .01 or more.
-*Direct* is the best of long fits from θ₀ (the same start for all functions) and from random starts. *Best known* is the least error that any long fit has found, those from the generator's θ among them.
+The *bare tent* is the pyramid that every function is where nothing stands in its probe's way. Where it is good enough a bake stores no θ. A function is *hard* when its bare tent has an RMSE of .01 or more.
+*Direct* is the best of long fits from θ₀ (the same start for all functions) and from random starts. *Best known* is the least blend RMSE that any long fit has found, those from the generator's θ among them.
 *Occluded* points are in air, and the probe does not see them. *Test points* are points that no fit has seen. *Leak* is the weight given where φ is 0.
 
-Errors are RMSE over the points of a function that are in air. Parentheses hold 95 % intervals, by bootstrap over scenes. How it is all measured: [formats](formats.md#summaryjson), [error against run time](frontier.md), [stability](stability.md).
+*Blend RMSE* is the root of the [loss](../theory/math.md#4-the-tiny-networks-their-loss-and-gradient) that every fit minimises, with and without a generator, and by which all is judged: points where the probe must not count weigh most, then those that few other probes see. *RMSE* stands beside it and weighs all points alike. Both are over the points of a function that are in air. A function *fails the check* where either is above its threshold. Parentheses hold 95 % intervals, by bootstrap over scenes. How it is all measured: [formats](formats.md#summaryjson), [error against run time](frontier.md), [stability](stability.md).
 """
 
 
@@ -51,19 +58,26 @@ def short_ratio(entry):
 
 
 def error_cells(theta, hard):
-    rmse = theta["rmse"]
-    return [number(rmse["median"]), with_interval(rmse, "mean"), with_interval(rmse, "p95"), number(rmse["worst"]), number(hard["rmse"]["mean"]), number(hard["rmse"]["p95"]),
-            number(theta["rmse_test_points"]["mean"]), number(theta["rmse_occluded"]["mean"]), number(theta["leak"]["mean"], 5), share(theta["share_failing_check"]), share(theta["share_fitted"])]
+    blend = theta["blend_rmse"]
+    return [number(blend["median"]), with_interval(blend, "mean"), with_interval(blend, "p95"), number(blend["worst"]), number(hard["blend_rmse"]["mean"]), number(hard["blend_rmse"]["p95"]),
+            with_interval(theta["rmse"], "mean"), number(theta["rmse_test_points"]["mean"]), number(theta["rmse_occluded"]["mean"]), number(theta["leak"]["mean"], 5), share(theta["share_failing_check"]), share(theta["share_fitted"])]
 
 
-ERROR_HEAD = ["", "", "median", "mean", "p95", "worst", "hard: mean", "hard: p95", "test points, mean", "occluded, mean", "leak, mean", "fails the check", "share fitted", "µs a function"]
+ERROR_HEAD = ["", "", "blend RMSE: median", "mean", "p95", "worst", "hard: mean", "hard: p95", "RMSE: mean", "at test points, mean", "occluded, mean", "leak, mean", "fails the check", "share fitted", "µs a function"]
+
+
+def in_training(counts):
+    """Nothing where validate was given no training shards: then all distinct functions are held out, and nobody compared them."""
+    if counts["distinct"] <= counts["held_out"]:
+        return ""
+    return (f"Training has {counts['held_out_in_training']:,} of all of them too, by the rule for duplicates, and {counts['held_out_in_training_mirrored']:,} when mirror images count. ")
 
 
 def evaluation_section(split):
     counts = split["functions"]
     text = (f"\n## Evaluation: levels that no generator was trained on\n{counts['held_out']:,} distinct functions of {counts['held_out_scenes']} levels and furnished villas. "
-            f"{counts['take_theta']:,} of them take a θ, and the table is of these; {counts['hard']:,} are hard. Training has {counts['held_out_in_training']:,} of all of them too, "
-            f"by the rule for duplicates, and {counts['held_out_in_training_mirrored']:,} when mirror images count. θ is stored in {split['theta_precision']}. Revision `{split['revision']}`.\n\n"
+            f"{counts['take_theta']:,} of them take a θ, and the table is of these; {counts['hard']:,} are hard. {in_training(counts)}"
+            f"θ is stored in {split['theta_precision']}. Revision `{split['revision']}`.\n\n"
             "One setting was once chosen with the help of these levels (commits a41ee66 to 04510fc), and villas of other seeds were looked at while the weights were made.\n")
     rows = [["bare tent", "", *error_cells(split["tent"]["theta"], split["tent"]["hard"]), "0"]]
     for name, entry in split["representations"].items():
@@ -74,10 +88,10 @@ def evaluation_section(split):
 
 
 def share_section(split):
-    rows = [[f"`{name}`", number(entry["stored"]["all"]["rmse"]["mean"]), share(entry["stored"]["all"]["share_fitted"])] for name, entry in split["representations"].items()]
+    rows = [[f"`{name}`", *(number(entry["stored"]["all"][error]["mean"]) for error in ("blend_rmse", "rmse")), share(entry["stored"]["all"]["share_fitted"])] for name, entry in split["representations"].items()]
     text = ("\n### Of all distinct functions\nThose that need no θ count as what they are, the bare tent. The share fitted of all functions is what stands beside the 4 to 13 % of the talk; "
             "whole bakes, below, have more bare tents than these distinct functions.\n")
-    return text + table(["", "stored, mean", "share fitted"], rows)
+    return text + table(["", "stored, mean blend RMSE", "mean RMSE", "share fitted"], rows)
 
 
 def sample_section(split):
@@ -87,34 +101,34 @@ def sample_section(split):
         return ""
     first = next(iter(sampled.values()))
     text = (f"\n### Against direct fits\nA sample of {first['functions']:,} functions, {first['hard']:,} of them hard; its percentiles are not those of the whole set. "
-            "Means, and medians of the error over that of the best known, function by function.\n")
+            "Mean blend RMSEs, and medians of the blend RMSE over that of the best known, function by function.\n")
     rows = []
     for name, entry in sampled.items():
         to_best = {word: entry["ratios"][word]["to_best_known"] for word in STAGES}
-        mean = lambda word: number(entry[word]["theta"]["rmse"]["mean"])
+        mean = lambda word: number(entry[word]["theta"]["blend_rmse"]["mean"])
         rows.append([f"`{name}`", mean("stored"), mean("direct"), mean("best_known"), microseconds(entry["direct"]["theta"]["us_per_function"]),
                      *(short_ratio(to_best[word]["median"]) for word in STAGES[:-1]), ratio(to_best["stored"]["median"]), ratio(to_best["stored"]["median_hard"])])
     return text + table(["", "stored", "direct", "best known", "direct, µs a function", "over best known: network", "corrected", "fitted", "stored", "stored, hard"], rows) + convergence_section(split)
 
 
 def convergence_section(split):
-    """Whether direct fits have converged: their error over restarts and over steps."""
+    """Whether direct fits have converged: their blend RMSE over restarts and over steps."""
     curves = {name: entry["convergence"] for name, entry in split["representations"].items() if entry.get("convergence", {}).get("functions")}
     if not curves:
         return ""
     first = next(iter(curves.values()))
     points = lambda curve: [*curve["by_restarts"], *curve["by_adam_steps"]]
     head = ["", *(f"{point['restarts']} random starts" for point in first["by_restarts"]), *(f"{point['adam_steps']:,} steps" for point in first["by_adam_steps"])]
-    rows = [[f"`{name}`", *(number(point["rmse_mean"], 5) for point in points(curve))] for name, curve in curves.items()]
-    return f"\nWhether direct fits have converged: mean error of {first['functions']} hard functions, with more random starts and with more steps of Adam.\n" + table(head, rows)
+    rows = [[f"`{name}`", *(number(point["blend_rmse_mean"], 5) for point in points(curve))] for name, curve in curves.items()]
+    return f"\nWhether direct fits have converged: mean blend RMSE of {first['functions']} hard functions, with more random starts and with more steps of Adam.\n" + table(head, rows)
 
 
 def validation_section(split):
     counts = split["functions"]
-    rows = [[f"`{name}`", *(number(entry[word]["theta"]["rmse"]["mean"]) for word in STAGES), with_interval(entry["stored"]["theta"]["rmse"], "p95"), number(entry["stored"]["hard"]["rmse"]["mean"]),
-             share(entry["stored"]["theta"]["share_failing_check"]), share(entry["stored"]["theta"]["share_fitted"])] for name, entry in split["representations"].items()]
-    text = (f"\n## Validation: held-out scenes of the kinds trained on\n{counts['take_theta']:,} functions that take a θ, of {counts['held_out_scenes']} scenes. Revision `{split['revision']}`.\n")
-    return text + table(["", *(f"{word}, mean" for word in STAGES), "stored, p95", "stored, hard: mean", "fails the check", "share fitted"], rows)
+    rows = [[f"`{name}`", *(number(entry[word]["theta"]["blend_rmse"]["mean"]) for word in STAGES), with_interval(entry["stored"]["theta"]["blend_rmse"], "p95"), number(entry["stored"]["hard"]["blend_rmse"]["mean"]),
+             number(entry["stored"]["theta"]["rmse"]["mean"]), share(entry["stored"]["theta"]["share_failing_check"]), share(entry["stored"]["theta"]["share_fitted"])] for name, entry in split["representations"].items()]
+    text = (f"\n## Validation: held-out scenes of the kinds trained on\n{counts['take_theta']:,} functions that take a θ, of {counts['held_out_scenes']} scenes. Errors are blend RMSEs where nothing else is said. Revision `{split['revision']}`.\n")
+    return text + table(["", *(f"{word}, mean" for word in STAGES), "stored, p95", "stored, hard: mean", "stored, mean RMSE", "fails the check", "share fitted"], rows)
 
 
 def stages_section(split):
@@ -134,24 +148,67 @@ def frontier_section(front):
     for name, point in sorted(members, key=lambda member: member[1]["figures"]["theta"]["us_median"]):
         theta, hard = point["figures"]["theta"], point["figures"]["hard"]
         label = f"bake, after: {point['label']}" if point["family"] == "stages" else point["label"]
-        rows.append([f"`{name}`", label, microseconds(theta["us_median"]), *(number(theta[key]) for key in ("rmse_mean", "rmse_median", "rmse_p95")), number(hard["rmse_mean"]) if hard else ""])
-    text += table(["", "", "µs a function, median", "mean", "median", "p95", "hard: mean"], rows)
-    text += ("\n### Speed at equal error\nHow many times as long the fastest fit without a generator takes to exactly the mean error of what the bake has *fitted*. Below 1 the fit is the faster way.\n")
+        rows.append([f"`{name}`", label, microseconds(theta["us_median"]), *(number(theta[key]) for key in ("blend_rmse_mean", "blend_rmse_median", "blend_rmse_p95")), number(hard["blend_rmse_mean"]) if hard else "",
+                     number(theta["rmse_mean"]), percent(theta["share_failing_check"])])
+    text += table(["", "", "µs a function, median", "blend RMSE: mean", "median", "p95", "hard: mean", "RMSE: mean", "fails the check"], rows)
+    return text + speed_section(front)
+
+
+def times_as_long(speed):
+    """The ratio of a speed, or what is known of it."""
+    if speed["ratio"]:
+        return ratio(speed["ratio"])
+    return f"more than {number(speed['longest_us'] / speed['time_us'], 1)}" if speed["longest_us"] else ""
+
+
+def speed_section(front):
+    """Like with like: both sides minimise the one loss, and what fails stands beside both."""
+    text = ("\n### Speed at equal error\nHow many times as long the fastest fit without a generator takes to exactly the mean blend RMSE that the network alone has, and what the bake has *fitted*. Both sides minimise the same "
+            "loss. Below 1 the fit is the faster way. Beside each stands the share of functions that fail the check: at equal means tails may differ.\n")
     rows = []
     for name, words in front["speed_at_equal_error"].items():
-        found = words["fitted"] if "fitted" in words else next(iter(words.values()))
-        hard = front["speed_at_equal_error_hard"].get(name, {}).get("fitted", {"ratio": None})
-        rows.append([f"`{name}`", microseconds(found["time_us"]), number(found["rmse_mean"]), found["rival"] or found["reason"],
-                     *(ratio(entry["ratio"]) if entry["ratio"] else "" for entry in (found, hard))])
-    return text + table(["", "µs, mean", "mean error", "fastest fit", "times as long", "on hard functions"], rows)
+        for word in ("network", "fitted"):
+            speed, hard = words[word], front["speed_at_equal_error_hard"].get(name, {}).get(word)
+            rows.append([f"`{name}`" if word == "network" else "", word, microseconds(speed["time_us"]), number(speed["blend_rmse_mean"]), share(speed["share_failing_check"]), speed["rival"] or speed["reason"],
+                         share(speed["rival_share_failing_check"]) if speed["rival"] else "", times_as_long(speed), times_as_long(hard) if hard else ""])
+    return text + table(["", "", "µs, mean", "mean blend RMSE", "fails the check", "fastest fit without it", "of these fails", "times as long", "on hard functions"], rows)
+
+
+def judgements(results):
+    """Representation → its verdict, by the limits that the report judges by; of those that were measured."""
+    split, speeds = results.get("evaluation", {}), results.get("frontier", {}).get("speed_at_equal_error", {})
+    node = lambda way, value: Node(f"docs/results/{MAIN}.json", way, value)
+    found = {}
+    for name, entry in split.get("representations", {}).items():
+        if "sample" not in entry:
+            continue
+        speed = speeds.get(name, {}).get("fitted")
+        found[name] = verdict.judge_one(name, node(f"evaluation.representations.{name}", entry), speed and verdict.read_speed(node(f"frontier.speed_at_equal_error.{name}.fitted", speed)), verdict.Limits())
+    return found
+
+
+def rule_of(tau):
+    return verdict.rule(verdict.Limits(), tau["rmse"], tau["blend"])
+
+
+def verdict_section(results):
+    found = judgements(results)
+    if not found:
+        return ""
+    text = ("\n## Which of these may ship\nBy the rule of every run's report, on the evaluation ([training](../guide/training.md#may-it-ship)):\n\n" + "".join(f"- {sentence}\n" for sentence in rule_of(results["evaluation"]["tau"])))
+    shown = lambda figure, write: "" if figure.value is None else write(figure.value) + (spread(*figure.interval, write) if figure.interval and figure.interval[0] != figure.interval[1] else "")
+    rows = [[f"`{name}`", shown(j.failing, percent), shown(j.hard, lambda v: number(v, 2)), ("more than " if j.equal and j.equal.ratio and not j.equal.label else "") + shown(j.speedup, lambda v: number(v, 2)), j.verdict]
+            for name, j in found.items()]
+    return text + table(["", "stored, fails the check", "stored over best known, hard", "times as fast as a fit without it", ""], rows)
 
 
 LOOK_UP_HEAD = ["", "", "unlit", "wrong light: mean", "p99", "leak: mean", "p99"]
 
 
 def look_up_section(look_up):
+    revisions = ", ".join(sorted({f"`{entry['revision']}`" for entry in look_up.values()}))
     text = ("\n## What a look-up blends\nAt random places in air the shares of the probes around are compared with those that the functions themselves give. *Unlit* is the share of places "
-            "that get no weight. *Wrong light* is the share of the light that comes from wrong probes. *Leak* is what comes from probes that do not see the place.\n")
+            f"that get no weight. *Wrong light* is the share of the light that comes from wrong probes. *Leak* is what comes from probes that do not see the place. Revision {revisions}.\n")
     rows = []
     for scene, entry in look_up.items():
         named = {"the functions themselves": entry["target"], "bare tents": entry["tent"], **{f"`{name}`": found for name, found in entry["representations"].items()}}
@@ -247,5 +304,7 @@ def page(all_results):
     text = INTRODUCTION + f"\nMade by `{results['command']}` and `workflow/results.py collect out/{results['run']}`; the SHA-256 of the weights stand in their [cards](../../weights/README.md). {results.get('note', '')}\n"
     sections = {"evaluation": evaluation_section, "validation": validation_section, "frontier": frontier_section, "look_up": look_up_section, "bakes": bakes_section, "savings": savings_section,
                 "stability": stability_section, "benchmarks": benchmarks_section}
-    text += "".join(write(results[key]) for key, write in sections.items() if key in results)
+    for key, write in sections.items():
+        text += write(results[key]) if key in results else ""
+        text += verdict_section(results) if key == "frontier" else ""
     return text + (stages_section(results["evaluation"]) if "evaluation" in results else "")

@@ -14,7 +14,7 @@ from tool.atomic_file import write_atomically
 from tool.errors import run
 from tool.input_file import parse_number, read_columns
 
-COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network", "held_out_rmse", "rollbacks")
+COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network_blend_rmse", "held_out_blend_rmse", "rollbacks")
 
 
 def main():
@@ -27,10 +27,10 @@ def main():
     steps = [row["step"] for row in rows]
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     axes.plot(steps, [row["training_loss"] for row in rows], linestyle="--", color="0.45", label="training loss")
-    network, corrected = ([row[key] for row in rows] for key in ("held_out_network", "held_out_rmse"))
+    network, corrected = ([row[key] for row in rows] for key in ("held_out_network_blend_rmse", "held_out_blend_rmse"))
     if network != corrected:
-        axes.plot(steps, network, marker="o", markersize=2.5, color="#56B4E9", label="held-out RMSE, network alone")
-    axes.plot(steps, corrected, marker="o", markersize=3, color="#0072B2", label="held-out RMSE")
+        axes.plot(steps, network, marker="o", markersize=2.5, color="#56B4E9", label="held-out blend RMSE, network alone")
+    axes.plot(steps, corrected, marker="o", markersize=3, color="#0072B2", label="held-out blend RMSE")
     for before, row in zip([{"rollbacks": 0.0}, *rows], rows):
         if row["rollbacks"] > before["rollbacks"]:
             axes.axvline(row["step"], color="0.6", linewidth=0.8, linestyle=":")

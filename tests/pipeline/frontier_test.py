@@ -37,19 +37,22 @@ def documented_keys():
 
 def check_front(points, population, result):
     """There are members when anything is better than the bare tent; the sentence names the fastest and the most accurate."""
-    sentence, tent = result["front_sentences"][population], result["bare_tent"]["figures"][population]["rmse_mean"]
+    sentence, tent = result["front_sentences"][population], result["bare_tent"]["figures"][population]["blend_rmse_mean"]
     figures = [point["figures"][population] for point in points]
     members = sorted((f["us_median"], f"{p['representation']}: {p['label']} (") for p, f in zip(points, figures) if f["on_front"])
-    expect(bool(members) == (min(f["rmse_mean"] for f in figures) < tent), f"{population}: {len(members)} members; the tent's error is {tent}")
+    expect(bool(members) == (min(f["blend_rmse_mean"] for f in figures) < tent), f"{population}: {len(members)} members; the tent's error is {tent}")
     expect(all(name in sentence for _, name in members[:1] + members[-1:]), sentence)
-    expect(members or "nothing has a smaller mean error" in sentence, sentence)
+    expect(members or "nothing has a smaller mean blend RMSE" in sentence, sentence)
 
 
 def check_numbers(figures, keys, name):
     numbers = [figures[key] for key in keys if key != "on_front"]
     expect(all(math.isfinite(number) and number >= 0 for number in numbers), f"{name}: {numbers}")
     expect(0 < figures["us_p25"] <= figures["us_median"] <= figures["us_p75"], f"{name}: times {figures}")
-    expect(figures["rmse_p5"] <= figures["rmse_median"] <= figures["rmse_p95"] <= figures["rmse_worst"], f"{name}: errors {figures}")
+    for error in ("blend_rmse", "rmse"):
+        expect(figures[f"{error}_p5"] <= figures[f"{error}_median"] <= figures[f"{error}_p95"] <= figures[f"{error}_worst"], f"{name}: errors {figures}")
+    expect(figures["blend_rmse_mean"] >= figures["rmse_mean"], f"{name}: no point weighs less than 1, but {figures}")
+    expect(figures.get("share_failing_check", 0) <= 1, f"{name}: {figures}")
 
 
 def check_point(point, keys, result):
@@ -60,7 +63,8 @@ def check_point(point, keys, result):
         expect(set(figures) == keys["figures"], f"{name}: keys {set(figures) ^ keys['figures']}")
         check_numbers(figures, keys["figures"], f"{name}, {population}")
     every, theta, hard = (point["figures"][population] for population in POPULATIONS)
-    expect(hard["rmse_worst"] <= theta["rmse_worst"] <= every["rmse_worst"], f"{name}: a hard function is worse than the worst")
+    for error in ("blend_rmse_worst", "rmse_worst"):
+        expect(hard[error] <= theta[error] <= every[error], f"{name}: a hard function is worse than the worst")
     share = result["functions"]["theta"] / result["functions"]["all"]
     expect(math.isclose(every["us_median"], theta["us_median"] * share, rel_tol=1e-9), f"{name}: bare tents take time")
     expect(math.isclose(every["share_fitted"], theta["share_fitted"] * share, abs_tol=1e-9), f"{name}: bare tents are fitted")
@@ -77,7 +81,9 @@ def check_speeds(result, key, population, keys):
         for word, speed in words.items():
             expect(set(speed) == keys["speed"], f"{key}, {name}, {word}: keys {set(speed) ^ keys['speed']}")
             point = next(p for p in result["points"] if p["representation"] == name and word in p["words"])
-            expect(math.isclose(speed["rmse_mean"], point["figures"][population]["rmse_mean"], rel_tol=1e-9), f"{key}, {name}, {word}: {speed}")
+            expect(math.isclose(speed["blend_rmse_mean"], point["figures"][population]["blend_rmse_mean"], rel_tol=1e-9), f"{key}, {name}, {word}: {speed}")
+            expect(math.isclose(speed["share_failing_check"]["value"], point["figures"][population]["share_failing_check"], abs_tol=1e-9), f"{key}, {name}, {word}: {speed}")
+            expect((speed["ratio"] is None) == (speed["rival_share_failing_check"] is None) and (speed["longest_us"] is None or speed["ratio"] is None), f"{key}, {name}, {word}: {speed}")
             expect((speed["ratio"] is None) == (speed["rival"] is None) == (speed["reason"] is not None), f"{key}, {name}, {word}: {speed}")
             if speed["ratio"]:
                 expect(math.isclose(speed["ratio"]["value"], speed["rival_us_at_equal_error"] / speed["time_us"], rel_tol=1e-9), f"{key}: {speed}")

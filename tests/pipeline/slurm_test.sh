@@ -269,7 +269,7 @@ import csv, sys
 
 one, two = (list(csv.DictReader(open(path))) for path in sys.argv[1:])
 assert [row["step"] for row in one] == [row["step"] for row in two] and len(one) > 2, (one, two)
-for key in ["training_loss", "held_out_rmse"]:
+for key in ["training_loss", "held_out_blend_rmse"]:
     off = max(abs(float(a[key]) - float(b[key])) / float(b[key]) for a, b in zip(one, two))
     assert off <= 2e-4, f"{key} of two processes is off by a share of {off}"
 PYTHON

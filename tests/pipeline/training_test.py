@@ -63,7 +63,7 @@ def check_cache():
     """The same functions in the same order, from memory and from the disk."""
     end(train("memory", data=["--shards", "training.h5"]))
     end(train("disk"))
-    memory, disk = columns("memory.csv")["held_out_rmse"], columns("disk.csv")["held_out_rmse"]
+    memory, disk = columns("memory.csv")["held_out_blend_rmse"], columns("disk.csv")["held_out_blend_rmse"]
     check(all(abs(a - b) < 2e-5 for a, b in zip(memory, disk)), f"training from memory and from the disk differ: {memory}, {disk}")
     check(len(disk) == 12 and disk[-1] < disk[0], f"the held-out error did not fall: {disk}")
     left = sorted(os.listdir("disk_run"))
@@ -159,10 +159,10 @@ def compare_curves(name, keys, tolerance, *options):
 def check_processes():
     """Two processes with the batch of one: the same curve, to rounding."""
     # the sums of floats differ in their order: 1e-7 of the gradient a step, printed with six digits
-    one, two = compare_curves("plain", ["training_loss", "held_out_rmse"], 2e-4, "--exact-last-layer=false")
+    one, two = compare_curves("plain", ["training_loss", "held_out_blend_rmse"], 2e-4, "--exact-last-layer=false")
     # exact last layers are steep: what goes into them at 1e-7 comes out at 1e-2 after three steps of so rough a run, and the stages
     # behind them go their own ways; the generator before them does not
-    compare_curves("corrected", ["held_out_network"], 0.01)
+    compare_curves("corrected", ["held_out_network_blend_rmse"], 0.01)
     check(one["step"] == two["step"], f"two processes: other steps: {two['step']}")
 
 
@@ -187,7 +187,7 @@ def check_rollbacks():
     rollbacks = columns("poisoned.csv")["rollbacks"]
     check(0 < result["rollbacks"] <= 5 and rollbacks[-1] == result["rollbacks"], f"rollbacks: {result}, {rollbacks}")
     check(err.count("rollback") == result["rollbacks"], f"stderr tells of other rollbacks: {err}")
-    check(result["held_out_rmse"] < columns("poisoned.csv")["held_out_rmse"][0], "a run with rollbacks did not learn")
+    check(result["held_out_blend_rmse"] < columns("poisoned.csv")["held_out_blend_rmse"][0], "a run with rollbacks did not learn")
     check_kills("poisoned_killed", "poisoned.ckpt", data=data)
     _, err = end(train("lasting", data=data, steps=2000), NUMERICAL_ERROR)
     check("after 5 rollbacks" in err, f"a run that cannot go on says {err}")

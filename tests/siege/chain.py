@@ -69,7 +69,7 @@ def tools():
         Tool("report", ["validate/report/report.py", "--summary", "validation/summary.json", "--functions", "validation/functions.csv", "--slices", "validation/slices.json",
                         "--basis", "basis.json", "--logs", "tent_mlp.csv", "--frontier", "frontier/frontier.json", "--stability", "stability.json", "--light", "light.json",
                         "--savings", "bake.json", "--out", "report.html"],
-             ["validation", "basis.json", "tent_mlp.csv", "frontier", "stability.json", "light.json", "bake.json"], ["report.html", "slices.png"], is_script=True),
+             ["validation", "basis.json", "tent_mlp.csv", "frontier", "stability.json", "light.json", "bake.json"], ["report.html", "slices.png", "verdict.txt"], is_script=True),
     ]
 
 

@@ -209,7 +209,7 @@ TrainingState makeState(const TrainOptions& options, const Theta& theta0) {
   state.network->to(options.device);
   state.average->to(options.device);
   state.moments = zeroMoments(state.network);
-  state.log_csv = "step,learning_rate,training_loss,held_out_network,held_out_rmse,rollbacks\n";
+  state.log_csv = "step,learning_rate,training_loss,held_out_network_blend_rmse,held_out_blend_rmse,rollbacks\n";
   return state;
 }
 

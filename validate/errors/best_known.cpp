@@ -17,7 +17,7 @@ struct Candidate {
 };
 
 struct Thread {
-  explicit Thread(const FunctionSet& set) : meter(set) {}
+  Thread(const FunctionSet& set, const LossOptions& loss) : meter(set, loss) {}
   ErrorMeter meter;
   FunctionChecker checker;
   NormalEquationsKernel kernel;
@@ -73,8 +73,9 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
   for (int f = 0; f < kLongFitCount; ++f) {
     result.words.push_back({longFitName(static_cast<LongFit>(f)), std::vector<MeasuredFunction>(sample.size()), {}});
   }
+  const LossOptions loss = options.policy.check().loss();
   std::vector<std::unique_ptr<Thread>> threads;
-  for (int t = 0; t < options.threadCount(); ++t) threads.push_back(std::make_unique<Thread>(set));
+  for (int t = 0; t < options.threadCount(); ++t) threads.push_back(std::make_unique<Thread>(set, loss));
   Progress progress(std::string(representationName(representation)) + ": functions fitted", static_cast<int64_t>(sample.size()));
   std::mutex mutex;
   int64_t done = 0;
@@ -85,7 +86,7 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
     DirectOptions direct = options.direct;
     direct.seed = startSeed(options, function);
     const FunctionFits of_function =
-        fitLong(generator, decodeFunction(stored, pointOrder(representation)), starts[n], direct, &thread.kernel);
+        fitLong(generator, decodeFunction(stored, pointOrder(representation), loss), starts[n], direct, &thread.kernel);
     const std::array<FitResult, kLongFitCount>& fits = of_function.fits;
     for (int f = 0; f < kLongFitCount; ++f) {
       const FunctionCheck check = thread.checker.check(representation, stored, fits[f].theta.data(), options.policy.check());

@@ -1,7 +1,8 @@
 // What long fits reach on the sample: direct optimisation, its parts, and the best that is known of a function.
 //
 // *Direct* starts from theta0 and at random (runtime_eval/fit/direct.h). *Best known* is the lowest error of direct and of two long
-// fits that start from what the policy made: Adam with direct's budget, then Levenberg–Marquardt; Levenberg–Marquardt alone.
+// fits that start from what the policy made: Adam with direct's budget, then Levenberg–Marquardt; Levenberg–Marquardt alone. All minimise
+// the policy's own loss, and of two the one with the lower blend RMSE is the better.
 #pragma once
 
 #include <array>
@@ -27,7 +28,7 @@ struct FunctionFits {
   const FitResult& at(LongFit fit) const { return fits[static_cast<size_t>(fit)]; }
 };
 
-// function   in the order of the generator's representation
+// function   in the order of the generator's representation, decoded with the loss that the fits minimise
 // start      the policy's theta for it
 FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& start,
                      const DirectOptions& options, NormalEquationsKernel* kernel);

@@ -48,7 +48,8 @@ Convergence measureConvergence(const Generator& generator, const FunctionSet& se
   std::mutex mutex;
   int64_t done = 0;
   parallelFor(functions.size(), options.threadCount(), [&](uint64_t n, int thread) {
-    const WeightingFunction function = decodeFunction(storedFunction(set, functions[n]), pointOrder(generator.representation()));
+    const WeightingFunction function =
+        decodeFunction(storedFunction(set, functions[n]), pointOrder(generator.representation()), options.policy.check().loss());
     DirectOptions direct = options.direct;
     direct.seed = startSeed(options, functions[n]);
     curves[n] = curvesOf(generator, function, direct, &kernels[thread]);
@@ -59,15 +60,15 @@ Convergence measureConvergence(const Generator& generator, const FunctionSet& se
   result.functions = functions.size();
   if (functions.empty()) return result;
   const auto meanAt = [&](std::vector<double> FunctionCurves::*curve, size_t i) {
-    std::vector<double> rmse;
-    for (const FunctionCurves& one : curves) rmse.push_back((one.*curve)[i]);
-    return mean(rmse);
+    std::vector<double> errors;
+    for (const FunctionCurves& one : curves) errors.push_back((one.*curve)[i]);
+    return mean(errors);
   };
   std::vector<double> best_known;
   for (const MeasuredFunction& one : fits.at(LongFit::best_known).functions) {
-    if (std::binary_search(functions.begin(), functions.end(), one.function)) best_known.push_back(one.error.rmse);
+    if (std::binary_search(functions.begin(), functions.end(), one.function)) best_known.push_back(one.error.blend_rmse);
   }
-  result.best_known_rmse_mean = mean(best_known);
+  result.best_known_blend_rmse_mean = mean(best_known);
   for (int r = 0; r <= 2 * options.direct.restarts; ++r) {
     result.by_restarts.push_back({r, options.direct.adam_steps, meanAt(&FunctionCurves::by_restarts, r)});
   }

@@ -8,18 +8,18 @@
 
 namespace nlg {
 
-// Mean RMSE over the same functions of the best of all fits, at one setting.
+// Mean blend RMSE over the same functions of the best of all fits, at one setting.
 struct ConvergencePoint {
   int restarts = 0;
   int adam_steps = 0;
-  double rmse_mean = 0.0;
+  double blend_rmse_mean = 0.0;
 };
 
 struct Convergence {
   uint64_t functions = 0;
   std::vector<ConvergencePoint> by_restarts;  // 0 … twice those of direct, at its steps
   std::vector<ConvergencePoint> by_steps;     // a quarter, half, all, twice those of direct, at its restarts
-  double best_known_rmse_mean = 0.0;          // of the same functions: what the sample's ratios are taken to
+  double best_known_blend_rmse_mean = 0.0;    // of the same functions: what the sample's ratios are taken to
 };
 
 // fits   of the sample

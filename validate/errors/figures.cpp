@@ -10,7 +10,7 @@ Json ends(const Interval& interval) { return {interval.low, interval.high}; }
 // The columns of one population.
 struct Columns {
   std::vector<uint32_t> scenes;  // of all but the occluded ones
-  std::vector<double> rmse, rmse_test_points, fails, fitted, elapsed_us;
+  std::vector<double> blend_rmse, rmse, rmse_test_points, fails, fitted, elapsed_us;
   ValuesByScene rmse_occluded;
 };
 
@@ -20,6 +20,7 @@ Columns columnsOf(const MeasuredWord& word, Scope scope, Population population, 
     if (!context.populations.contains(scope, population, one.function)) continue;
     const uint32_t scene = context.set.scene_idx[one.function];
     columns.scenes.push_back(scene);
+    columns.blend_rmse.push_back(one.error.blend_rmse);
     columns.rmse.push_back(one.error.rmse);
     columns.rmse_test_points.push_back(one.error.rmse_test_points);
     if (one.error.has_occluded) columns.rmse_occluded.add(one.error.rmse_occluded, scene);
@@ -43,6 +44,7 @@ Json figures(const MeasuredWord& word, Scope scope, Population population, const
   const PooledMagnitudes& leaks = word.leaks.of(scope, population);
   const Quantiles time = quantiles(columns.elapsed_us);
   return {{"functions", columns.rmse.size()},
+          {"blend_rmse", quantilesJson(columns.blend_rmse, bootstrap)},
           {"rmse", quantilesJson(columns.rmse, bootstrap)},
           {"rmse_test_points", quantilesJson(columns.rmse_test_points, bootstrap)},
           {"rmse_occluded", nlg::quantilesJson(columns.rmse_occluded, context.bootstrap)},

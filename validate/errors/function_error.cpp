@@ -18,8 +18,9 @@ struct MeanSquare {
 
 }  // namespace
 
-ErrorMeter::ErrorMeter(const FunctionSet& set)
+ErrorMeter::ErrorMeter(const FunctionSet& set, const LossOptions& loss)
     : set_(set),
+      weights_(loss),
       points_(makePointSet(supportPattern().points)),
       test_points_(makePointSet(testPoints(set.test_point_count))),
       values_(points_.padded_count),
@@ -35,12 +36,14 @@ FunctionError ErrorMeter::measureTent(uint64_t index) { return compare(points_.t
 
 FunctionError ErrorMeter::compare(const float* values, const float* test_values, uint64_t index) {
   const size_t point_count = set_.point_count, test_count = set_.test_point_count;
-  MeanSquare all, occluded, test;
+  MeanSquare loss, all, occluded, test;
   leak_magnitudes_.clear();
   for (size_t i = 0; i < point_count; ++i) {
     if (!bit(set_.validity, index, point_count, i)) continue;
     const uint8_t phi = set_.phi[index * point_count + i];
     const double residual = values[i] - phi / 255.0;
+    const uint8_t sum = set_.blend_sum.empty() ? uint8_t{255} : set_.blend_sum[index * point_count + i];
+    loss.add(weights_.root(phi, points_.tent[i], sum) * residual);
     all.add(residual);
     if (bit(set_.seen, index, point_count, i)) continue;
     occluded.add(residual);
@@ -52,7 +55,8 @@ FunctionError ErrorMeter::compare(const float* values, const float* test_values,
     test.add(test_values[i] - set_.phi_test[index * test_count + i] / 255.0);
   }
   sorted_ = leak_magnitudes_;
-  return {all.root(), test.root(), occluded.root(), occluded.count > 0, mean(leak_magnitudes_), quantile(sorted_, 0.99)};
+  return {
+      loss.root(), all.root(), test.root(), occluded.root(), occluded.count > 0, mean(leak_magnitudes_), quantile(sorted_, 0.99)};
 }
 
 }  // namespace nlg

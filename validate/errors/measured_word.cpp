@@ -23,7 +23,7 @@ void PopulationLeaks::add(const PopulationLeaks& other) {
 
 void MeasuredWord::mustBeFinite() const {
   for (const MeasuredFunction& one : functions) {
-    for (const double rmse : {one.error.rmse, one.error.rmse_test_points}) {
+    for (const double rmse : {one.error.blend_rmse, one.error.rmse, one.error.rmse_test_points}) {
       if (!std::isfinite(rmse))
         throw NumericalError("validate", "function " + std::to_string(one.function), name + ": RMSE", rmse);
     }
@@ -32,13 +32,13 @@ void MeasuredWord::mustBeFinite() const {
 
 MeasuredWord measureTents(const FunctionSet& set, const Populations& populations, const ValidateOptions& options) {
   struct Thread {
-    explicit Thread(const FunctionSet& set) : meter(set) {}
+    Thread(const FunctionSet& set, const LossOptions& loss) : meter(set, loss) {}
     ErrorMeter meter;
     FunctionChecker checker;
     PopulationLeaks leaks;
   };
   MeasuredWord word{"tent", std::vector<MeasuredFunction>(set.functionCount()), {}};
-  std::vector<Thread> threads(options.threadCount(), Thread(set));
+  std::vector<Thread> threads(options.threadCount(), Thread(set, options.policy.check().loss()));
   parallelFor(set.functionCount(), options.threadCount(), [&](uint64_t i, int t) {
     Thread& thread = threads[t];
     const FunctionCheck check = thread.checker.checkBareTent(storedFunction(set, i), options.policy.check());

@@ -11,7 +11,7 @@ namespace nlg {
 namespace {
 
 struct Thread {
-  explicit Thread(const FunctionSet& set) : meter(set) {}
+  Thread(const FunctionSet& set, const LossOptions& loss) : meter(set, loss) {}
   ErrorMeter meter;
   std::vector<PopulationLeaks> leaks{kThetaWordCount};  // by word
 };
@@ -36,7 +36,7 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
   for (int w = 0; w < kThetaWordCount; ++w) {
     result.words.push_back({wordName(static_cast<ThetaWord>(w)), std::vector<MeasuredFunction>(set.functionCount()), {}});
   }
-  std::vector<Thread> threads(options.threadCount(), Thread(set));
+  std::vector<Thread> threads(options.threadCount(), Thread(set, options.policy.check().loss()));
   Progress progress(std::string(representationName(generator.representation())) + ": functions",
                     static_cast<int64_t>(set.functionCount()));
   std::mutex mutex;
@@ -46,7 +46,7 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
   const auto keepLeastWrong = [&](uint64_t i, const MadeTheta& made, const ThetaByWord& theta) {
     const auto place = std::lower_bound(sample.begin(), sample.end(), i);
     if (place == sample.end() || *place != i) return;
-    const bool rounding_helped = made.record.at(ThetaWord::stored).rmse < made.record.at(ThetaWord::fitted).rmse;
+    const bool rounding_helped = made.record.at(ThetaWord::stored).blend_rmse < made.record.at(ThetaWord::fitted).blend_rmse;
     const float* first = theta[static_cast<size_t>(rounding_helped ? ThetaWord::stored : ThetaWord::fitted)];
     result.least_wrong[place - sample.begin()].assign(first, first + made.theta.size());
   };

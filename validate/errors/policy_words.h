@@ -12,7 +12,8 @@ struct PolicyWords {
   std::vector<StagePlan> plan;      // what its representation goes through
   std::vector<MeasuredWord> words;  // by ThetaWord, on all functions of the set
   std::vector<MadeTheta> made;      // by function: what a grid would store
-  std::vector<Theta> least_wrong;   // by function of the sample: theta before rounding or after it, whichever has the lower RMSE
+  std::vector<Theta>
+      least_wrong;  // by function of the sample: theta before rounding or after it, whichever has the lower blend RMSE
 
   const MeasuredWord& at(ThetaWord word) const { return words[static_cast<size_t>(word)]; }
 };

@@ -12,7 +12,7 @@ namespace nlg {
 enum class Population : uint8_t {
   all,    // distinct functions; one that takes no theta counts as its bare tent at every word, with time 0
   theta,  // those that take a theta: the main one
-  hard,   // whose bare tent is wrong by hard_tent_rmse or more
+  hard,   // whose bare tent has an RMSE of hard_tent_rmse or more: as published before there was a blend RMSE
 };
 inline constexpr int kPopulationCount = 3;
 const char* populationName(Population population);

@@ -12,8 +12,9 @@ struct Ratio {
 };
 
 constexpr Ratio kRatios[] = {
-    {"median", Population::theta, &FunctionError::rmse, false},
-    {"median_hard", Population::hard, &FunctionError::rmse, false},
+    {"median", Population::theta, &FunctionError::blend_rmse, false},
+    {"median_hard", Population::hard, &FunctionError::blend_rmse, false},
+    {"median_rmse", Population::theta, &FunctionError::rmse, false},
     {"median_test_points", Population::theta, &FunctionError::rmse_test_points, false},
     {"median_occluded_hard", Population::hard, &FunctionError::rmse_occluded, true},
 };

@@ -9,7 +9,8 @@
 
 namespace nlg {
 
-// {median, median_hard, median_test_points, median_occluded_hard}: of word's error over the reference's, {value, low, high} each.
+// {median, median_hard, median_rmse, median_test_points, median_occluded_hard}: of word's error over the reference's, {value, low, high}
+// each. The first two are of blend RMSEs, by which best known is the best; the others, of RMSEs, may be below 1.
 // word        on functions that hold all of the reference's
 // reference   on functions of the sample
 // counts      which functions take part

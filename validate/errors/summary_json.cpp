@@ -36,13 +36,14 @@ Json sampleJson(const PolicyWords& policy, const LongFits& fits, const FigureCon
 
 // Quantiles of population theta, scene by scene.
 Json sceneJson(const PolicyWords& policy, const FigureContext& context) {
-  const auto quantilesOf = [&](ThetaWord word, uint32_t scene) {
-    std::vector<double> rmse;
+  const auto quantilesOf = [&](ThetaWord word, uint32_t scene) -> Json {
+    std::vector<double> blend_rmse, rmse;
     for (const MeasuredFunction& one : policy.at(word).functions) {
-      const bool counts = context.populations.takesTheta(one.function) && context.set.scene_idx[one.function] == scene;
-      if (counts) rmse.push_back(one.error.rmse);
+      if (!context.populations.takesTheta(one.function) || context.set.scene_idx[one.function] != scene) continue;
+      blend_rmse.push_back(one.error.blend_rmse);
+      rmse.push_back(one.error.rmse);
     }
-    return quantilesJson(rmse);
+    return {{"blend_rmse", quantilesJson(blend_rmse)}, {"rmse", quantilesJson(rmse)}};
   };
   Json json;
   for (uint32_t scene = 0; scene < context.set.scene_ids.size(); ++scene) {
@@ -57,14 +58,15 @@ Json convergenceJson(const Convergence& convergence) {
   const auto curve = [](const std::vector<ConvergencePoint>& points) {
     Json json = Json::array();
     for (const ConvergencePoint& point : points) {
-      json.push_back({{"restarts", point.restarts}, {"adam_steps", point.adam_steps}, {"rmse_mean", point.rmse_mean}});
+      json.push_back(
+          {{"restarts", point.restarts}, {"adam_steps", point.adam_steps}, {"blend_rmse_mean", point.blend_rmse_mean}});
     }
     return json;
   };
   return {{"functions", convergence.functions},
           {"by_restarts", curve(convergence.by_restarts)},
           {"by_adam_steps", curve(convergence.by_steps)},
-          {"best_known_rmse_mean", convergence.best_known_rmse_mean}};
+          {"best_known_blend_rmse_mean", convergence.best_known_blend_rmse_mean}};
 }
 
 // Mean over the functions that take a theta: codes are as long as each function needs.
@@ -84,8 +86,10 @@ double meanStoredBytes(const ValidatedGenerator& validated) {
 Json tauJson(const ValidateOptions& options) {
   const CheckOptions& check = options.policy.check();
   return {{"rmse", check.tau_rmse},
+          {"blend", check.tau_blend},
           {"leak", check.tau_leak},
-          {"leak_share", check.leak_share},
+          {"dark_weight", check.dark_weight},
+          {"blend_floor", check.blend_floor},
           {"hard_tent_rmse", options.hard_tent_rmse},
           {"bare_tent_rmse", options.policy.bare_tent_rmse}};
 }

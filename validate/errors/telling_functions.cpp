@@ -14,7 +14,8 @@ namespace {
 
 constexpr int kSlicePixels = 96;
 
-nlohmann::ordered_json sliceJson(const TellingFunction& telling, const Slice& slice, double rmse, const FunctionSet& set) {
+nlohmann::ordered_json sliceJson(const TellingFunction& telling, const Slice& slice, const FunctionError& error,
+                                 const FunctionSet& set) {
   const auto permille = [](const std::vector<float>& values) {
     std::vector<int> rounded;
     for (const float value : values) rounded.push_back(static_cast<int>(std::lround(1000.0f * std::clamp(value, -2.0f, 2.0f))));
@@ -23,7 +24,8 @@ nlohmann::ordered_json sliceJson(const TellingFunction& telling, const Slice& sl
   return {{"which", telling.which},
           {"function", telling.function},
           {"scene", set.scene_ids[set.scene_idx[telling.function]]},
-          {"rmse", rmse},
+          {"blend_rmse", error.blend_rmse},
+          {"rmse", error.rmse},
           {"axis", slice.axis},
           {"size", slice.size},
           {"valid", slice.valid},
@@ -51,7 +53,7 @@ std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const 
     if (!functions.empty()) break;
   }
   std::stable_sort(functions.begin(), functions.end(),
-                   [](const MeasuredFunction& a, const MeasuredFunction& b) { return a.error.rmse < b.error.rmse; });
+                   [](const MeasuredFunction& a, const MeasuredFunction& b) { return a.error.blend_rmse < b.error.blend_rmse; });
   const auto validCount = [&](const MeasuredFunction& one) {
     const uint8_t* const validity = functionAt(set, one.function).validity;
     return std::accumulate(validity, validity + set.point_count / 8, 0,
@@ -75,7 +77,7 @@ void appendSlices(const Representation& representation, const PolicyWords& words
     const Slice slice = made.isBareTent()
                             ? makeSlice(set, telling.function, Representation::tentMlp(), bareTentTheta().data(), kSlicePixels)
                             : makeSlice(set, telling.function, representation, made.theta.data(), kSlicePixels);
-    nlohmann::ordered_json entry = sliceJson(telling, slice, stored.functions[telling.function].error.rmse, set);
+    nlohmann::ordered_json entry = sliceJson(telling, slice, stored.functions[telling.function].error, set);
     entry["representation"] = representationName(representation);
     slices->push_back(entry);
   }

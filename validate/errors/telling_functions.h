@@ -15,7 +15,7 @@ struct TellingFunction {
   uint64_t function = 0;
 };
 
-// By the error of what is stored, among the hard functions. Where none is hard, among those that take a theta; where none does, among
+// By the blend RMSE of what is stored, among the hard functions. Where none is hard, among those that take a theta; where none does, among
 // all. At a percentile stands the function with the most valid points among those whose ranks lie within a two-hundredth of all
 // around it: a picture of solid says nothing.
 std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const FunctionSet& set, const Populations& populations);

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
 
 ValidatedGenerator measure(const Generator& generator, const std::string& path, const FigureContext& context,
                            const ValidateOptions& options) {

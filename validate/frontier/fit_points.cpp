@@ -34,6 +34,11 @@ struct Fits {
 
   const Representation& representation() const { return generator->representation(); }
 
+  // With the policy's own loss: what a rival minimises too.
+  WeightingFunction decoded(const StoredFunction& stored) const {
+    return decodeFunction(stored, pointOrder(representation()), options.check().loss());
+  }
+
   Theta startTheta(uint64_t function) const {
     if (start == Start::random) return randomTheta(representation(), mixSeed(seed, function));
     return Theta(generator->theta0(), generator->theta0() + representation().thetaCount());
@@ -64,7 +69,7 @@ std::vector<FittedFunction> fitAll(const Fits& fits, int budget, const FunctionB
   std::vector<FittedFunction> functions;
   for (size_t i = 0; i < block.functions.size(); ++i) {
     const Stopwatch watch;
-    const WeightingFunction function = decodeFunction(block.stored[i], pointOrder(fits.representation()));
+    const WeightingFunction function = fits.decoded(block.stored[i]);
     Theta theta = fits.fit(function, fits.startTheta(block.functions[i]), budget, false, true).theta;
     functions.push_back({fits.representation(), std::move(theta), watch.elapsedUs(), true});
   }
@@ -77,7 +82,7 @@ FittedFunctions fitOn(const Fits& fits, TimedPolicy& corrected, const FunctionBl
   FittedFunctions points(fits.budgets.size(), start);
   for (size_t i = 0; i < start.size(); ++i) {
     const Stopwatch decoding;
-    const WeightingFunction function = decodeFunction(block.stored[i], pointOrder(fits.representation()));
+    const WeightingFunction function = fits.decoded(block.stored[i]);
     const double decoding_us = decoding.elapsedUs();
     for (size_t b = 0; b < points.size(); ++b) {
       const Stopwatch watch;
@@ -94,7 +99,7 @@ class GatedFit {
  public:
   GatedFit(const Fits& fits, const StoredFunction& stored, uint64_t function)
       : fits_(fits), stored_(stored), theta_(fits.startTheta(function)) {
-    weighting_ = decodeFunction(stored, pointOrder(fits.representation()));
+    weighting_ = fits.decoded(stored);
     check();
     elapsed_us_ = watch_.elapsedUs();
   }
@@ -157,7 +162,7 @@ std::vector<int> adamSteps(const Representation& representation, std::vector<int
   return steps;
 }
 
-// Above which RMSE the policy takes its last fit before the refinement; that of its first one without any.
+// Above which blend RMSE the policy takes its last fit before the refinement; that of its first one without any.
 double lastFitThreshold(const Generator& generator, const PolicyOptions& options) {
   double threshold = options.good_rmse;
   for (const StagePlan& plan : stagesOf(stageFacts(generator), options)) {

@@ -20,7 +20,7 @@ std::vector<size_t> unbeaten(const std::vector<FrontPoint>& points, const FrontT
   for (size_t a = 0; a < points.size(); ++a) {
     const auto beats = [&](const FrontPoint& b) {
       return b.may_be_member && b.us <= points[a].us * (1.0 + tolerances.time) &&
-             b.rmse * (1.0 + tolerances.error) < points[a].rmse;
+             b.error * (1.0 + tolerances.error) < points[a].error;
     };
     if (points[a].may_be_member && std::none_of(points.begin(), points.end(), beats)) left.push_back(a);
   }
@@ -37,10 +37,10 @@ std::vector<bool> frontMembers(const std::vector<FrontPoint>& points, const Fron
   std::vector<bool> members(points.size(), false);
   const FrontPoint* last = nullptr;
   for (const size_t a : byTime(points, left)) {
-    if (last && points[a].rmse * (1.0 + tolerances.error) >= last->rmse) continue;
+    if (last && points[a].error * (1.0 + tolerances.error) >= last->error) continue;
     last = &points[a];
     const size_t first = *std::find_if(left.begin(), left.end(), [&](size_t b) {
-      return equal(points[a].us, points[b].us, tolerances.time) && equal(points[a].rmse, points[b].rmse, tolerances.error);
+      return equal(points[a].us, points[b].us, tolerances.time) && equal(points[a].error, points[b].error, tolerances.error);
     });
     members[first] = true;
   }
@@ -53,16 +53,17 @@ std::string frontSentence(const std::string& population, const std::vector<Front
   for (size_t i = 0; i < points.size(); ++i) {
     if (members[i]) chosen.push_back(i);
   }
-  if (chosen.empty()) return "Over " + population + " nothing has a smaller mean error than the bare tent, which takes no time.";
+  if (chosen.empty())
+    return "Over " + population + " nothing has a smaller mean blend RMSE than the bare tent, which takes no time.";
   const auto text = [&](size_t i, const char* what) {
-    return fmt::format("{} ({}, {}{:.3g})", names[i], timeText(points[i].us), what, points[i].rmse);
+    return fmt::format("{} ({}, {}{:.3g})", names[i], timeText(points[i].us), what, points[i].error);
   };
   const std::vector<size_t> order = byTime(points, chosen);
-  const std::string begin =
-      fmt::format("Of {} ways from a function to its θ, {} beaten by none in both time and mean error over {}: ", points.size(),
-                  order.size() == 1 ? "one is" : fmt::format("{} are", order.size()), population);
-  if (order.size() == 1) return begin + text(order.front(), "mean error ") + '.';
-  return begin + "from " + text(order.front(), "mean error ") + " to " + text(order.back(), "") + '.';
+  const std::string begin = fmt::format(
+      "Of {} ways from a function to its θ, {} beaten by none in both time and mean blend RMSE over {}: ", points.size(),
+      order.size() == 1 ? "one is" : fmt::format("{} are", order.size()), population);
+  if (order.size() == 1) return begin + text(order.front(), "mean blend RMSE ") + '.';
+  return begin + "from " + text(order.front(), "mean blend RMSE ") + " to " + text(order.back(), "") + '.';
 }
 
 }  // namespace nlg

@@ -20,6 +20,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int kSchemaVersion = 2;
+
 struct Request {
   std::vector<std::string> weights, held_out;
   std::string out_dir;
@@ -79,11 +81,12 @@ std::vector<WordSpeed> speedsOver(const std::vector<bool>& counts, const Frontie
   const SceneBootstrap bootstrap(scene, {options.bootstrap_draws, 0.95, options.seed});
   const auto timed = [&](size_t p) {
     const std::vector<double> us = functionTimes(measured[p], blocks);
-    TimedPoint point{result.points[p].family, result.points[p].label, {}, {}};
+    TimedPoint point{result.points[p].family, result.points[p].label, {}, {}, {}};
     for (size_t i = 0; i < us.size(); ++i) {
       if (!counts[i]) continue;
       point.us.push_back(us[i]);
-      point.rmse.push_back(measured[p].rmse[i]);
+      point.blend_rmse.push_back(measured[p].blend_rmse[i]);
+      point.fails_check.push_back(measured[p].fails_check[i]);
     }
     return point;
   };
@@ -104,15 +107,16 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
   requireOutputFolder(request.out_dir);
   const Plan plan = planOf(request, options);
   const FunctionSet set = readHeldOut(request.held_out);
-  Json json = {{"schema_version", 1}};
+  Json json = {{"schema_version", kSchemaVersion}};
   json["provenance"] = provenance("nlg-validate frontier", table.toJson(), inputHashes(request, set));
   const ChosenFunctions functions =
       chooseFunctions(set, static_cast<uint64_t>(options.functions), options.policy, options.hard_tent_rmse);
   const std::vector<FunctionBlock> blocks = makeBlocks(set, functions.with_theta);
   Progress progress("runs", static_cast<int64_t>(plan.runs.size() * blocks.size()) * (1 + options.interleave.repeats));
   const std::vector<PointMeasurement> measured =
-      measureInterleaved(set, functions, blocks, plan.runs, options.interleave, [&](int64_t done) { progress.update(done); });
-  const BareTents tents = measureBareTents(set, functions);
+      measureInterleaved(set, functions, blocks, plan.runs, options.policy.check(), options.interleave,
+                         [&](int64_t done) { progress.update(done); });
+  const BareTents tents = measureBareTents(set, functions, options.policy.check().loss());
   std::vector<PointFigures> figures;
   for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, set, functions, blocks, tents));
   FrontierResult result = makeResult(plan.points(), std::move(figures), figuresOfTent(set, functions, tents), options.front);
@@ -136,7 +140,7 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
 }  // namespace
 
 int frontierMain(int argc, char** argv) {
-  CLI::App app{"Measures error against run time: generators, their settings and every fit, on the same held-out functions.",
+  CLI::App app{"Measures blend RMSE against run time: generators, their settings and every fit, on the same held-out functions.",
                "nlg-validate frontier"};
   Request request;
   FrontierOptions options;

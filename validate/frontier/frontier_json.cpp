@@ -2,26 +2,33 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <utility>
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "validate/errors/figures.h"
 
 namespace nlg {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json errorsJson(const ErrorFigures& rmse) {
-  return {{"rmse_mean", rmse.mean},
-          {"rmse_median", rmse.median},
-          {"rmse_p5", rmse.p5},
-          {"rmse_p95", rmse.p95},
-          {"rmse_worst", rmse.worst}};
+Json errorsJson(const BothErrors& errors) {
+  Json json;
+  for (const auto& [name, figures] : {std::pair{"blend_rmse", &errors.blend_rmse}, {"rmse", &errors.rmse}}) {
+    const std::string prefix = name;
+    json[prefix + "_mean"] = figures->mean;
+    json[prefix + "_median"] = figures->median;
+    json[prefix + "_p5"] = figures->p5;
+    json[prefix + "_p95"] = figures->p95;
+    json[prefix + "_worst"] = figures->worst;
+  }
+  return json;
 }
 
-Json figuresJson(const TimeFigures& time, const ErrorFigures& rmse) {
+Json figuresJson(const TimeFigures& time, const BothErrors& errors) {
   Json json = {{"us_median", time.median_us}, {"us_p25", time.p25_us}, {"us_p75", time.p75_us}};
-  json.update(errorsJson(rmse));
+  json.update(errorsJson(errors));
   return json;
 }
 
@@ -41,14 +48,15 @@ Json pointJson(const FrontierResult& result, size_t p) {
     const auto& figures = result.figures[p].figures[static_cast<size_t>(population)];
     Json& of = json["figures"][populationName(population)] = nullptr;
     if (!figures) continue;
-    of = figuresJson(figures->time, figures->rmse);
+    of = figuresJson(figures->time, figures->errors);
     of["leak_p99"] = figures->leak_p99;
+    of["share_failing_check"] = figures->share_failing_check;
     of["share_fitted"] = figures->share_fitted;
     of["on_front"] = static_cast<bool>(result.fronts[static_cast<size_t>(population)].members[p]);
   }
   json["by_scene"] = Json::object();
   for (const auto& [scene, of_scene] : result.figures[p].by_scene) {
-    json["by_scene"][scene] = figuresJson(of_scene.time, of_scene.rmse);
+    json["by_scene"][scene] = figuresJson(of_scene.time, of_scene.errors);
   }
   return json;
 }
@@ -60,19 +68,24 @@ Json tentJson(const TentFigures& tent) {
     json["figures"][populationName(population)] = figures ? errorsJson(*figures) : Json(nullptr);
   }
   json["by_scene"] = Json::object();
-  for (const auto& [scene, rmse] : tent.by_scene) json["by_scene"][scene] = errorsJson(rmse);
+  for (const auto& [scene, errors] : tent.by_scene) json["by_scene"][scene] = errorsJson(errors);
   return json;
 }
 
 Json speedJson(const EqualError& equal) {
-  Json json = {{"time_us", equal.time_us}, {"rmse_mean", equal.rmse_mean}};
-  for (const char* key : {"rival", "rival_us_at_equal_error", "ratio", "reason"}) json[key] = nullptr;
+  Json json = {{"time_us", equal.time_us},
+               {"blend_rmse_mean", equal.blend_rmse_mean},
+               {"share_failing_check", intervalJson(equal.share_failing)}};
+  for (const char* key : {"rival", "rival_us_at_equal_error", "rival_share_failing_check", "ratio", "longest_us", "reason"})
+    json[key] = nullptr;
   if (!equal.ratio) {
     json["reason"] = equal.reason;
+    if (equal.longest_us) json["longest_us"] = *equal.longest_us;
     return json;
   }
   json["rival"] = equal.rival;
   json["rival_us_at_equal_error"] = equal.rival_us;
+  json["rival_share_failing_check"] = intervalJson(equal.rival_share_failing);
   json["ratio"] = {{"value", equal.ratio->value}, {"low", equal.ratio->low}, {"high", nullptr}};
   if (equal.ratio->high) json["ratio"]["high"] = *equal.ratio->high;
   return json;
@@ -96,8 +109,8 @@ FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigure
     if (!result.tent.figures[at]) continue;
     std::vector<FrontPoint> times_and_errors;
     for (const PointFigures& point : result.figures) {
-      const double rmse = point.figures[at]->rmse.mean;
-      times_and_errors.push_back({point.figures[at]->time.median_us, rmse, rmse < result.tent.figures[at]->mean});
+      const double error = point.figures[at]->errors.blend_rmse.mean;
+      times_and_errors.push_back({point.figures[at]->time.median_us, error, error < result.tent.figures[at]->blend_rmse.mean});
     }
     Front& front = result.fronts[at];
     front.members = frontMembers(times_and_errors, tolerances);

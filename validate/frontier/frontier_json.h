@@ -27,7 +27,7 @@ struct FrontierResult {
   std::vector<PlotPoint> points;
   std::vector<PointFigures> figures;  // by point
   TentFigures tent;
-  std::array<Front, kPopulationCount> fronts;  // of median time and mean error
+  std::array<Front, kPopulationCount> fronts;  // of median time and mean blend RMSE
   std::vector<WordSpeed> speeds, speeds_hard;  // over functions that take a theta, and over the hard ones
 };
 

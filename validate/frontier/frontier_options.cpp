@@ -44,7 +44,8 @@ void describe(FrontierOptions& o, OptionTable& table) {
   table.add("direct_adam_steps", &o.direct_adam_steps,
             "Adam steps from theta0 and from random starts; product fields and codes: a 32nd");
   table.add("front_time_tolerance", &o.front.time, "front: times that differ by a smaller share are equal", 0.0, 10.0);
-  table.add("front_error_tolerance", &o.front.error, "front: errors that differ by a smaller share are equal", 0.0, 10.0);
+  table.add("front_error_tolerance", &o.front.error, "front: mean blend RMSEs that differ by a smaller share are equal", 0.0,
+            10.0);
   table.add("bootstrap_draws", &o.bootstrap_draws, "speed at equal error: draws of scenes behind its interval", 1, 1000000);
   table.add("seed", &o.seed, "seed of random starts and draws");
 }

@@ -20,8 +20,13 @@ BlockTimes timesOf(size_t block, const std::vector<FittedFunction>& functions) {
 class Interleaved {
  public:
   Interleaved(const FunctionSet& set, const ChosenFunctions& functions, const std::vector<FunctionBlock>& blocks,
-              const std::vector<PlotRun>& runs)
-      : functions_(functions), blocks_(blocks), runs_(runs), meter_(set), block_s_(runs.size(), 0.0) {
+              const std::vector<PlotRun>& runs, const CheckOptions& check)
+      : functions_(functions),
+        blocks_(blocks),
+        runs_(runs),
+        check_(check),
+        meter_(set, check.loss()),
+        block_s_(runs.size(), 0.0) {
     for (const PlotRun& run : runs) measured_.emplace_back(run.points.size());
   }
 
@@ -59,12 +64,15 @@ class Interleaved {
     NLG_CHECK(fitted.size(), ==, block.functions.size());
     for (size_t i = 0; i < fitted.size(); ++i) {
       const bool is_hard = functions_.hard[measured.rmse.size()];
-      const double rmse = meter_.measure(fitted[i].representation, fitted[i].theta.data(), block.functions[i]).rmse;
-      if (!std::isfinite(rmse)) {
+      const float* theta = fitted[i].theta.data();
+      const FunctionError error = meter_.measure(fitted[i].representation, theta, block.functions[i]);
+      if (!std::isfinite(error.blend_rmse)) {
         throw NumericalError("validate frontier", point.representation + ": " + point.label,
-                             "RMSE of function " + std::to_string(block.functions[i]), rmse);
+                             "blend RMSE of function " + std::to_string(block.functions[i]), error.blend_rmse);
       }
-      measured.rmse.push_back(rmse);
+      measured.blend_rmse.push_back(error.blend_rmse);
+      measured.rmse.push_back(error.rmse);
+      measured.fails_check.push_back(!checker_.check(fitted[i].representation, block.stored[i], theta, check_).passes(check_));
       measured.took_fit.push_back(fitted[i].took_fit);
       measured.leaks.add(meter_.leakMagnitudes());
       if (is_hard) measured.leaks_hard.add(meter_.leakMagnitudes());
@@ -78,7 +86,9 @@ class Interleaved {
   const ChosenFunctions& functions_;
   const std::vector<FunctionBlock>& blocks_;
   const std::vector<PlotRun>& runs_;
+  const CheckOptions& check_;
   ErrorMeter meter_;
+  FunctionChecker checker_;
   std::vector<std::vector<PointMeasurement>> measured_;  // by run, then by its points
   std::vector<double> block_s_;                          // by run: wall time of its first
 };
@@ -87,9 +97,9 @@ class Interleaved {
 
 std::vector<PointMeasurement> measureInterleaved(const FunctionSet& set, const ChosenFunctions& functions,
                                                  const std::vector<FunctionBlock>& blocks, const std::vector<PlotRun>& runs,
-                                                 const InterleaveOptions& options,
+                                                 const CheckOptions& check, const InterleaveOptions& options,
                                                  const std::function<void(int64_t done)>& progress) {
-  Interleaved interleaved(set, functions, blocks, runs);
+  Interleaved interleaved(set, functions, blocks, runs, check);
   int64_t done = 0;
   for (size_t b = 0; b < blocks.size(); ++b) {
     for (size_t r = 0; r < runs.size(); ++r) {

@@ -24,19 +24,21 @@ struct BlockTimes {
 };
 
 struct PointMeasurement {
-  std::vector<double> rmse;            // by function, in the order of the blocks
-  std::vector<bool> took_fit;          // by function
-  PooledMagnitudes leaks, leaks_hard;  // over all of them, over the hard ones
+  std::vector<double> blend_rmse, rmse;  // by function, in the order of the blocks
+  std::vector<bool> fails_check;         // by function
+  std::vector<bool> took_fit;            // by function
+  PooledMagnitudes leaks, leaks_hard;    // over all of them, over the hard ones
   std::vector<BlockTimes> times;
 };
 
 // functions   whose with_theta the blocks hold, in their order
+// check       the policy's, by whose loss and thresholds errors are judged
 // returns     one a point, run after run
 // progress    called with the number of finished runs
 // throws      NumericalError when a theta's error is not finite
 std::vector<PointMeasurement> measureInterleaved(const FunctionSet& set, const ChosenFunctions& functions,
                                                  const std::vector<FunctionBlock>& blocks, const std::vector<PlotRun>& runs,
-                                                 const InterleaveOptions& options,
+                                                 const CheckOptions& check, const InterleaveOptions& options,
                                                  const std::function<void(int64_t done)>& progress);
 
 }  // namespace nlg

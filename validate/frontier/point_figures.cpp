@@ -12,9 +12,9 @@ TimeFigures timeFigures(std::vector<double> samples, double scale = 1.0) {
   return {quantile(samples, 0.5), quantile(samples, 0.25), quantile(samples, 0.75)};
 }
 
-ErrorFigures errorFigures(std::vector<double> rmse) {
-  const Quantiles all = quantiles(rmse);
-  return {all.mean, all.median, quantile(rmse, 0.05), all.p95, all.worst};
+ErrorFigures errorFigures(std::vector<double> errors) {
+  const Quantiles all = quantiles(errors);
+  return {all.mean, all.median, quantile(errors, 0.05), all.p95, all.worst};
 }
 
 std::vector<double> picked(const std::vector<double>& values, const Mask& counts) {
@@ -63,32 +63,41 @@ bool any(const Mask& mask) { return std::find(mask.begin(), mask.end(), true) !=
 
 }  // namespace
 
-BareTents measureBareTents(const FunctionSet& set, const ChosenFunctions& functions) {
+BareTents measureBareTents(const FunctionSet& set, const ChosenFunctions& functions, const LossOptions& loss) {
   BareTents tents;
-  ErrorMeter meter(set);
+  ErrorMeter meter(set, loss);
   for (const uint64_t function : functions.bare_tents) {
-    tents.rmse.push_back(meter.measureTent(function).rmse);
+    const FunctionError error = meter.measureTent(function);
+    tents.blend_rmse.push_back(error.blend_rmse);
+    tents.rmse.push_back(error.rmse);
     tents.leaks.add(meter.leakMagnitudes());
   }
   return tents;
 }
 
 TentFigures figuresOfTent(const FunctionSet& set, const ChosenFunctions& functions, const BareTents& tents) {
+  std::vector<double> blend_rmse, rmse;
+  for (const FunctionCheck& tent : functions.tents) blend_rmse.push_back(tent.blend_rmse), rmse.push_back(tent.rmse);
+  const auto of = [&](const Mask& counts) {
+    return BothErrors{errorFigures(picked(blend_rmse, counts)), errorFigures(picked(rmse, counts))};
+  };
   TentFigures figures;
-  figures.figures = {errorFigures(joined(functions.tent_rmse, tents.rmse)), errorFigures(functions.tent_rmse), std::nullopt};
-  if (any(functions.hard)) figures.figures.back() = errorFigures(picked(functions.tent_rmse, functions.hard));
-  for (const auto& [scene, mask] : masksByScene(set, functions)) {
-    figures.by_scene[scene] = errorFigures(picked(functions.tent_rmse, mask));
-  }
+  figures.figures = {BothErrors{errorFigures(joined(blend_rmse, tents.blend_rmse)), errorFigures(joined(rmse, tents.rmse))},
+                     of(Mask(rmse.size(), true)), std::nullopt};
+  if (any(functions.hard)) figures.figures.back() = of(functions.hard);
+  for (const auto& [scene, mask] : masksByScene(set, functions)) figures.by_scene[scene] = of(mask);
   return figures;
 }
 
 PointFigures figuresOf(const PointMeasurement& measured, const FunctionSet& set, const ChosenFunctions& functions,
                        const std::vector<FunctionBlock>& blocks, const BareTents& tents) {
+  const auto errorsOver = [&](const Mask& counts) {
+    return BothErrors{errorFigures(picked(measured.blend_rmse, counts)), errorFigures(picked(measured.rmse, counts))};
+  };
   const auto figuresOver = [&](const Mask& counts, const PooledMagnitudes& leaks) {
-    const std::vector<double> took_fit = picked({measured.took_fit.begin(), measured.took_fit.end()}, counts);
-    return PopulationFigures{timeFigures(timeSamples(measured, blocks, counts)), errorFigures(picked(measured.rmse, counts)),
-                             leaks.quantile(0.99), mean(took_fit)};
+    const auto shareOf = [&](const std::vector<bool>& is) { return mean(picked({is.begin(), is.end()}, counts)); };
+    return PopulationFigures{timeFigures(timeSamples(measured, blocks, counts)), errorsOver(counts), leaks.quantile(0.99),
+                             shareOf(measured.fails_check), shareOf(measured.took_fit)};
   };
   const Mask every(functions.with_theta.size(), true);
   PointFigures figures;
@@ -96,20 +105,21 @@ PointFigures figuresOf(const PointMeasurement& measured, const FunctionSet& set,
   if (any(functions.hard))
     figures.figures[static_cast<size_t>(Population::hard)] = figuresOver(functions.hard, measured.leaks_hard);
 
-  // and the bare tents, which take no time and no fit
+  // and the bare tents, which take no time and no fit, and pass the check
   const auto count = static_cast<double>(functions.with_theta.size());
   const double share_with_theta = count / (count + static_cast<double>(tents.rmse.size()));
   PooledMagnitudes leaks = measured.leaks;
   leaks.add(tents.leaks);
   PopulationFigures all = *figures.figures[static_cast<size_t>(Population::theta)];
   all.time = timeFigures(timeSamples(measured, blocks, every), share_with_theta);
-  all.rmse = errorFigures(joined(measured.rmse, tents.rmse));
+  all.errors = {errorFigures(joined(measured.blend_rmse, tents.blend_rmse)), errorFigures(joined(measured.rmse, tents.rmse))};
   all.leak_p99 = leaks.quantile(0.99);
+  all.share_failing_check *= share_with_theta;
   all.share_fitted *= share_with_theta;
   figures.figures[static_cast<size_t>(Population::all)] = all;
 
   for (const auto& [scene, mask] : masksByScene(set, functions)) {
-    figures.by_scene[scene] = {timeFigures(timeSamples(measured, blocks, mask)), errorFigures(picked(measured.rmse, mask))};
+    figures.by_scene[scene] = {timeFigures(timeSamples(measured, blocks, mask)), errorsOver(mask)};
   }
   return figures;
 }

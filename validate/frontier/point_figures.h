@@ -14,20 +14,26 @@ struct TimeFigures {
   double median_us = 0, p25_us = 0, p75_us = 0;
 };
 
+// Over functions.
 struct ErrorFigures {
-  double mean = 0, median = 0, p5 = 0, p95 = 0, worst = 0;  // RMSE over functions
+  double mean = 0, median = 0, p5 = 0, p95 = 0, worst = 0;
+};
+
+// What is judged, and what stands beside it.
+struct BothErrors {
+  ErrorFigures blend_rmse, rmse;
 };
 
 struct SceneFigures {
   TimeFigures time;  // samples: means over this scene's functions in one run on one block
-  ErrorFigures rmse;
+  BothErrors errors;
 };
 
 struct PopulationFigures {
   TimeFigures time;
-  ErrorFigures rmse;
+  BothErrors errors;
   double leak_p99 = 0;  // of |value| pooled over the points that count as leaks
-  double share_fitted = 0;
+  double share_failing_check = 0, share_fitted = 0;
 };
 
 // By Population; none where it is empty.
@@ -41,16 +47,16 @@ struct PointFigures {
 
 // The bare tent, which takes no time and no theta: what does not have a smaller error is on no front.
 struct TentFigures {
-  ByPopulation<ErrorFigures> figures;
-  std::map<std::string, ErrorFigures> by_scene;  // of functions that take a theta
+  ByPopulation<BothErrors> figures;
+  std::map<std::string, BothErrors> by_scene;  // of functions that take a theta
 };
 
-// Functions that take no theta: what they have in every point's figures over all functions.
+// Functions that take no theta, all of which pass the check: what they have in every point's figures over all functions.
 struct BareTents {
-  std::vector<double> rmse;
+  std::vector<double> blend_rmse, rmse;
   PooledMagnitudes leaks;
 };
-BareTents measureBareTents(const FunctionSet& set, const ChosenFunctions& functions);
+BareTents measureBareTents(const FunctionSet& set, const ChosenFunctions& functions, const LossOptions& loss);
 
 TentFigures figuresOfTent(const FunctionSet& set, const ChosenFunctions& functions, const BareTents& tents);
 

@@ -3,7 +3,7 @@
 
     compare.py OLD/summary.json NEW/summary.json
 
-Functions are paired by the functions.csv beside both. Errors are those of the same functions in both runs, so the noise is that of
+Functions are paired by the functions.csv beside both. Errors are blend RMSEs of the same functions in both runs, so the noise is that of
 the choice of functions: would another held-out set of the same kind say the same? docs/reference/formats.md says how each figure is
 judged. Exit code 0: nothing is worse; 6: something is, or a representation is gone.
 """
@@ -132,18 +132,19 @@ def failing_change(old, new):
 
 
 def worst_change(old, new, tau, factor):
-    """A function leaps when its RMSE is above so many times its error in the other run, and tau. What these very functions do is no matter of chance."""
-    risen, fallen = new.rmse > factor * np.maximum(old.rmse, tau), old.rmse > factor * np.maximum(new.rmse, tau)
-    change = {"old": float(old.rmse.max(initial=0.0)), "new": float(new.rmse.max(initial=0.0))}
+    """A function leaps when its blend RMSE is above so many times its error in the other run, and tau. What these very functions do is no matter of chance."""
+    risen, fallen = new.blend_rmse > factor * np.maximum(old.blend_rmse, tau), old.blend_rmse > factor * np.maximum(new.blend_rmse, tau)
+    change = {"old": float(old.blend_rmse.max(initial=0.0)), "new": float(new.blend_rmse.max(initial=0.0))}
     if risen.any():
-        highest = int(np.argmax(np.where(risen, new.rmse, -1.0)))
-        note = f"{risen.sum()} leapt, the highest function {new.function[highest]} of {new.scene[highest]}: {old.rmse[highest]:.5g} -> {new.rmse[highest]:.5g}"
+        highest = int(np.argmax(np.where(risen, new.blend_rmse, -1.0)))
+        note = f"{risen.sum()} leapt, the highest function {new.function[highest]} of {new.scene[highest]}: {old.blend_rmse[highest]:.5g} -> {new.blend_rmse[highest]:.5g}"
         return change | {"note": note, "trend": "worse"}
     return change | ({"note": f"{fallen.sum()} no longer so high", "trend": "better"} if fallen.any() else {})
 
 
 def costs(old, new, options):
-    """How many functions took a fit, which is shown and never judged, and the time, which a busy machine changes."""
+    """The mean RMSE and how many functions took a fit, which are shown and never judged, and the time, which a busy machine changes."""
+    yield "mean RMSE", {key: node["theta"]["rmse"]["mean"].number() if node["theta"]["functions"].count() else 0.0 for key, node in (("old", old), ("new", new))}
     fitted = [node["theta"]["share_fitted"]["value"].number() for node in (old, new)]
     times = [node["theta"]["us_per_function"].number() for node in (old, new)]
     yield "share that took a fit", dict(zip(("old", "new"), fitted))
@@ -155,17 +156,17 @@ def costs(old, new, options):
 
 def paired_changes(name, old, new, options):
     """(scene, figure, fields of a Change)"""
-    tau = new.summary["tau"]["rmse"].number()
+    tau = new.summary["tau"]["blend"].number()
     pairs = {}
     for word in WORDS:
         a, b = pairs[word] = old.samples[name, word], new.samples[name, word]
         if len(a) != len(b) or any((getattr(a, key) != getattr(b, key)).any() for key in ("function", "scene", "takes_theta", "hard")):
             raise InputError(new.path, f"rows of '{name}', '{word}' in functions.csv beside it", "the functions of the old run, in its order", "others")
         (theta_a, hard_a), (theta_b, hard_b) = [(some.of("theta"), some.of("hard")) for some in (a, b)]
-        yield "", f"{word}, mean RMSE", mean_change(theta_a.rmse, theta_b.rmse)
-        yield "", f"{word}, mean RMSE of hard functions", mean_change(hard_a.rmse, hard_b.rmse)
-        yield "", f"{word}, p99 of RMSE", p99_change(theta_a.rmse, theta_b.rmse)
-        yield "", f"{word}, worst RMSE", worst_change(theta_a, theta_b, tau, options.worst_factor)
+        yield "", f"{word}, mean blend RMSE", mean_change(theta_a.blend_rmse, theta_b.blend_rmse)
+        yield "", f"{word}, mean blend RMSE of hard functions", mean_change(hard_a.blend_rmse, hard_b.blend_rmse)
+        yield "", f"{word}, p99 of blend RMSE", p99_change(theta_a.blend_rmse, theta_b.blend_rmse)
+        yield "", f"{word}, worst blend RMSE", worst_change(theta_a, theta_b, tau, options.worst_factor)
         yield "", f"{word}, share that fails the check", failing_change(theta_a.fails_check, theta_b.fails_check)
         yield "", f"{word}, mean leak of a function", mean_change(theta_a.leak_mean, theta_b.leak_mean)
         for figure, fields in costs(old.summary["representations"][name][word], new.summary["representations"][name][word], options):
@@ -173,14 +174,14 @@ def paired_changes(name, old, new, options):
     for scene, _ in old.summary["representations"][name]["by_scene"].entries():
         for word in WORDS_BY_SCENE:
             a, b = [some.only(some.takes_theta & (some.scene == scene)) for some in pairs[word]]
-            yield scene, f"{word}, mean RMSE", mean_change(a.rmse, b.rmse)
-            yield scene, f"{word}, worst RMSE", worst_change(a, b, tau, options.worst_factor)
+            yield scene, f"{word}, mean blend RMSE", mean_change(a.blend_rmse, b.blend_rmse)
+            yield scene, f"{word}, worst blend RMSE", worst_change(a, b, tau, options.worst_factor)
             yield scene, f"{word}, share that fails the check", failing_change(a.fails_check, b.fails_check)
 
 
 def summary_changes(name, old, new, options):
     """The same without the functions of both."""
-    tau = new.summary["tau"]["rmse"].number()
+    tau = new.summary["tau"]["blend"].number()
     one, other = old.summary["representations"][name], new.summary["representations"][name]
 
     def within(read, a, b):
@@ -188,24 +189,24 @@ def summary_changes(name, old, new, options):
         return dict(zip(("old", "new"), values)) | {"trend": trend_beyond(*values, options.tolerance)}
 
     def leap(a, b):
-        before, after = (node["theta"]["rmse"]["worst"].number() for node in (a, b))
+        before, after = (node["theta"]["blend_rmse"]["worst"].number() for node in (a, b))
         trend = "worse" if after > options.worst_factor * max(before, tau) else "better" if before > options.worst_factor * max(after, tau) else "same"
         return {"old": before, "new": after, "trend": trend}
 
     for word in WORDS:
         a, b = one[word], other[word]
-        yield "", f"{word}, mean RMSE", within(lambda node: node["theta"]["rmse"]["mean"], a, b)
+        yield "", f"{word}, mean blend RMSE", within(lambda node: node["theta"]["blend_rmse"]["mean"], a, b)
         if a["hard"]["functions"].count():
-            yield "", f"{word}, mean RMSE of hard functions", within(lambda node: node["hard"]["rmse"]["mean"], a, b)
-        yield "", f"{word}, p99 of RMSE", within(lambda node: node["theta"]["rmse"]["p99"], a, b)
-        yield "", f"{word}, worst RMSE", leap(a, b)
+            yield "", f"{word}, mean blend RMSE of hard functions", within(lambda node: node["hard"]["blend_rmse"]["mean"], a, b)
+        yield "", f"{word}, p99 of blend RMSE", within(lambda node: node["theta"]["blend_rmse"]["p99"], a, b)
+        yield "", f"{word}, worst blend RMSE", leap(a, b)
         yield "", f"{word}, share that fails the check", within(lambda node: node["theta"]["share_failing_check"]["value"], a, b)
         yield "", f"{word}, mean leak of a point", within(lambda node: node["theta"]["leak"]["mean"], a, b)
         for figure, fields in costs(a, b, options):
             yield "", f"{word}, {figure}", fields
     for scene, words in one["by_scene"].entries():
         for word in WORDS_BY_SCENE if scene in other["by_scene"] else ():
-            yield scene, f"{word}, mean RMSE", within(lambda node: node[word]["mean"], words, other["by_scene"][scene])
+            yield scene, f"{word}, mean blend RMSE", within(lambda node: node[word]["blend_rmse"]["mean"], words, other["by_scene"][scene])
 
 
 @dataclass
@@ -295,7 +296,7 @@ def parse_arguments(arguments=None):
     parser.add_argument("new", help="summary.json of the run to judge; functions are paired by the functions.csv beside both")
     parser.add_argument("--false-alarms", type=between(1e-12, 0.999), default=0.05, help="paired: the chance that noise alone has anything at all called changed (default: %(default)g)")
     parser.add_argument("--smallest-change", type=between(0, 10), default=0.01, help="share of the old value below which a change is none (default: %(default)g)")
-    parser.add_argument("--worst-factor", type=between(1, 1e6), default=2.0, help="worse where a function's RMSE is above so many times its old one, and tau (default: %(default)g)")
+    parser.add_argument("--worst-factor", type=between(1, 1e6), default=2.0, help="worse where a function's blend RMSE is above so many times its old one, and tau (default: %(default)g)")
     parser.add_argument("--tolerance", type=between(0, 10), default=0.05, help="share of the old value that may be noise where functions cannot be paired (default: %(default)g)")
     parser.add_argument("--time-tolerance", type=between(0, 1000), default=0.0, help="the same for times; 0: they are shown, never judged (default: %(default)g)")
     parser.add_argument("--all-scenes", action="store_true", help="print scenes where nothing changed too")

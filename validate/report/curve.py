@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What a representation costs and what it says: error against bytes a function and against evaluation time, all of them in one figure.
+"""What a representation costs and what it says: blend RMSE against bytes a function and against evaluation time, all of them in one figure.
 
     curve.py --summary out/NAME/evaluation/summary.json --out docs/images/error_against_bytes.png
 
 The page shows the same figure. Of every representation the functions of the sample that take a θ: what its numbers can say (best known)
-and what a grid holds of them (stored), with the network's and the corrected error on the way there.
+and what a grid holds of them (stored), with the network's and the corrected on the way there.
 """
 import argparse
 import logging
@@ -37,17 +37,17 @@ class Cost:
     name: str
     bytes: float        # of one θ, as the summary's functions are stored: of codes, which end where they may, the mean
     evaluate_us: float  # 0: not measured
-    sample: dict        # word → the RMSE's statistics over the functions of the sample that take a θ
+    sample: dict        # word → the blend RMSE's statistics over the functions of the sample that take a θ
 
 
 def costs(summary, times=None):
     """times: the summary that evaluate_us is taken from; None: the same."""
     result, precision = [], summary["theta_precision"].text()
     for name, node in summary["representations"].entries():
-        rmse = lambda word: {q: node["sample"][word]["theta"]["rmse"][q].number() for q in inputs_module.QUANTILES}
+        blend_rmse = lambda word: {q: node["sample"][word]["theta"]["blend_rmse"][q].number() for q in inputs_module.QUANTILES}
         timed = times["representations"][name] if times else node
         size = node["stored_bytes_mean"].number() if name.startswith("code") else node["theta_bytes"][precision].count()
-        result.append(Cost(name, size, timed["evaluate_us"].number(), {word: rmse(word) for word in SHOWN}))
+        result.append(Cost(name, size, timed["evaluate_us"].number(), {word: blend_rmse(word) for word in SHOWN}))
     return result
 
 
@@ -93,7 +93,7 @@ def draw(summary, statistic="mean", times=None):
         axes.grid(True)
     place = [draw_panel(figure, left, some, statistic, lambda c: c.bytes, limits)]
     decade_axis(left.xaxis, [c.bytes for c in some], plots.short)
-    left.set(xlabel=f"bytes a function, θ in {summary['theta_precision'].text()}", ylabel=f"RMSE of a function that takes a θ, {statistic}")
+    left.set(xlabel=f"bytes a function, θ in {summary['theta_precision'].text()}", ylabel=f"blend RMSE of a function that takes a θ, {statistic}")
     right.set_xlabel(f"evaluation time of {POINT_COUNT} points, one core")
     timed = [c for c in some if c.evaluate_us > 0]
     if timed:
@@ -124,10 +124,10 @@ def png(summary, statistic, times):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Draws error against bytes a function and against evaluation time.")
+    parser = argparse.ArgumentParser(description="Draws blend RMSE against bytes a function and against evaluation time.")
     parser.add_argument("--summary", required=True, help="summary.json of nlg-validate")
     parser.add_argument("--times", help="another summary.json, of the same representations: evaluation times are taken from it")
-    parser.add_argument("--statistic", choices=inputs_module.QUANTILES, default="mean", help="of the RMSE over functions; default: mean")
+    parser.add_argument("--statistic", choices=inputs_module.QUANTILES, default="mean", help="of the blend RMSE over functions; default: mean")
     parser.add_argument("--out", required=True, help="the .png to write")
     arguments = parser.parse_args()
 

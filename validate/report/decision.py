@@ -1,4 +1,4 @@
-"""What a lead reads first, as texts: the verdict with its three figures, scenes by trouble, the suite's cases, what bakes leave out."""
+"""What a lead reads first, as texts: the verdict with its three figures and its rule, scenes by trouble, the suite's cases, what bakes leave out."""
 import math
 
 import numpy as np
@@ -8,7 +8,7 @@ import proof_inputs
 import verdict
 from findings import TALK_FITTED, bracket, error, factor, figures_row, grouped, percent, plural
 from frontier import front_of, stage_points
-from inputs import WORDS
+from inputs import ERRORS, WORDS
 from plots import NAMES, duration
 
 GROUP_NAMES = {"functions": "Functions", "optimisers": "Optimisers", "pca": "Principal components", "generator": "Generator", "scenes": "Scenes",
@@ -37,8 +37,9 @@ def equal_error_words(judgement):
     if equal.ratio is None:
         return f"{name} fitted takes {duration(equal.fitted_us)}; there is no ratio, because {equal.reason}"
     if equal.label is None:
-        return f"at least: {name} fitted takes {duration(equal.fitted_us)}, the longest direct fit {duration(equal.direct_us)}, and its mean error is still larger"
-    return f"{name} fitted takes {duration(equal.fitted_us)}, and the fastest direct fit to the same mean error {duration(equal.direct_us)} ({equal.label})"
+        return f"at least: {name} fitted takes {duration(equal.fitted_us)}, the longest direct fit {duration(equal.direct_us)}, and its mean blend RMSE is still larger"
+    return (f"{name} fitted takes {duration(equal.fitted_us)}, and the fastest direct fit to the same mean blend RMSE {duration(equal.direct_us)} ({equal.label}); "
+            f"{percent(equal.failing)} and {percent(equal.direct_failing)} of their functions fail the check")
 
 
 class Decision:
@@ -55,7 +56,7 @@ class Decision:
         self.judgements = verdict.judge(inputs, limits, frontier)
         self.leader = verdict.leader(inputs, self.judgements)
         self.blocked = bool(cases) and bool(verdict.unexplained(cases))
-        self.tau_rmse, self.tau_leak, self.tau_leak_share = (inputs.summary["tau"][key].number() for key in ("rmse", "leak", "leak_share"))
+        self.tau = {error: inputs.summary["tau"][key].number() for error, key in zip(ERRORS, ("blend", "rmse"))}
 
     # ---- the first screen
 
@@ -76,6 +77,19 @@ class Decision:
             return f"{ships[0]} may ship" if count == 1 else f"All {count} generators may ship"
         return f"{joined(ships)} may ship; {count - len(ships)} of {count} generators may not"
 
+    def rule(self):
+        return [sentence.replace("*", "") for sentence in verdict.rule(self.limits, self.tau["rmse"], self.tau["blend_rmse"])]
+
+    def text(self):
+        """The verdict for a terminal: the headline, every generator's three figures, the rule."""
+        shown = lambda figure, write: "–" if figure.value is None else write(figure.value) + ("" if figure.passes else " (!)")
+        lines = [self.headline()]
+        for j in self.judgements:
+            lines.append(f"  {j.representation}, {j.verdict}: {shown(j.failing, percent)} of stored functions fail the check; {shown(j.hard, factor)} times the best known blend RMSE on hard ones; "
+                         f"{shown(j.speedup, factor)} times as fast as a fit without it")
+        lines += ["A generator may ship when, on scenes that it was not trained on:", *(f"  - {sentence}" for sentence in self.rule())]
+        return "\n".join(lines).replace("\u00a0", " ") + "\n"
+
     def objections(self):
         """One sentence a generator that may not ship."""
         limits = self.limits
@@ -89,11 +103,11 @@ class Decision:
             if j.hard.value is None:
                 said.append("no hard function to compare with the best known, so it stays undecided")
             elif not j.hard.passes:
-                said.append(f"{factor(j.hard.value)} × the best known error on hard functions (limit {limits.error_hard:g} ×)")
+                said.append(f"{factor(j.hard.value)} × the best known blend RMSE on hard functions (limit {limits.error_hard:g} ×)")
             if j.speedup.value is None:
-                said.append((f"no speed at equal error, because {j.equal.reason}" if j.equal else "no frontier was given that times direct fits of the same error") + ", so it stays undecided")
+                said.append((f"no speed at equal error, because {j.equal.reason}" if j.equal else "no frontier was given that times direct fits of the same blend RMSE") + ", so it stays undecided")
             elif not j.speedup.passes:
-                said.append(f"{factor(j.speedup.value)} × as fast as a direct fit of the same error (at least {limits.speedup:g} × is asked for)")
+                said.append(f"{factor(j.speedup.value)} × as fast as a direct fit of the same mean blend RMSE (at least {limits.speedup:g} × is asked for)")
             if said:
                 result.append((j.representation, "; ".join(said) + "."))
         return result
@@ -108,16 +122,16 @@ class Decision:
         return [
             self.card("Stored functions that fail the check", lambda j: j.failing, percent, f"at most {percent(limits.share_failing)}", limits.share_failing,
                       f"of {self.leader}’s functions that take a θ.{along(failing)}", lead),
-            self.card("Error on hard functions", lambda j: j.hard, lambda v: f"{factor(v)} ×", f"at most {limits.error_hard:g} ×", limits.error_hard,
+            self.card("Blend RMSE on hard functions", lambda j: j.hard, lambda v: f"{factor(v)} ×", f"at most {limits.error_hard:g} ×", limits.error_hard,
                       f"the best known: {self.leader} as stored, median over the {plural(sample['hard'].count(), 'hard function')} of the sample.{along(above)}", lead),
-            self.card("Speed at equal error", lambda j: j.speedup, lambda v: f"{factor(v)} ×", f"at least {limits.speedup:g} ×", limits.speedup,
+            self.card("Speed at equal blend RMSE", lambda j: j.speedup, lambda v: f"{factor(v)} ×", f"at least {limits.speedup:g} ×", limits.speedup,
                       equal_error_words(lead) + ".", lead, logarithmic=True)]
 
     def four_words(self):
         """The leader's four words over the functions that take a θ: the table that the first screen ends with."""
         node = self.inputs.summary["representations"][self.leader]
-        of_all = lambda word: figures_row(word, node[word]["all"], "all", self.tau_rmse)["fitted"]
-        return [figures_row(word, node[word]["theta"], "theta", self.tau_rmse) | {"fitted_of_all": of_all(word), "hard": figures_row(word, node[word]["hard"], "hard", self.tau_rmse)["cells"][0]}
+        of_all = lambda word: figures_row(word, node[word]["all"], "all", self.tau)["fitted"]
+        return [figures_row(word, node[word]["theta"], "theta", self.tau) | {"fitted_of_all": of_all(word), "hard": figures_row(word, node[word]["hard"], "hard", self.tau)["cells"][0]}
                 for word in WORDS]
 
     def card(self, title, figure_of, text_of, limit_text, limit, meaning, lead, logarithmic=False):
@@ -144,7 +158,8 @@ class Decision:
                 point = points.get(title)
                 figures = point and point.figures["theta"]
                 rows.append({"name": title, "budget": stage["budget"].value or "–", "takes": "all functions that take a θ" if takes == "all functions" else takes,
-                             "word": word, "label": NAMES[word], "errors": [error(figures[f"rmse_{q}"]) for q in ("median", "mean", "p95")] if figures else ["–"] * 3,
+                             "word": word, "label": NAMES[word], "errors": [error(figures[f"blend_rmse_{q}"]) for q in ("median", "mean", "p95")] + [error(figures["rmse_mean"])] if figures else ["–"] * 4,
+                             "failing": percent(figures["share_failing_check"]) if figures else "–",
                              "fitted": percent(figures["share_fitted"]) if figures else "–", "time": duration(figures["us_median"]) if figures else "–"})
             tables.append({"name": name, "rows": rows, "has_points": bool(points)})
         return tables
@@ -152,19 +167,20 @@ class Decision:
     # ---- scenes
 
     def scene_rows(self):
-        """Scenes by falling share of the leader's stored functions that fail the check, then by their 95th percentile; functions that take a θ."""
+        """Scenes by falling share of the leader's stored functions that fail the check, then by their 95th percentile of the blend RMSE; functions that take a θ."""
         rows, inputs, lead = [], self.inputs, self.leader
         every = {key: inputs.over(*key) for key in [(name, word) for name in inputs.representations for word in WORDS]}
         for scene in sorted(set(inputs.samples[lead, "stored"].scene)):
             part = {key: some.only(some.scene == scene) for key, some in every.items()}
             stored = part[lead, "stored"]
             if not len(stored):
-                rows.append({"key": (0.0, 0.0, scene), "scene": scene, "functions": "0", "hard": "0", "cells": [("–", False)] * 3, "fitted": "–",
+                rows.append({"key": (0.0, 0.0, scene), "scene": scene, "functions": "0", "hard": "0", "cells": [("–", False)] * 4, "fitted": "–",
                              "shares": [("–", 0.0, False)] * (len(WORDS) + len(self.others()))})
                 continue
             share = {key: float(some.fails_check.mean()) for key, some in part.items()}
-            high = float(np.quantile(stored.rmse, 0.95))
-            cells = [(error(v), v > self.tau_rmse) for v in (float(np.median(stored.rmse)), high, float(stored.rmse.max()))]
+            high = float(np.quantile(stored.blend_rmse, 0.95))
+            values = [("blend_rmse", v) for v in (float(np.median(stored.blend_rmse)), high, float(stored.blend_rmse.max()))] + [("rmse", float(stored.rmse.max()))]
+            cells = [(error(v), v > self.tau[which]) for which, v in values]
             rows.append({"key": (-share[lead, "stored"], -high, scene), "scene": scene, "functions": grouped(len(stored)),
                          "hard": grouped(int(stored.hard.sum())), "cells": cells, "fitted": percent(float(stored.fitted.mean())),
                          "shares": [self.heat(share[lead, word], word == "stored") for word in WORDS] + [self.heat(share[name, "stored"]) for name in self.others()]})
@@ -233,8 +249,8 @@ def front_rows(frontier, view):
     for number, (point, spread) in enumerate(front_of(frontier, view), 1):
         f = point.figures[view.population]
         rows.append({"number": number, "representation": point.representation, "label": point.label, "words": ", ".join(point.words) or "–", "time": duration(spread.us),
-                     "spread": f"{duration(f['us_p25'])}–{duration(f['us_p75'])}", "errors": [error(f[f"rmse_{q}"]) for q in ("median", "mean", "p5", "p95")],
-                     "fitted": percent(f["share_fitted"]), "leak": f"{f['leak_p99']:.3f}"})
+                     "spread": f"{duration(f['us_p25'])}–{duration(f['us_p75'])}", "errors": [error(f[f"blend_rmse_{q}"]) for q in ("median", "mean", "p5", "p95")] + [error(f["rmse_mean"])],
+                     "failing": percent(f["share_failing_check"]), "fitted": percent(f["share_fitted"]), "leak": f"{f['leak_p99']:.3f}"})
     return rows
 
 
@@ -246,8 +262,8 @@ def front_summary(frontier, view, rows):
     for row in rows:
         spans.setdefault(row["representation"], []).append(row["time"])
     parts = [f"{name} from {times[0]} to {times[-1]}" if len(times) > 1 else f"{name} at {times[0]}" for name, times in spans.items()]
-    return (f"Over {view.words}, {len(rows)} of {grouped(len(frontier.points))} ways to a θ are beaten by none in time and mean error: {joined(parts)}. "
-            f"The error falls from {rows[0]['errors'][1]} to {rows[-1]['errors'][1]}; the bare tent’s is {error(view.tent)}.")
+    return (f"Over {view.words}, {len(rows)} of {grouped(len(frontier.points))} ways to a θ are beaten by none in time and mean blend RMSE: {joined(parts)}. "
+            f"It falls from {rows[0]['errors'][1]} to {rows[-1]['errors'][1]}; the bare tent’s is {error(view.tent)}.")
 
 
 def plain(value):

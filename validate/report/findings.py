@@ -4,7 +4,7 @@ import re
 import numpy as np
 
 from curve import SHOWN, costs
-from inputs import FITS, INTERVALS, POPULATIONS, QUANTILES, RATIOS, REFERENCES, WORDS, interval_of
+from inputs import ERRORS, FITS, INTERVALS, POPULATIONS, QUANTILES, RATIOS, REFERENCES, WORDS, interval_of
 from plots import NAMES, POPULATION_NAMES, duration, pareto
 from verdict import estimate, share_of
 
@@ -80,14 +80,14 @@ def ratio_cell(ratio):
     return NONE if value is None else {"text": f"{factor(value)}\u00a0×", "over": False, "interval": bracket(interval, factor)}
 
 
-def figures_row(word, figures, population, limit):
-    """One row of a table of errors: one word (or fit) over one population."""
-    row = {"label": NAMES[word], "word": word, "population": POPULATION_NAMES[population], "cells": quantile_cells(figures["rmse"], limit),
+def figures_row(word, figures, population, tau):
+    """One row of a table of errors: one word (or fit) over one population. tau: error → what the check allows."""
+    row = {"label": NAMES[word], "word": word, "population": POPULATION_NAMES[population], "cells": quantile_cells(figures["blend_rmse"], tau["blend_rmse"]), "rmse": NONE,
            "test_points": NONE, "occluded": NONE, "failing": NONE, "fitted": NONE, "leak_mean": "–", "leak_p99": "–", "time": "–", "functions": "0"}
     if figures["functions"].count() == 0:
         row["cells"] = [NONE] * len(QUANTILES)
         return row
-    row |= {"functions": grouped(figures["functions"].count()), "failing": share_cell(figures, "share_failing_check"),
+    row |= {"rmse": quantile_cells(figures["rmse"], tau["rmse"])[QUANTILES.index("mean")], "functions": grouped(figures["functions"].count()), "failing": share_cell(figures, "share_failing_check"),
             "fitted": share_cell(figures, "share_fitted"), "leak_mean": error(figures["leak"]["mean"].number()),
             "leak_p99": f"{figures['leak']['p99'].number():.3f}", "time": duration(figures["us_per_function"].number()) if word != "tent" else "none",
             "test_points": quantile_cells(figures["rmse_test_points"])[0], "occluded": quantile_cells(figures["rmse_occluded"])[0]}
@@ -100,6 +100,7 @@ class Findings:
         summary = inputs.summary
         self.functions = {key: node.count() for key, node in summary["functions"].entries()}
         self.tau = {key: node.number() for key, node in summary["tau"].entries()}
+        self.limits = {error: self.tau[key] for error, key in zip(ERRORS, ("blend", "rmse"))}  # what the check allows
         self.precision = summary["theta_precision"].text()
         self.sample_theta_count = len(inputs.sampled(inputs.representations[0], "best_known"))
 
@@ -130,8 +131,8 @@ class Findings:
             node = self.summary_of(name)["stored"]
             if node["theta"]["functions"].count() == 0:
                 return "no function takes a θ"
-            rmse = node["theta"]["rmse"]
-            return (f"of the functions that take a θ, half are stored with an RMSE below {error(rmse['median'].number())} and 95 % below {error(rmse['p95'].number())}; "
+            blend = node["theta"]["blend_rmse"]
+            return (f"of the functions that take a θ, half are stored with a blend RMSE below {error(blend['median'].number())} and 95 % below {error(blend['p95'].number())}; "
                     f"{percent(node['theta']['share_fitted']['value'].number())} of them took a fit ({percent(node['all']['share_fitted']['value'].number())} of all distinct functions), "
                     f"and {percent(node['theta']['share_failing_check']['value'].number())} fail the check as they are stored")
         return self.each(text)
@@ -141,13 +142,13 @@ class Findings:
         groups = []
         for name in self.inputs.representations:
             node = self.summary_of(name)
-            rows = [figures_row(word, node[word][population], population, self.tau["rmse"]) | {"first": word == WORDS[0], "main": population == POPULATIONS[0]}
+            rows = [figures_row(word, node[word][population], population, self.limits) | {"first": word == WORDS[0], "main": population == POPULATIONS[0]}
                     for population in POPULATIONS for word in WORDS]
             groups.append({"name": name, "note": f"{grouped(node['parameters'].count())} parameters, {grouped(node['theta_bytes'][self.precision].count())} bytes a function in {self.precision}. The generator: "
                            f"{grouped(round(node['weights_bytes'].count() / 1000))} kB.", "rows": rows})
         tent = self.inputs.summary["tent"]
         groups.append({"name": "bare tent", "note": "No network at all and the same for every probe: this is what a generator has to beat.",
-                       "rows": [figures_row("tent", tent[population], population, self.tau["rmse"]) | {"first": True, "main": population == POPULATIONS[0]} for population in POPULATIONS]})
+                       "rows": [figures_row("tent", tent[population], population, self.limits) | {"first": True, "main": population == POPULATIONS[0]} for population in POPULATIONS]})
         return groups
 
     def failing_reasons(self):
@@ -155,8 +156,8 @@ class Findings:
             samples = self.stored(name)
             if not len(samples):
                 return "no function takes a θ"
-            by_error = samples.fails_check & (samples.rmse > self.tau["rmse"])
-            return f"{percent(np.mean(by_error))} by their RMSE, {percent(np.mean(samples.fails_check & ~by_error))} by their leak alone"
+            by_blend = samples.fails_check & (samples.blend_rmse > self.tau["blend"])
+            return f"{percent(np.mean(by_blend))} by their blend RMSE, {percent(np.mean(samples.fails_check & ~by_blend))} by their RMSE alone"
         return self.each(text)
 
     # ---- the sample, which long fits ran on
@@ -174,20 +175,20 @@ class Findings:
             sample = self.summary_of(name)["sample"]
             rows = []
             for word in WORDS + FITS:
-                row = figures_row(word, sample[word]["theta"], "theta", self.tau["rmse"])
-                row["hard"] = quantile_cells(sample[word]["hard"]["rmse"])[0]
+                row = figures_row(word, sample[word]["theta"], "theta", self.limits)
+                row["hard"] = quantile_cells(sample[word]["hard"]["blend_rmse"])[0]
                 rows.append(row)
             tables.append({"name": name, "rows": rows})
         return tables
 
     def convergence(self):
-        """Whether direct fits have converged: mean error by random starts and by steps of Adam, where validate measured it."""
+        """Whether direct fits have converged: mean blend RMSE by random starts and by steps of Adam, where validate measured it."""
         rows = []
         for name in self.inputs.representations:
             node = self.summary_of(name)
             if "convergence" not in node.value or not node["convergence"]["functions"].count():
                 continue
-            point = lambda p, key, noun: (plural(p[key].count(), noun), error(p["rmse_mean"].number()))
+            point = lambda p, key, noun: (plural(p[key].count(), noun), error(p["blend_rmse_mean"].number()))
             of = node["convergence"]
             rows.append({"name": name, "functions": grouped(of["functions"].count()), "restarts": [point(p, "restarts", "start") for p in of["by_restarts"].items()],
                          "steps": [point(p, "adam_steps", "step") for p in of["by_adam_steps"].items()]})
@@ -229,25 +230,25 @@ class Findings:
             worst = next(s for s in self.inputs.slices if s.representation == name and s.which == "worst")
             difference = worst.difference[worst.valid]
             bias = f"; in its plane {percent(np.mean(difference > self.tau['leak']))} of the valid pixels are too bright by more than {self.tau['leak']:g}" if len(difference) else ""
-            return f"the worst {'hard ' if self.functions['hard'] else ''}function is no. {worst.function} of {worst.scene}, RMSE {error(worst.rmse)}{bias}"
+            return f"the worst {'hard ' if self.functions['hard'] else ''}function is no. {worst.function} of {worst.scene}, blend RMSE {error(worst.blend_rmse)}, RMSE {error(worst.rmse)}{bias}"
         return self.each(text)
 
     def curve(self):
-        """Who is best by bytes and by error, as stored, over the functions of the sample that take a θ."""
+        """Who is best by bytes and by blend RMSE, as stored, over the functions of the sample that take a θ."""
         some = costs(self.inputs.summary)
         mean = lambda cost, word: cost.sample[word]["mean"]
         front = [name for _, _, name in pareto([(c.bytes, mean(c, "stored"), c.name) for c in some])]
         best = min(some, key=lambda c: mean(c, "stored"))
-        text = (f"The lowest mean error of what is stored has {best.name}, {error(mean(best, 'stored'))} at {best.bytes} bytes in {self.precision} "
-                f"(best known: {error(mean(best, 'best_known'))}). On the front of bytes and error: {', '.join(front)}.")
+        text = (f"The lowest mean blend RMSE of what is stored has {best.name}, {error(mean(best, 'stored'))} at {best.bytes} bytes in {self.precision} "
+                f"(best known: {error(mean(best, 'best_known'))}). On the front of bytes and blend RMSE: {', '.join(front)}.")
         return [("", text)]
 
     def curve_table(self):
-        """By bytes: the mean error of every word, and the time that what is stored took."""
+        """By bytes: the mean blend RMSE of every word, and the time that what is stored took."""
         rows = []
         for c in sorted(costs(self.inputs.summary), key=lambda c: (c.bytes, c.sample["stored"]["mean"])):
             sample = self.summary_of(c.name)["sample"]
-            mean_of = lambda word: quantile_cells(sample[word]["theta"]["rmse"])[QUANTILES.index("mean")]
+            mean_of = lambda word: quantile_cells(sample[word]["theta"]["blend_rmse"])[QUANTILES.index("mean")]
             time_of = lambda word: duration(sample[word]["theta"]["us_per_function"].number())
             rows.append({"name": c.name, "bytes": grouped(c.bytes), "time": duration(c.evaluate_us) if c.evaluate_us > 0 else "–",
                          "cells": [(mean_of(word), time_of(word)) for word in SHOWN], "fitted": share_cell(sample["stored"]["theta"], "share_fitted")})
@@ -255,11 +256,11 @@ class Findings:
 
     def histogram(self):
         def text(name):
-            tent, stored = self.inputs.over(name, "tent").rmse, self.stored(name).rmse
+            tent, stored = self.inputs.over(name, "tent").blend_rmse, self.stored(name).blend_rmse
             if not len(stored):
                 return "no function takes a θ"
             return (f"what is stored is better than the bare tent for {percent(np.mean(stored < tent))} of these functions, and brings the "
-                    f"95th percentile from {error(np.quantile(tent, 0.95))} to {error(np.quantile(stored, 0.95))}")
+                    f"95th percentile of the blend RMSE from {error(np.quantile(tent, 0.95))} to {error(np.quantile(stored, 0.95))}")
         return self.each(text)
 
     def test_points(self):
@@ -269,7 +270,7 @@ class Findings:
             ratio = samples.rmse_test_points[some] / samples.rmse[some]
             if not len(ratio):
                 return "there is no error to compare"
-            return (f"the error at test points is {np.median(ratio):.2f} times that at support points (median), and above 1.5 times for "
+            return (f"the RMSE at test points is {np.median(ratio):.2f} times that at support points (median), and above 1.5 times for "
                     f"{percent(np.mean(ratio > 1.5))} of the functions")
         return self.each(text)
 
@@ -280,22 +281,22 @@ class Findings:
             if not len(samples):
                 return "no function has occluded points"
             tent = self.inputs.over(name, "tent").rmse_occluded
-            return (f"as stored, the median is {error(np.median(samples.rmse_occluded))} at occluded points against {error(np.median(samples.rmse))} at all valid points of the same "
+            return (f"as stored, the median RMSE is {error(np.median(samples.rmse_occluded))} at occluded points against {error(np.median(samples.rmse))} at all valid points of the same "
                     f"functions; the bare tent has {error(np.nanmedian(tent))} there")
         return self.each(text)
 
     def training(self):
         def text(name):
             log = self.inputs.logs[name]
-            last = log.held_out_rmse[-1]
+            last = log.held_out[-1]
             # the last validation before the last fifth of the run
             at = max(0, int(np.searchsorted(log.step, 0.8 * log.step[-1], side="right")) - 1)
-            before, since = log.held_out_rmse[at], grouped(int(log.step[at]))
-            lowest = int(np.argmin(log.held_out_rmse))
+            before, since = log.held_out[at], grouped(int(log.step[at]))
+            lowest = int(np.argmin(log.held_out))
             trend = ("it was measured this once" if len(log.step) == 1 else f"since step {since} it fell by {percent(1 - last / before)}" if last < before else
-                     f"since step {since} it no longer fell (lowest: {error(log.held_out_rmse[lowest])} at step {grouped(int(log.step[lowest]))})")
+                     f"since step {since} it no longer fell (lowest: {error(log.held_out[lowest])} at step {grouped(int(log.step[lowest]))})")
             alone = f" (network: {error(log.held_out_network[-1])})" if log.held_out_network[-1] != last else ""
-            return f"the held-out error ends at {error(last)}{alone} after {plural(int(log.step[-1]), 'step')}; {trend}"
+            return f"the held-out blend RMSE ends at {error(last)}{alone} after {plural(int(log.step[-1]), 'step')}; {trend}"
         return self.each(text)
 
     def spectrum(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Error against run time: every method of nlg-validate's frontier, and the front that nothing beats.
+"""Blend RMSE against run time: every method of nlg-validate's frontier, and the front that nothing beats.
 
     frontier.py --frontier out/frontier/frontier.json --out docs/images/error_against_time.png
 
@@ -7,6 +7,7 @@ The report shows the same figure, one of the same kind a scene, and the rows beh
 """
 import argparse
 import csv
+import dataclasses
 import io
 import logging
 import sys
@@ -35,7 +36,7 @@ MARKS = {"network": ("o", True, 6.5, "network"), "corrected": ("s", True, 5.5, "
 FAMILIES = {"stages": "stages", "lm_from_corrected": "lm", "adam_from_corrected": "adam",
             "lm_from_theta0": "direct_lm", "lm_from_random": "direct_lm", "adam_from_theta0": "direct_adam", "adam_from_random": "direct_adam"}
 BAND = "#0072B2"
-RUNAWAY = 1.0  # φ lies in 0 to 1: a mean RMSE from here on is some θ that left all measure. Such a point lies above the plot of all scenes, and is named there
+RUNAWAY = 1.0  # φ lies in 0 to 1: a mean blend RMSE from here on is some θ that left all measure. Such a point lies above the plot of all scenes, and is named there
 KEY_HEIGHTS = (0.965, 0.925)  # of the two rows of the key, shares of the figure
 
 
@@ -44,7 +45,7 @@ class View:
     """The functions that a plot of the whole set is over."""
     population: str
     words: str
-    tent: float       # mean RMSE of the bare tent
+    tent: float       # mean blend RMSE of the bare tent
     sentence: str
 
     def spread(self, point):
@@ -83,7 +84,7 @@ def look(point):
 
 def figure_text(point, spread):
     return (f"{point.representation}: {point.label}\n{plots.duration(spread.us)} a function\n"
-            f"RMSE {spread.mean:.4f}, p5–p95 {spread.p5:.4f} to {spread.p95:.4f}")
+            f"blend RMSE {spread.mean:.4f}, p5–p95 {spread.p5:.4f} to {spread.p95:.4f}; RMSE {spread.rmse:.4f}")
 
 
 def front_of(frontier, view):
@@ -93,7 +94,7 @@ def front_of(frontier, view):
 
 
 def front_of_scene(frontier, scene):
-    """The same of one scene, by mean error. Left out is what is no better than the bare tent, which takes no time."""
+    """The same of one scene, by mean blend RMSE. Left out is what is no better than the bare tent, which takes no time."""
     some = [(p.by_scene[scene].us, p.by_scene[scene].mean, i) for i, p in enumerate(frontier.points)
             if scene in p.by_scene and p.by_scene[scene].us > 0 and p.by_scene[scene].mean < frontier.tent_by_scene.get(scene, float("inf"))]
     members = [(frontier.points[i], frontier.points[i].by_scene[scene]) for _, _, i in plots.pareto(some)]
@@ -155,7 +156,7 @@ def draw_whole(frontier, view, name):
     time_limits, bounds = limits_of([spread for _, spread in settled], [spread for _, spread in front])
     time_axis(axes, *time_limits)
     plots.log_error_axis(axes.yaxis, *bounds)
-    axes.set(xlabel="time per function, median (log)", ylabel=f"RMSE, mean over {view.words} (log)")
+    axes.set(xlabel="time per function, median (log)", ylabel=f"blend RMSE, mean over {view.words} (log)")
     draw_tent(axes, view.tent, bounds)
     draw_front(axes, front, bounds)
     draw_chains(axes, frontier, view, bounds)
@@ -191,7 +192,7 @@ def list_members(figure, frontier, view):
     figure.get_layout_engine().set(rect=(0, share, 1, 1 - share - 0.08 * above / height))
     for legend, y in zip(figure.legends, KEY_HEIGHTS):
         legend.set_bbox_to_anchor((0.005, share + y * (1 - share)))
-    head = ("", "on the front, from the fastest", "time a function", "RMSE, mean", "p5", "p95")
+    head = ("", "on the front, from the fastest", "time a function", "blend RMSE, mean", "p5", "p95")
     rows = [head] + [(str(n), f"{point.representation}: {point.label}", plots.duration(s.us), f"{s.mean:.4f}", f"{s.p5:.4f}", f"{s.p95:.4f}")
                      for n, (point, s) in enumerate(front, 1)]
     shades = [plots.MUTED] + [plots.representation_colour(point.representation) for point, _ in front]
@@ -223,7 +224,7 @@ def draw_scene(frontier, scene, time_limits, bounds):
     time_axis(axes, *time_limits)
     plots.log_error_axis(axes.yaxis, *bounds)
     axes.tick_params(labelsize=7.5)
-    axes.set(xlabel="time per function", ylabel="RMSE, mean")
+    axes.set(xlabel="time per function", ylabel="blend RMSE, mean")
     some = [(p, p.by_scene[scene]) for p in frontier.points if scene in p.by_scene]
     axes.scatter([s.us for _, s in some], np.clip([s.mean for _, s in some], *bounds), s=7, linewidths=0, alpha=0.45, rasterized=True, zorder=2,
                  c=[plots.representation_colour(p.representation) for p, _ in some])
@@ -244,7 +245,7 @@ def whole_svgs(frontier):
     for index, view in enumerate(views(frontier)):
         name = f"whole{index}"
         figure, hover = draw_whole(frontier, view, name)
-        svgs.append(plots.finish(figure, f"frontier-{name}", f"Error against run time, {view.words}", hover))
+        svgs.append(plots.finish(figure, f"frontier-{name}", f"Blend RMSE against run time, {view.words}", hover))
     return svgs
 
 
@@ -254,7 +255,7 @@ def scene_svgs(frontier, order):
     scenes = [s for s in scenes if any(s in p.by_scene for p in frontier.points)]
     axes = limits_of([s for point in frontier.points for s in point.by_scene.values()],
                      [spread for scene in scenes for _, spread in front_of_scene(frontier, scene)])
-    return [plots.finish(figure, f"frontier-{index}", f"Error against run time, {scene}", hover)
+    return [plots.finish(figure, f"frontier-{index}", f"Blend RMSE against run time, {scene}", hover)
             for index, scene in enumerate(scenes) for figure, hover in [draw_scene(frontier, scene, *axes)]]
 
 
@@ -269,7 +270,7 @@ def csv_bytes(frontier):
             if figures:
                 rows.writerow(["all", *who, population, int(p.fronts[population]), *(f"{figures[k]:.6g}" for k in proof_inputs.POINT_KEYS)])
         for scene, s in p.by_scene.items():
-            values = {"us_median": s.us, "rmse_mean": s.mean, "rmse_p5": s.p5, "rmse_p95": s.p95}
+            values = dict(zip(proof_inputs.SPREAD_KEYS, dataclasses.astuple(s)))
             rows.writerow([scene, *who, "theta", "", *(f"{values[k]:.6g}" if k in values else "" for k in proof_inputs.POINT_KEYS)])
     return text.getvalue().encode()
 
@@ -282,7 +283,7 @@ def png(frontier):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Draws error against run time, and the front that no method beats.")
+    parser = argparse.ArgumentParser(description="Draws blend RMSE against run time, and the front that no method beats.")
     parser.add_argument("--frontier", required=True, help="frontier.json of nlg-validate frontier")
     parser.add_argument("--out", required=True, help="the .png to write")
     arguments = parser.parse_args()

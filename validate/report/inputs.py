@@ -16,11 +16,12 @@ WORDS = ("network", "corrected", "fitted", "stored")
 # what stands beside them, on the functions of the sample only; best known: the lowest error that any long fit found
 FITS = ("adam_theta0", "lm_theta0", "adam_random", "direct", "best_known")
 POPULATIONS = ("theta", "hard", "all")  # the main one first: functions that take a theta
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 PRECISIONS = ("float32", "float16", "int8")  # that θ may be stored in
 QUANTILES = ("median", "mean", "p95", "p99", "worst")
 INTERVALS = ("median", "mean", "p95")   # the quantiles that have one
-RATIOS = ("median", "median_hard", "median_test_points", "median_occluded_hard")
+ERRORS = ("blend_rmse", "rmse")  # over support points; the first is the root of the loss, by which things are judged
+RATIOS = ("median", "median_hard", "median_rmse", "median_test_points", "median_occluded_hard")
 REFERENCES = ("to_best_known", "to_direct", "without_duplicates")
 SLICE_NAMES = ("p5", "median", "p95", "worst")
 
@@ -35,6 +36,7 @@ class Samples:
     scene: np.ndarray
     takes_theta: np.ndarray
     hard: np.ndarray
+    blend_rmse: np.ndarray
     rmse: np.ndarray
     rmse_test_points: np.ndarray
     rmse_occluded: np.ndarray
@@ -58,8 +60,8 @@ class Samples:
 class Log:
     step: np.ndarray
     training_loss: np.ndarray
-    held_out_network: np.ndarray  # before corrections
-    held_out_rmse: np.ndarray       # after them
+    held_out_network: np.ndarray  # blend RMSE before corrections
+    held_out: np.ndarray          # after them
 
 
 @dataclass
@@ -68,6 +70,7 @@ class Slice:
     which: str
     function: int
     scene: str
+    blend_rmse: float
     rmse: float
     axis: int
     target: np.ndarray        # size x size, phi at the support point nearest to each pixel
@@ -97,8 +100,8 @@ class Inputs:
         return some.only(np.isin(some.function, self.samples[representation, "best_known"].function))
 
 
-FUNCTION_COLUMNS = ("representation", "word", "function", "scene", "take_theta", "hard", "rmse", "rmse_test_points", "rmse_occluded",
-                    "leak_mean", "leak_p99", "fails_check", "fitted", "elapsed_us")
+FUNCTION_COLUMNS = ("representation", "word", "function", "scene", "take_theta", "hard", "blend_rmse", "rmse", "rmse_test_points",
+                    "rmse_occluded", "leak_mean", "leak_p99", "fails_check", "fitted", "elapsed_us")
 
 
 def read_functions(path, representations):
@@ -106,8 +109,8 @@ def read_functions(path, representations):
     for line, row in read_columns(path, FUNCTION_COLUMNS):
         number = lambda column, empty=None: parse_number(path, line, column, row[FUNCTION_COLUMNS.index(column)], empty)
         groups.setdefault((row[0], row[1]), []).append(
-            (int(number("function")), row[3], number("take_theta") == 1, number("hard") == 1, number("rmse"), number("rmse_test_points", math.nan),
-             number("rmse_occluded", math.nan), number("leak_mean"), number("leak_p99"), number("fails_check") == 1, number("fitted") == 1, number("elapsed_us")))
+            (int(number("function")), row[3], number("take_theta") == 1, number("hard") == 1, number("blend_rmse"), number("rmse"),
+             number("rmse_test_points", math.nan), number("rmse_occluded", math.nan), number("leak_mean"), number("leak_p99"), number("fails_check") == 1, number("fitted") == 1, number("elapsed_us")))
     expected = [("tent", "tent")] + [(r, w) for r in representations for w in WORDS + FITS]
     for key in expected:
         if key not in groups:
@@ -118,13 +121,13 @@ def read_functions(path, representations):
     return {key: Samples(*(np.array(column) for column in zip(*rows))) for key, rows in groups.items()}
 
 
-LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network", "held_out_rmse", "rollbacks")
+LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network_blend_rmse", "held_out_blend_rmse", "rollbacks")
 
 
 def read_log(path):
     rows = [[parse_number(path, line, c, text) for c, text in zip(LOG_COLUMNS, row)] for line, row in read_columns(path, LOG_COLUMNS)]
     columns = dict(zip(LOG_COLUMNS, np.array(rows).T))
-    return Log(columns["step"], columns["training_loss"], columns["held_out_network"], columns["held_out_rmse"])
+    return Log(columns["step"], columns["training_loss"], columns["held_out_network_blend_rmse"], columns["held_out_blend_rmse"])
 
 
 def read_logs(paths, representations):
@@ -150,7 +153,7 @@ def read_slices(path, representations):
         if axis > 2:
             node["axis"].refuse("0, 1 or 2", axis)
         slices.append(Slice(node["representation"].text(), node["which"].text(), node["function"].count(), node["scene"].text(),
-                            node["rmse"].number(), axis, picture("target_permille", 0, 1000) / 1000,
+                            node["blend_rmse"].number(), node["rmse"].number(), axis, picture("target_permille", 0, 1000) / 1000,
                             picture("stored_permille", -2000, 2000) / 1000,
                             picture("difference_permille", -2000, 2000) / 1000, picture("valid", 0, 1) > 0, picture("seen", 0, 1) > 0))
     found = {(s.representation, s.which) for s in slices}
@@ -185,7 +188,7 @@ def check_estimate(node, high):
 def check_figures(node):
     if node["functions"].count() == 0:
         return
-    [check_quantiles(node[key]) for key in ("rmse", "rmse_test_points", "rmse_occluded")]
+    [check_quantiles(node[key]) for key in (*ERRORS, "rmse_test_points", "rmse_occluded")]
     [node["leak"][key].number() for key in ("mean", "p99")]
     [check_estimate(node[key], 1.0) for key in ("share_failing_check", "share_fitted")]
     node["us_per_function"].number(), node["us_per_function_median"].number()
@@ -222,7 +225,7 @@ def check_representation(node):
     [check_populations(node[word]) for word in WORDS]
     check_sample(node["sample"])
     for _, scene in node["by_scene"].entries():
-        [check_quantiles(scene[word], has_intervals=False) for word in ("stored", "network")]
+        [check_quantiles(scene[word][key], has_intervals=False) for word in ("stored", "network") for key in ERRORS]
 
 
 def check_summary(summary):
@@ -232,7 +235,7 @@ def check_summary(summary):
     for key in ("distinct", "free_space", "duplicates", "in_solid", "empty", "visited_probes", "grid_probes", "held_out",
                 "held_out_scenes", "take_theta", "hard", "held_out_in_training", "held_out_in_training_mirrored"):
         summary["functions"][key].count()
-    for key in ("rmse", "leak", "leak_share", "hard_tent_rmse", "bare_tent_rmse"):
+    for key in ("rmse", "blend", "leak", "dark_weight", "blend_floor", "hard_tent_rmse", "bare_tent_rmse"):
         summary["tau"][key].number()
     if summary["theta_precision"].text() not in PRECISIONS:
         summary["theta_precision"].refuse(" or ".join(PRECISIONS), f"'{summary['theta_precision'].value}'")

@@ -120,7 +120,7 @@ def error_limits(arrays, low=0.0006):
 
 
 def mark_tau(axes, tau, vertical):
-    """The RMSE above which a function fails the check."""
+    """The error above which a function fails the check."""
     low, high = axes.get_xlim() if vertical else axes.get_ylim()
     if not low <= tau <= high:
         return
@@ -191,12 +191,12 @@ def sample_path(corners, step):
 
 
 def histogram(inputs, representation, limits, tau):
-    figure, axes = start(representation, x="RMSE of a function that takes a θ", y="share of functions, % a bin")
+    figure, axes = start(representation, x="blend RMSE of a function that takes a θ", y="share of functions, % a bin")
     bins = np.geomspace(*limits, 41)
     top = 0.0
     for word in ("tent", *WORDS):
         samples = inputs.over(representation, word)
-        share = 100.0 * np.histogram(np.clip(samples.rmse, *limits), bins)[0] / max(1, len(samples))
+        share = 100.0 * np.histogram(np.clip(samples.blend_rmse, *limits), bins)[0] / max(1, len(samples))
         top = max(top, share.max())
         # what is fitted and what is stored differ by rounding alone: dots over a line
         axes.stairs(share, bins, color=colour(word), linewidth=1.5, linestyle=(0, (1, 1.5)) if word == "stored" else "-", label=NAMES[word], zorder=3)
@@ -206,7 +206,7 @@ def histogram(inputs, representation, limits, tau):
     log_error_axis(axes.xaxis, *limits)
     mark_tau(axes, tau, vertical=True)
     axes.legend(loc="upper left", ncol=3, borderaxespad=0.2, columnspacing=1.0, handlelength=1.6, bbox_to_anchor=(0, 0.95))
-    return finish(figure, f"histogram-{representation}", f"Histogram of RMSE over functions that take a θ, {representation}")
+    return finish(figure, f"histogram-{representation}", f"Histogram of blend RMSE over functions that take a θ, {representation}")
 
 
 def pareto(points):
@@ -233,7 +233,7 @@ def test_points(inputs, representation, limits):
     log_error_axis(axes.yaxis, *limits)
     axes.set_aspect("equal")
     axes.legend(loc="upper left", handletextpad=0.1)
-    return finish(figure, f"test-points-{representation}", f"Error on test points against support points, {representation}")
+    return finish(figure, f"test-points-{representation}", f"RMSE on test points against support points, {representation}")
 
 
 def occluded(inputs, representation, limits):
@@ -256,22 +256,22 @@ def occluded(inputs, representation, limits):
     axes.tick_params(axis="y", length=0)
     log_error_axis(axes.xaxis, *limits)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=2, borderaxespad=0.1, columnspacing=1.0)
-    return finish(figure, f"occluded-{representation}", f"Error on occluded points, {representation}")
+    return finish(figure, f"occluded-{representation}", f"RMSE on occluded points, {representation}")
 
 
 def training_curve(inputs, representation, limits):
     log = inputs.logs[representation]
-    figure, axes = start(representation, x="training step", y="mean RMSE")
+    figure, axes = start(representation, x="training step", y="mean blend RMSE")
     axes.plot(log.step, np.clip(log.training_loss, *limits), color=MUTED, linewidth=1.2, linestyle=(0, (3, 2)), label="training loss")
-    if not np.array_equal(log.held_out_network, log.held_out_rmse):
+    if not np.array_equal(log.held_out_network, log.held_out):
         axes.plot(log.step, np.clip(log.held_out_network, *limits), color=colour("network"), linewidth=1.4, marker="o", markersize=2.6,
                   label="held-out scenes, network")
-    axes.plot(log.step, np.clip(log.held_out_rmse, *limits), color=colour("corrected"), linewidth=1.8, marker="o", markersize=3.2,
+    axes.plot(log.step, np.clip(log.held_out, *limits), color=colour("corrected"), linewidth=1.8, marker="o", markersize=3.2,
               label="held-out scenes, best stage")
     log_error_axis(axes.yaxis, *limits)
     axes.set_xlim(0, log.step.max() * 1.02)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: short(v)))
-    axes.annotate(f"{log.held_out_rmse[-1]:.4f}", (log.step[-1], log.held_out_rmse[-1]), xytext=(0, 7), textcoords="offset points",
+    axes.annotate(f"{log.held_out[-1]:.4f}", (log.step[-1], log.held_out[-1]), xytext=(0, 7), textcoords="offset points",
                   ha="right", fontsize=8, color=colour("corrected"))
     axes.legend(loc="best")
     return finish(figure, f"training-{representation}", f"Training curve, {representation}")

@@ -6,22 +6,28 @@ import json
 import re
 from dataclasses import dataclass
 
-from inputs import POPULATIONS, SCHEMA_VERSION
+from inputs import ERRORS, POPULATIONS, SCHEMA_VERSION
 from tool.errors import InputError
 from tool.input_file import read_json
+from verdict import optional, read_speed
 
 GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
-ERROR_KEYS = ("rmse_mean", "rmse_median", "rmse_p5", "rmse_p95", "rmse_worst")
-POINT_KEYS = ("us_median", "us_p25", "us_p75", *ERROR_KEYS, "leak_p99", "share_fitted")
+STABILITY_VERSION = 1
+ERROR_KEYS = tuple(f"{error}_{statistic}" for error in ERRORS for statistic in ("mean", "median", "p5", "p95", "worst"))
+POINT_KEYS = ("us_median", "us_p25", "us_p75", *ERROR_KEYS, "leak_p99", "share_failing_check", "share_fitted")
+
+
+SPREAD_KEYS = ("us_median", "blend_rmse_mean", "blend_rmse_p5", "blend_rmse_p95", "rmse_mean")
 
 
 @dataclass
 class Spread:
-    """One way on some functions: its time, its mean error, and between which percentiles its errors lie."""
+    """One way on some functions: its time, its mean blend RMSE, and between which percentiles its blend RMSEs lie."""
     us: float
     mean: float
     p5: float
     p95: float
+    rmse: float           # the mean of the RMSE
 
 
 @dataclass
@@ -38,19 +44,7 @@ class Point:
 
     def over(self, population):
         f = self.figures[population]
-        return Spread(f["us_median"], f["rmse_mean"], f["rmse_p5"], f["rmse_p95"]) if f else None
-
-
-@dataclass
-class Speed:
-    """How much longer the fastest direct fit takes to the mean error of one word, over the functions that take a theta."""
-    time_us: float
-    rival: object         # which fit; None: there is no ratio, and the reason says why
-    rival_us: object
-    ratio: object
-    low: object           # 95 %
-    high: object          # None: no bound
-    reason: object
+        return Spread(*(f[key] for key in SPREAD_KEYS)) if f else None
 
 
 @dataclass
@@ -61,9 +55,9 @@ class Frontier:
     scenes: list
     points: list
     sentences: dict       # population → its front in words
-    tent: dict            # population → mean RMSE of the bare tent, which takes no time; None without functions
+    tent: dict            # population → mean blend RMSE of the bare tent, which takes no time; None without functions
     tent_by_scene: dict   # scene → the same
-    speeds: dict          # representation → word → Speed
+    speeds: dict          # representation → word → verdict.Speed
 
 
 @dataclass
@@ -91,13 +85,9 @@ class Saving:
     note: str
 
 
-def check_schema(node):
-    if node["schema_version"].count() != SCHEMA_VERSION:
-        node["schema_version"].refuse(str(SCHEMA_VERSION), node["schema_version"].value)
-
-
-def optional(node, read):
-    return None if node.value is None else read(node)
+def check_schema(node, version):
+    if node["schema_version"].count() != version:
+        node["schema_version"].refuse(str(version), node["schema_version"].value)
 
 
 def entries_or_none(node):
@@ -106,9 +96,10 @@ def entries_or_none(node):
 
 
 def check_quantiles(node):
-    p5, median, p95 = (node[f"rmse_{q}"].number() for q in ("p5", "median", "p95"))
-    if not p5 <= median <= p95:
-        node.refuse("rmse_p5 <= rmse_median <= rmse_p95", f"{p5:g}, {median:g}, {p95:g}")
+    for error in ERRORS:
+        p5, median, p95 = (node[f"{error}_{q}"].number() for q in ("p5", "median", "p95"))
+        if not p5 <= median <= p95:
+            node.refuse(f"{error}_p5 <= {error}_median <= {error}_p95", f"{p5:g}, {median:g}, {p95:g}")
 
 
 def refuse_other_weights(path, summary, representations):
@@ -127,7 +118,7 @@ def refuse_other_weights(path, summary, representations):
 
 def read_spread(node):
     check_quantiles(node)
-    return Spread(*(node[key].number() for key in ("us_median", "rmse_mean", "rmse_p5", "rmse_p95")))
+    return Spread(*(node[key].number() for key in SPREAD_KEYS))
 
 
 def read_figures(node):
@@ -144,17 +135,9 @@ def read_point(node):
                  [word.text() for word in node["words"].items()], figures, fronts, {scene: read_spread(some) for scene, some in entries_or_none(node["by_scene"])})
 
 
-def read_speed(node):
-    ratio = [optional(node["ratio"], lambda n: optional(n[key], lambda m: m.number())) for key in ("value", "low", "high")]
-    if ratio[0] is None and node["reason"].value is None:
-        node["ratio"].refuse("a ratio, or a reason why there is none", "neither")
-    return Speed(node["time_us"].number(), optional(node["rival"], lambda n: n.text()), optional(node["rival_us_at_equal_error"], lambda n: n.number()), *ratio,
-                 optional(node["reason"], lambda n: n.text()))
-
-
 def read_frontier(path):
     file = read_json(path)
-    check_schema(file)
+    check_schema(file, SCHEMA_VERSION)
     scenes = [node.text() for node in file["scenes"].items()]
     functions = {population: file["functions"][population].count() for population in POPULATIONS}
     points = [read_point(node) for node in file["points"].items()]
@@ -168,8 +151,8 @@ def read_frontier(path):
     tent = file["bare_tent"]
     speeds = {name: {word: read_speed(speed) for word, speed in entries_or_none(words)} for name, words in entries_or_none(file["speed_at_equal_error"])}
     return Frontier(path, file["provenance"]["inputs"]["held_out"].text(), functions, scenes, points, {population: file["front_sentences"][population].text() for population in POPULATIONS},
-                    {population: optional(tent["figures"][population], lambda n: n["rmse_mean"].number()) for population in POPULATIONS},
-                    {scene: node["rmse_mean"].number() for scene, node in entries_or_none(tent["by_scene"])}, speeds)
+                    {population: optional(tent["figures"][population], lambda n: n["blend_rmse_mean"].number()) for population in POPULATIONS},
+                    {scene: node["blend_rmse_mean"].number() for scene, node in entries_or_none(tent["by_scene"])}, speeds)
 
 
 def check_same_scenes(frontier, summary):
@@ -181,7 +164,7 @@ def check_same_scenes(frontier, summary):
 
 def read_stability(path):
     file = read_json(path)
-    check_schema(file)
+    check_schema(file, STABILITY_VERSION)
     cases = []
     for node in file["cases"].items():
         if node["group"].text() not in GROUPS:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws nlg-validate's results as one self-contained page, report.html, and the slices as slices.png beside it.
+"""Draws nlg-validate's results as one self-contained page, report.html; beside it the slices as slices.png and the verdict as verdict.txt.
 
     report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
         [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ...] [--light LIGHT.json ...] [--evaluation] --out report.html
@@ -59,14 +59,14 @@ def draw_plots(inputs, findings, frontier, scene_order):
     names = inputs.representations
     over = lambda word: [inputs.over(n, word) for n in names]
     every = [some for word in ("tent", *inputs_module.WORDS) for some in over(word)]
-    limits = plots.error_limits([some.rmse for some in every])
+    limits = plots.error_limits([some.blend_rmse for some in every])
     spread = lambda values: np.quantile(values[np.isfinite(values)], (0.05, 0.95)) if np.isfinite(values).any() else values
     test_limits = plots.error_limits([values for some in over("stored") for values in (some.rmse, some.rmse_test_points)])
     occluded_limits = plots.error_limits([spread(values) for some in every for values in (some.rmse, some.rmse_occluded)])
-    log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_network, log.held_out_rmse)])
+    log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_network, log.held_out)])
     return {
-        "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Error against bytes a function and against evaluation time")],
-        "histogram": [plots.histogram(inputs, n, limits, findings.tau["rmse"]) for n in names],
+        "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Blend RMSE against bytes a function and against evaluation time")],
+        "histogram": [plots.histogram(inputs, n, limits, findings.tau["blend"]) for n in names],
         "frontier": frontier_module.whole_svgs(frontier) if frontier else [],
         "frontier_scenes": frontier_module.scene_svgs(frontier, scene_order) if frontier else [],
         "test_points": [plots.test_points(inputs, n, test_limits) for n in names],
@@ -79,7 +79,8 @@ def draw_plots(inputs, findings, frontier, scene_order):
 def frontier_tables(frontier):
     """(title, what it says, rows) behind the frontier's plots."""
     settings = [{"representation": p.representation, "what": p.label, "time": plots.duration(p.figures["theta"]["us_median"]),
-                 **{key.replace("rmse_", "RMSE ", 1): p.figures["theta"][key] for key in ("rmse_median", "rmse_mean", "rmse_p95", "rmse_worst")},
+                 **{f"blend RMSE {key}": p.figures["theta"][f"blend_rmse_{key}"] for key in ("median", "mean", "p95", "worst")}, "RMSE mean": p.figures["theta"]["rmse_mean"],
+                 "fails the check": findings_module.percent(p.figures["theta"]["share_failing_check"]),
                  "took a fit": findings_module.percent(p.figures["theta"]["share_fitted"]), "leak p99": p.figures["theta"]["leak_p99"]}
                 for p in frontier.points if not frontier_module.is_chain(p) and p.figures["theta"]]
     return [("Generators and settings", "Functions that take a θ: θ rounded to int8, and the policy over all product fields.", settings)]
@@ -136,7 +137,7 @@ def render(inputs, proof, limits):
         findings=findings, grouped=findings_module.grouped, plural=findings_module.plural, plots=svg, galleries=galleries,
         scales=slices.scales(limit), colour=plots.colour, representation_colour=plots.representation_colour,
         provenance=provenance_rows(inputs, proof, limits), quantiles=inputs_module.QUANTILES, names=plots.NAMES, shown=curve.SHOWN, **proof_values(proof, decision))
-    return page.encode(), slices.plate(inputs, limit)
+    return page.encode(), slices.plate(inputs, limit), decision.text().encode()
 
 
 def read_proof(arguments, summary):
@@ -173,9 +174,9 @@ def parse_arguments():
     parser.add_argument("--left-out", nargs="*", default=[], help="what the run did less of than a full one, a text each: stands in the page's provenance")
     limits = verdict.Limits()
     parser.add_argument("--max-share-failing", type=float, default=limits.share_failing, help="a generator may ship of whose stored functions that take a theta at most this share fails the check (default: %(default)g)")
-    parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and whose stored error is at most so many times the best known on hard functions, by median (default: %(default)g)")
-    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, fitted, is at least so many times as fast as the fastest direct fit to the same mean error (default: %(default)g)")
-    parser.add_argument("--out", required=True, help="the page to write; slices.png is written beside it")
+    parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and whose stored blend RMSE is at most so many times the best known on hard functions, by median (default: %(default)g)")
+    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, fitted, is at least so many times as fast as the fastest direct fit to the same mean blend RMSE (default: %(default)g)")
+    parser.add_argument("--out", required=True, help="the page to write; slices.png and verdict.txt are written beside it")
     return parser.parse_args()
 
 
@@ -185,8 +186,9 @@ def main():
     def make():
         inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.basis, arguments.logs)
         limits = verdict.Limits(arguments.max_share_failing, arguments.max_error_hard, arguments.min_speedup)
-        page, plate = render(inputs, read_proof(arguments, inputs.summary), limits)
-        return {os.path.join(os.path.dirname(arguments.out), "slices.png"): plate, arguments.out: page}
+        page, plate, text = render(inputs, read_proof(arguments, inputs.summary), limits)
+        beside = lambda name: os.path.join(os.path.dirname(arguments.out), name)
+        return {beside("slices.png"): plate, beside("verdict.txt"): text, arguments.out: page}
     return run("report.py", lambda: write_files(make()))
 
 

@@ -78,7 +78,7 @@ def scales(limit):
 
 def gallery(slices, limit):
     """What the page shows of each function: the worst first, the files' order being from best to worst."""
-    return [{"which": WHICH_NAMES.get(s.which, s.which), "scene": s.scene, "function": s.function, "rmse": s.rmse,
+    return [{"which": WHICH_NAMES.get(s.which, s.which), "scene": s.scene, "function": s.function, "blend_rmse": s.blend_rmse, "rmse": s.rmse,
              "plane": plane_text(s), "images": [(kind, data_uri(colour_image(s, kind, limit))) for kind in KINDS]} for s in reversed(slices)]
 
 
@@ -113,7 +113,7 @@ def draw_column(figure, slice_, x, top, limit, first):
     if first:
         figure.text(x / width, (top - 0.12) / height, slice_.representation, weight="bold", fontsize=11, va="top",
                     color=representation_colour(slice_.representation))
-    figure.text(x / width, (top - 0.37) / height, f"{slice_.which} · RMSE {slice_.rmse:.4f}", fontsize=8, va="top")
+    figure.text(x / width, (top - 0.37) / height, f"{slice_.which} · blend RMSE {slice_.blend_rmse:.4f}", fontsize=8, va="top")
     figure.text(x / width, (top - 0.53) / height, slice_.scene[:22], fontsize=7.5, va="top", color=MUTED)
     for row, kind in enumerate(KINDS):
         axes = figure.add_axes([x / width, (top - 0.66 - (row + 1) * 1.42) / height, 1.36 / width, 1.36 / height])

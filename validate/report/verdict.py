@@ -1,9 +1,9 @@
 """Whether a generator may ship: three figures against three limits, and no failure of the stability suite left unexplained.
 
-Judged is what a grid holds in the end (*stored*), by how often it fails the check and how far its error is above the best known; and
-whether the generator is worth its name, by the time that a fit without it takes to the same error. How many functions took a fit is
-shown beside these and not judged: that some do is the policy, and what the fits cost is in the times. The limits are defaults of
-report.py's flags, and stand on the page beside what was measured.
+Judged is what a grid holds in the end (*stored*), by how often it fails the check and how far its blend RMSE is above the best known; and
+whether the generator is worth its name, by the time that a fit without it takes to the same mean blend RMSE. How many functions took a fit
+is shown beside these and not judged: that some do is the policy, and what the fits cost is in the times. The limits are defaults of
+report.py's flags. `rule` says in words what `judge` does: on the page, at the end of pipeline.sh and in the documentation.
 """
 from dataclasses import dataclass
 
@@ -18,6 +18,20 @@ class Limits:
     speedup: float = 1.0
 
 
+def short(value):
+    """.02 of 0.02."""
+    return f"{value:g}".removeprefix("0") or "0"
+
+
+def rule(limits, tau_rmse, tau_blend):
+    """The rule in plain words, a sentence a limit. The taus are those of the check."""
+    return [
+        f"Stored functions: of those that take a θ, at most {100 * limits.share_failing:g} % fail the check. A function fails it when its RMSE is above {short(tau_rmse)} or its blend RMSE above {short(tau_blend)}.",
+        f"Hard functions: what is stored has at most {limits.error_hard:g} times the best known blend RMSE, the lowest that any long fit found (median over the sample).",
+        f"Time: the fastest fit without a generator takes at least {limits.speedup:g} times as long as the bake does up to *fitted*, to the same mean blend RMSE.",
+        "Stability: every case of the suite that fails has an explanation."]
+
+
 @dataclass
 class Figure:
     """One of the three, of one generator."""
@@ -30,9 +44,9 @@ class Figure:
 class Judgement:
     representation: str
     failing: Figure   # share of stored functions that fail the check, of those that take a theta
-    hard: Figure      # stored error over the best known, median over hard functions of the sample
+    hard: Figure      # stored blend RMSE over the best known, median over hard functions of the sample
     equal: object     # EqualError, or None
-    speedup: Figure   # its ratio: time of the fastest direct fit to exactly the mean error that is stored, over that of the policy
+    speedup: Figure   # its ratio: time of the fastest direct fit to exactly the mean blend RMSE that is fitted, over that of the policy
 
     @property
     def figures(self):
@@ -46,33 +60,65 @@ class Judgement:
 
 
 @dataclass
-class EqualError:
-    """What a generator is worth in time: what is fitted, against the fastest direct fit to the same mean error."""
-    fitted_us: float
-    direct_us: object  # None: not known
-    label: object      # of that fit; None: no budget reaches the error, and direct_us is the longest's
+class Speed:
+    """How much longer the fastest direct fit takes to the mean blend RMSE of one word, over the functions that take a theta."""
+    time_us: float
+    failing: tuple         # share of the word's functions that fail the check: value, low, high (95 %)
+    rival: object          # which fit; None: there is no ratio, and the reason says why
+    rival_us: object
+    rival_failing: object  # as failing, of that fit; None likewise
     ratio: object
-    interval: object   # (low, high), 95 %; high None: no bound
-    reason: object     # why there is no ratio of exactly equal errors
+    low: object            # 95 %
+    high: object           # None: no bound
+    longest_us: object     # of the longest fit, where none reaches the error
+    reason: object
+
+
+@dataclass
+class EqualError:
+    """What a generator is worth in time: what is fitted, against the fastest direct fit to the same mean blend RMSE."""
+    fitted_us: float
+    direct_us: object      # None: not known
+    label: object          # of that fit; None: no budget reaches the error, and direct_us is the longest's
+    ratio: object
+    interval: object       # (low, high), 95 %; high None: no bound
+    reason: object         # why there is no ratio of exactly equal errors
+    failing: float         # share of the fitted functions that fail the check
+    direct_failing: object  # and of the direct fit's; None: not known
 
 
 def is_direct(family):
     return family.removesuffix("_loosely").removesuffix("_gated") in DIRECT
 
 
-def at_equal_error(frontier, representation):
-    """None without a frontier, or where it says nothing of the representation."""
-    speed = frontier.speeds.get(representation, {}).get("fitted") if frontier else None
+def optional(node, read):
+    return None if node.value is None else read(node)
+
+
+def read_share(node):
+    return tuple(node[key].number(high=1.0) for key in ("value", "low", "high"))
+
+
+def read_speed(node):
+    """One entry of speed_at_equal_error (docs/reference/formats.md)."""
+    number = lambda n: n.number()
+    ratio = [optional(node["ratio"], lambda n: optional(n[key], number)) for key in ("value", "low", "high")]
+    if ratio[0] is None and node["reason"].value is None:
+        node["ratio"].refuse("a ratio, or a reason why there is none", "neither")
+    return Speed(node["time_us"].number(), read_share(node["share_failing_check"]), optional(node["rival"], lambda n: n.text()), optional(node["rival_us_at_equal_error"], number),
+                 optional(node["rival_share_failing_check"], read_share), *ratio, optional(node["longest_us"], number), optional(node["reason"], lambda n: n.text()))
+
+
+def at_equal_error(speed):
+    """None without a speed."""
     if speed is None:
         return None
+    failing = speed.failing[0]
     if speed.ratio is not None:
-        return EqualError(speed.time_us, speed.rival_us, speed.rival, speed.ratio, (speed.low, speed.high), None)
-    fits = [point.over("theta") for point in frontier.points if point.representation == representation and is_direct(point.family) and point.figures["theta"]]
-    error = [point.over("theta").mean for point in frontier.points if point.representation == representation and "fitted" in point.words and point.figures["theta"]]
-    if fits and error and all(fit.mean > error[0] for fit in fits):  # the longest fit's time is what it takes at least
-        longest = max(fit.us for fit in fits)
-        return EqualError(speed.time_us, longest, None, longest / speed.time_us, None, speed.reason)
-    return EqualError(speed.time_us, None, None, None, None, speed.reason)
+        return EqualError(speed.time_us, speed.rival_us, speed.rival, speed.ratio, (speed.low, speed.high), None, failing, speed.rival_failing and speed.rival_failing[0])
+    if speed.longest_us is not None:  # it takes at least so long
+        return EqualError(speed.time_us, speed.longest_us, None, speed.longest_us / speed.time_us, None, speed.reason, failing, None)
+    return EqualError(speed.time_us, None, None, None, None, speed.reason, failing, None)
 
 
 def estimate(node):
@@ -94,16 +140,18 @@ def at_most(measured, limit):
     return Figure(value, value is not None and value <= limit, interval)
 
 
+def judge_one(name, node, speed, limits):
+    """node: of the summary's representation; speed: of what is fitted, or None."""
+    equal = at_equal_error(speed)
+    return Judgement(name, at_most(share_of(node["stored"]["theta"], "share_failing_check"), limits.share_failing),
+                     at_most(estimate(node["sample"]["ratios"]["stored"]["to_best_known"]["median_hard"]), limits.error_hard), equal,
+                     Figure(equal and equal.ratio, bool(equal and equal.ratio and equal.ratio >= limits.speedup), equal and equal.interval))
+
+
 def judge(inputs, limits, frontier=None):
     """One judgement a generator, in the summary's order."""
-    judgements = []
-    for name in inputs.representations:
-        node = inputs.summary["representations"][name]
-        equal = at_equal_error(frontier, name)
-        judgements.append(Judgement(name, at_most(share_of(node["stored"]["theta"], "share_failing_check"), limits.share_failing),
-                                    at_most(estimate(node["sample"]["ratios"]["stored"]["to_best_known"]["median_hard"]), limits.error_hard), equal,
-                                    Figure(equal and equal.ratio, bool(equal and equal.ratio and equal.ratio >= limits.speedup), equal and equal.interval)))
-    return judgements
+    speeds = frontier.speeds if frontier else {}
+    return [judge_one(name, inputs.summary["representations"][name], speeds.get(name, {}).get("fitted"), limits) for name in inputs.representations]
 
 
 def failed(cases):

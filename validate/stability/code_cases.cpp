@@ -104,7 +104,7 @@ struct OneCode {
 OneCode fitFromStarts(const NamedGenerator& named, const StoredFunction& stored, const std::string& what,
                       StabilityFigures* figures) {
   const Representation& code = named.generator.representation();
-  const WeightingFunction function = decodeFunction(stored, pointOrder(code), CheckOptions().dark_weight);
+  const WeightingFunction function = decodeFunction(stored, pointOrder(code), CheckOptions().loss());
   CodeFit fit;
   OneCode result;
   for (int start = 0; start < kStarts; ++start) {
@@ -195,7 +195,7 @@ void measureBakedFits(const StabilityInputs& inputs, StabilityFigures* figures) 
     const Representation& code = named->generator.representation();
     CodeFit fit;
     for (const NamedFunction& one : wallFunctions(inputs.isBrief() ? 4 : 24)) {
-      const WeightingFunction function = decodeFunction(one.sampled.view(), pointOrder(code), CheckOptions().dark_weight);
+      const WeightingFunction function = decodeFunction(one.sampled.view(), pointOrder(code), CheckOptions().loss());
       const auto rmseFrom = [&](Theta z, const CodeFitOptions& options) {
         return fit.iterate(code, function, options, code.code_count, z.data()).rmse;
       };
@@ -231,7 +231,7 @@ void measureConditions(const StabilityInputs& inputs, StabilityFigures* figures)
     CodeFit fit;
     for (const NamedFunction& one : stiffFunctions()) {
       const std::string what = named->name + ", " + one.name;
-      const WeightingFunction function = decodeFunction(one.sampled.view(), pointOrder(code), CheckOptions().dark_weight);
+      const WeightingFunction function = decodeFunction(one.sampled.view(), pointOrder(code), CheckOptions().loss());
       Theta z = networkCode(named->generator, one.sampled.view());
       const double before = functionRmse(code, function, z.data());
       const CodeFitOptions options;

@@ -89,7 +89,7 @@ StabilityCase coefficientCase(const std::string& name, StabilityDepth depth, con
       name,
       "theta and what it stands for are finite on every SIMD target, theta is within 4.3e-4 of the largest number of the "
       "formulas in double, no stage of a bake makes it worse, and what the bake stores of the nearest storable function is at "
-      "most tau off, or 1.01 times what one constant does",
+      "most as far off as the check allows, or 1.01 times what one constant does",
       depth,
       true,
       [coefficient](const StabilityInputs& inputs, StabilityFigures* figures) {

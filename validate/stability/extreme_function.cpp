@@ -18,15 +18,18 @@ constexpr double kConstantFactor = 1.01;
 // Sums of another kernel: the same theta may differ in the last digits.
 constexpr double kOtherKernel = 1.0 + 1e-6;
 
-// The lowest weighed RMSE of c, of c tent(x) where the representation has the tent, over all constants c that it can output.
-double constantRmse(const Representation& representation, const StoredFunction& stored, double dark_weight) {
+// The lowest blend RMSE of c, of c tent(x) where the representation has the tent, over all constants c that it can output.
+double constantRmse(const Representation& representation, const StoredFunction& stored, const LossOptions& loss) {
+  const LossWeights weights(loss);
   const bool is_limited = !representation.isNetwork() || representation.shape().output == OutputFunction::sigmoid;
   double shape_shape = 0.0, shape_phi = 0.0, phi_phi = 0.0;
   int count = 0;
   for (int p = 0; p < kSupportPointCount; ++p) {
-    if ((stored.validity[p / 8] >> (p % 8) & 1) == 0) continue;
-    const double bare = tent(pointAt(p)), shape = representation.tentFactor() ? bare : 1.0, phi = stored.phi[p] / 255.0;
-    shape_shape += (phi == 0.0 && bare > kRimTent ? dark_weight : 1.0) * shape * shape;
+    if (!stored.isValid(p)) continue;
+    const float bare = tent(pointAt(p));
+    const double root = weights.root(stored.phi[p], bare, stored.blendSum(p));
+    const double shape = root * (representation.tentFactor() ? bare : 1.0), phi = root * stored.phi[p] / 255.0;
+    shape_shape += shape * shape;
     shape_phi += shape * phi;
     phi_phi += phi * phi;
     ++count;
@@ -36,13 +39,13 @@ double constantRmse(const Representation& representation, const StoredFunction& 
   return std::sqrt(std::max(0.0, phi_phi - 2.0 * c * shape_phi + c * c * shape_shape) / count);
 }
 
-// The lowest weighed RMSE of long fits, of the brief suite of shorter ones.
+// The lowest blend RMSE of long fits, of the brief suite of shorter ones.
 double bestKnownRmse(const StabilityInputs& inputs, const Generator& generator, const StoredFunction& stored, const Theta& theta,
-                     double dark_weight) {
+                     const LossOptions& loss) {
   DirectOptions options;
   if (inputs.isBrief()) options.adam_steps = 8000, options.restarts = 1;
   NormalEquationsKernel kernel;
-  const WeightingFunction function = decodeFunction(stored, pointOrder(generator.representation()), dark_weight);
+  const WeightingFunction function = decodeFunction(stored, pointOrder(generator.representation()), loss);
   return fitLong(generator, function, theta, options, &kernel).at(LongFit::best_known).rmse;
 }
 
@@ -97,16 +100,17 @@ void WorstBake::add(const StabilityInputs& inputs, const NamedGenerator& named, 
   corrected_rmse_ = std::max(corrected_rmse_, corrected.rmse);
   stored_rmse_ = std::max(stored_rmse_, last.rmse);
 
-  // the RMSE against tau, which is of it; the weighed one against what a fit of it can do
-  double reached = last.rmse, most = check.tau_rmse;
-  std::string from = "tau";
+  // either RMSE against its tau, whichever is nearer; the blend RMSE against what a fit of it can do
+  const bool is_by_blend = last.blend_rmse / check.tau_blend > last.rmse / check.tau_rmse;
+  double reached = is_by_blend ? last.blend_rmse : last.rmse, most = is_by_blend ? check.tau_blend : check.tau_rmse;
+  std::string from = is_by_blend ? "tau_blend" : "tau_rmse";
   const auto mayBe = [&](double rmse, const char* why) {
     if (error(last) / rmse < reached / most) reached = error(last), most = rmse, from = why;
   };
   if (bound == ErrorBound::constant) {
-    mayBe(kConstantFactor * constantRmse(named.generator.representation(), stored, check.dark_weight), "a constant");
-  } else if (last.rmse > most && !made.isBareTent()) {  // what is good enough asks for no long fits
-    mayBe(kBestKnownFactor * bestKnownRmse(inputs, named.generator, stored, made.theta, check.dark_weight), "the best known");
+    mayBe(kConstantFactor * constantRmse(named.generator.representation(), stored, check.loss()), "a constant");
+  } else if (reached > most && !made.isBareTent()) {  // what is good enough asks for no long fits
+    mayBe(kBestKnownFactor * bestKnownRmse(inputs, named.generator, stored, made.theta, check.loss()), "the best known");
   }
   // in this order, so that an error that is no number counts as the worst
   if (reached / most <= most_of_bound_) return;

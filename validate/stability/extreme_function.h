@@ -26,10 +26,9 @@ SampledFunction sampleFunction(
 // seed   the direction of the wall
 SampledFunction functionBesideWall(uint64_t seed, double distance);
 
-// What the stored error of a function may be, beside the threshold tau of its RMSE: in weighed RMSE (FunctionCheck), which fits
-// minimise.
+// What the stored error of a function may be where it fails the check: in blend RMSE, which fits minimise.
 enum class ErrorBound {
-  // of functions that levels have: 1.5 times the best that is known of the function in this representation. Above tau and that, the
+  // of functions that levels have: 1.5 times the best that is known of the function in this representation. Above both thresholds and that, the
   // bake has missed what the representation can do
   best_known,
   // of functions that no geometry makes: 1.01 times the error of the best constant in the place of the network or the field. Every

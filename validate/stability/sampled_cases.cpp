@@ -43,7 +43,7 @@ StabilityCase sampledCase(const std::string& name, const std::function<SampledFu
       "functions",
       name,
       "every generator's theta is finite, no stage of the bake makes it worse, and the error of what a bake stores is at most "
-      "the threshold tau, or 1.01 times what one constant does at best in the place of the whole network or field",
+      "what the check allows, or 1.01 times what one constant does at best in the place of the whole network or field",
       StabilityDepth::brief,
       true,
       [make](const StabilityInputs& inputs, StabilityFigures* figures) {
@@ -81,7 +81,7 @@ std::vector<StabilityCase> sampledFunctionCases() {
   };
   return {
       {"functions", "free space",
-       "a bake that gives even the bare tent a theta holds it to the threshold tau with every generator, or to 1.5 times the "
+       "a bake that gives even the bare tent a theta holds it to what the check allows with every generator, or to 1.5 times the "
        "best "
        "known",
        StabilityDepth::brief, true, measureBareTent},

@@ -51,7 +51,7 @@ class StabilityFigures {
   // One word or name that belongs to the figures: "outcome: free space".
   void remark(const std::string& text);
 
-  // What a bake stores of some function here fails its check, which counts it: allowed where the bound is wider than tau.
+  // What a bake stores of some function here fails its check, which counts it: allowed where the bound is wider than the check's.
   bool fails_check = false;
   // What a reader must know to judge the case; else empty.
   std::string note;

@@ -25,7 +25,7 @@ from tool.atomic_file import write_atomically
 from tool.errors import CHECK_FAILED, run
 
 INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
-HEAD, POINTS, VALIDITY, BLOCK = 4096, 8192, 1024, 512  # docs/reference/formats.md, "Function cache"
+HEAD, POINTS, VALIDITY, SUMS, BLOCK = 4096, 8192, 1024, 8192, 512  # docs/reference/formats.md, "Function cache"
 
 CHECKPOINT_STEPS = 10
 OPTIONS = ["--batch", "8", "--checkpoint-steps", str(CHECKPOINT_STEPS), "--start-candidates", "1", "--width", "24", "--layers", "2", "--theta-share", "0.25"]
@@ -40,7 +40,7 @@ def changed_cache(source, path, change):
     footer_first = struct.unpack_from("<Q", whole, 16)[0]
     json_text, _, tail = bytes(whole[footer_first:]).partition(b"\n")
     values = json.loads(json_text)
-    size = POINTS + VALIDITY + 4 * values["coefficient_count"]
+    size = POINTS + VALIDITY + SUMS + 4 * values["coefficient_count"]
     records = whole[HEAD:footer_first]
     change(records, size)
     values["block_sha256"] = [hashlib.sha256(records[i : i + BLOCK * size]).hexdigest() for i in range(0, len(records), BLOCK * size)]
@@ -52,7 +52,7 @@ def changed_cache(source, path, change):
 
 def poisoned_cache(source, path, function):
     """One function's first coefficient is 1e30."""
-    changed_cache(source, path, lambda records, size: struct.pack_into("<f", records, function * size + POINTS + VALIDITY, 1e30))
+    changed_cache(source, path, lambda records, size: struct.pack_into("<f", records, function * size + POINTS + VALIDITY + SUMS, 1e30))
 
 
 def extreme_cache(source, path):
@@ -102,10 +102,10 @@ class Training:
         return os.path.exists(f"{self.name}_run/latest")
 
     def held_out(self):
-        """The held-out error at every checkpoint."""
+        """The held-out blend RMSE at every checkpoint."""
         path = f"{self.name}.csv" if os.path.exists(f"{self.name}.csv") else f"{self.name}_run/log.csv"
         with open(path, newline="") as file:
-            return [float(row["held_out_rmse"]) for row in csv.DictReader(file)]
+            return [float(row["held_out_blend_rmse"]) for row in csv.DictReader(file)]
 
 
 def case(name, must_hold, holds, measured, figures, note=""):
@@ -123,8 +123,8 @@ def poisoned_batch(bin_folder):
     return case("poisoned batch", "training goes back to the last good state, says so, and learns all the same",
                 run.code == 0 and 0 < rollbacks <= 5 and run.err.count("rollback") == rollbacks and errors[-1] < errors[0]
                 and all(map(math.isfinite, errors)),
-                f"a coefficient of 1e30 in one of 700 functions: {rollbacks} rollbacks, held-out RMSE {errors[0]:.4f} -> {errors[-1]:.4f}",
-                {"rollbacks": rollbacks, "held_out_rmse_first": errors[0], "held_out_rmse_last": errors[-1]})
+                f"a coefficient of 1e30 in one of 700 functions: {rollbacks} rollbacks, held-out blend RMSE {errors[0]:.4f} -> {errors[-1]:.4f}",
+                {"rollbacks": rollbacks, "held_out_blend_rmse_first": errors[0], "held_out_blend_rmse_last": errors[-1]})
 
 
 def poisoned_without_end(bin_folder):
@@ -142,7 +142,7 @@ def exploding_rate(bin_folder):
         # a run that diverges before its first checkpoint has none to leave
         gave_up = run.code == NUMERICAL_ERROR and step and (run.has_checkpoint or int(step[1]) < CHECKPOINT_STEPS)
         holds = holds and all(map(math.isfinite, errors)) and (gave_up or (run.code == 0 and errors))
-        measured.append(f"rate {rate}: " + (f"held-out RMSE {errors[-1]:.4f} after {run.result['rollbacks']} rollbacks" if run.code == 0
+        measured.append(f"rate {rate}: " + (f"held-out blend RMSE {errors[-1]:.4f} after {run.result['rollbacks']} rollbacks" if run.code == 0
                                             else f"exit code {run.code}: {run.line}; {len(errors)} checkpoints' errors, all finite"))
         figures[f"exit_code_rate_{rate}"] = run.code
     return case("exploding learning rate",
@@ -191,8 +191,8 @@ def extreme_targets(bin_folder):
     errors = run.held_out()
     return case("extreme targets", "training on them ends with finite errors",
                 run.code == 0 and all(map(math.isfinite, errors)),
-                f"three of five functions are all 255, all 0 or without a valid point: exit code {run.code}, {run.result.get('rollbacks')} rollbacks, held-out RMSE {errors[0]:.4f} -> {errors[-1]:.4f}",
-                {"exit_code": run.code, "rollbacks": run.result.get("rollbacks"), "held_out_rmse_last": errors[-1]},
+                f"three of five functions are all 255, all 0 or without a valid point: exit code {run.code}, {run.result.get('rollbacks')} rollbacks, held-out blend RMSE {errors[0]:.4f} -> {errors[-1]:.4f}",
+                {"exit_code": run.code, "rollbacks": run.result.get("rollbacks"), "held_out_blend_rmse_last": errors[-1]},
                 "Samples are bytes: 0 and 255 are the largest targets there are.")
 
 

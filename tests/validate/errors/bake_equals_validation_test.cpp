@@ -19,7 +19,10 @@ namespace fs = std::filesystem;
 // A function's samples.
 struct Samples {
   std::vector<uint8_t> bytes;
-  StoredFunction view() const { return {bytes.data(), bytes.data() + kSupportPointCount}; }
+  StoredFunction view() const {
+    const uint8_t* validity = bytes.data() + kSupportPointCount;
+    return {bytes.data(), validity, nullptr, validity + kValidityByteCount};
+  }
 };
 
 class BakeEqualsValidation : public testing::Test {
@@ -71,6 +74,7 @@ class BakeEqualsValidation : public testing::Test {
 };
 
 void expectSameCheck(const FunctionCheck& baked, const FunctionCheck& validated, const std::string& where) {
+  EXPECT_EQ(baked.blend_rmse, validated.blend_rmse) << where;
   EXPECT_EQ(baked.rmse, validated.rmse) << where;
   EXPECT_EQ(baked.leak_mean, validated.leak_mean) << where;
   EXPECT_EQ(baked.leak_share, validated.leak_share) << where;

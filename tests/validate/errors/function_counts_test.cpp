@@ -43,6 +43,7 @@ class FunctionCountsOfShards : public testing::Test {
       shard.phi.insert(shard.phi.end(), phi.begin(), phi.end());
       shard.validity.insert(shard.validity.end(), kPoints / 8, 0xff);
       shard.seen.insert(shard.seen.end(), kPoints / 8, 0xff);
+      shard.blend_sum.insert(shard.blend_sum.end(), kPoints, 255);
       shard.probe_position_m.insert(shard.probe_position_m.end(), 3, 0.0);
       shard.spacing_m.push_back(1.0f);
       shard.flags.push_back(0);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "runtime_eval/fit/theta_policy.h"
+
 namespace nlg {
 namespace {
 
@@ -49,7 +51,7 @@ TEST(ErrorMeter, MeasuresAConstantInClosedForm) {
   FunctionSet set;
   append(
       set, [](int p) { return p % 4 == 0 ? 51 : 0; }, kAlways, [](int p) { return p % 4 == 0; }, 102);
-  ErrorMeter meter(set);
+  ErrorMeter meter(set, kUnweighed);
   const FunctionError error = meter.measure({}, constantTheta(0.5f).data(), 0);
   EXPECT_NEAR(error.rmse, std::sqrt(0.25 * 0.3 * 0.3 + 0.75 * 0.25), 1e-12);
   EXPECT_TRUE(error.has_occluded);
@@ -60,11 +62,37 @@ TEST(ErrorMeter, MeasuresAConstantInClosedForm) {
   EXPECT_EQ(meter.leakMagnitudes(), std::vector<double>(3 * kSupportPointCount / 4, 0.5));
 }
 
+TEST(ErrorMeter, WeighsLitPointsByTheBlendAndDarkOnesByTheirWeight) {
+  // of four points one is 51/255 = 0.2, the next as well but seen by few others; two are dark. The network says 0.5
+  FunctionSet set;
+  append(
+      set, [](int p) { return p % 4 < 2 ? 51 : 0; }, kAlways, [](int p) { return p % 4 < 2; }, 102);
+  const LossOptions loss{.dark_weight = 16, .blend_floor = 0.2};
+  const auto square = [&](double rmse) { return rmse * rmse * kSupportPointCount; };
+  // dark points outside the tent weigh 1: nothing leaks there that the tent lets through
+  int dark = 0, rim = 0;
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    if (p % 4 >= 2) (tent(supportPattern().points[static_cast<size_t>(p)]) > kRimTent ? dark : rim) += 1;
+  }
+  const double lit = kSupportPointCount / 4, zeros = 0.25 * (16.0 * dark + rim);
+  const double without = ErrorMeter(set, loss).measure({}, constantTheta(0.5f).data(), 0).blend_rmse;
+  EXPECT_NEAR(square(without), 2 * lit * 0.09 + zeros, 1e-6 * zeros) << "where no sum is known it is 1";
+  for (int p = 0; p < kSupportPointCount; ++p) set.blend_sum.push_back(p % 4 == 0 ? 102 : p % 4 == 1 ? 10 : 255);
+  const FunctionError error = ErrorMeter(set, loss).measure({}, constantTheta(0.5f).data(), 0);
+  // sums of 0.4, and of less than the floor
+  EXPECT_NEAR(square(error.blend_rmse), lit * 0.09 / 0.16 + lit * 0.09 / 0.04 + zeros, 1e-6 * zeros);
+  EXPECT_NEAR(error.rmse, std::sqrt(0.5 * 0.09 + 0.5 * 0.25), 1e-12) << "all points alike";
+  // the bake's check says the same, in float
+  const FunctionCheck check = FunctionChecker().check({}, storedFunction(set, 0), constantTheta(0.5f).data(),
+                                                      {.dark_weight = loss.dark_weight, .blend_floor = loss.blend_floor});
+  EXPECT_NEAR(check.blend_rmse, error.blend_rmse, 1e-5);
+}
+
 TEST(ErrorMeter, LeavesInvalidPointsOut) {
   FunctionSet set;
   append(
       set, [](int) { return 255; }, [](int p) { return p % 8 == 3; }, kAlways, 255);
-  ErrorMeter meter(set);
+  ErrorMeter meter(set, kUnweighed);
   const FunctionError error = meter.measure({}, constantTheta(1.0f).data(), 0);
   EXPECT_EQ(error.rmse, 0.0);
   EXPECT_EQ(error.rmse_test_points, 0.0);
@@ -78,7 +106,7 @@ TEST(ErrorMeter, CountsALeakOfEitherSign) {
   FunctionSet set;
   append(
       set, [](int) { return 0; }, kAlways, kNever, 0);
-  ErrorMeter meter(set);
+  ErrorMeter meter(set, kUnweighed);
   EXPECT_EQ(meter.measure({}, constantTheta(-0.25f).data(), 0).leak_mean, 0.25);
 }
 
@@ -87,7 +115,7 @@ TEST(ErrorMeter, CountsNoLeakWhereTheProbeSees) {
   FunctionSet set;
   append(
       set, [](int) { return 0; }, kAlways, [](int p) { return p % 4 == 0; }, 0);
-  ErrorMeter meter(set);
+  ErrorMeter meter(set, kUnweighed);
   EXPECT_EQ(meter.measure({}, constantTheta(0.5f).data(), 0).leak_mean, 0.5);
   EXPECT_EQ(meter.leakMagnitudes().size(), 3u * kSupportPointCount / 4);
   append(
@@ -103,7 +131,7 @@ TEST(ErrorMeter, GivesZerosForAFunctionWithoutAnyValidPoint) {
   FunctionSet set;
   append(
       set, [](int) { return 0; }, [](int) { return false; }, [](int) { return false; }, 0);
-  ErrorMeter meter(set);
+  ErrorMeter meter(set, kUnweighed);
   const FunctionError error = meter.measure({}, constantTheta(1.0f).data(), 0);
   EXPECT_EQ(error.rmse + error.rmse_occluded + error.leak_mean + error.leak_p99, 0.0);
 }
@@ -113,7 +141,7 @@ TEST(ErrorMeter, FindsTheTentNearlyRight) {
   FunctionSet set;
   const auto stored = [](int p) { return static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p]))); };
   append(set, stored, kAlways, kNever, 0);
-  ErrorMeter meter(set);
+  ErrorMeter meter(set, kUnweighed);
   const FunctionError error = meter.measureTent(0);
   EXPECT_LE(error.rmse, 1.0 / 510);
   EXPECT_LE(error.leak_p99, 1.0 / 510) << "zero is stored where the tent is below half a step";
@@ -128,7 +156,7 @@ TEST(ErrorMeter, ReadsTheFunctionThatItIsAskedFor) {
   for (const int value : {0, 51, 255})
     append(
         set, [=](int) { return static_cast<uint8_t>(value); }, kAlways, kAlways, static_cast<uint8_t>(value));
-  ErrorMeter meter(set);
+  ErrorMeter meter(set, kUnweighed);
   const double expected[] = {0.2, 0.0, 0.8};
   for (uint64_t n = 0; n < 3; ++n) {
     const FunctionError error = meter.measure({}, constantTheta(0.2f).data(), n);

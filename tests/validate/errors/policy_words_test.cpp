@@ -44,6 +44,9 @@ FunctionSet smallSet() {
       for (int bit = 0; bit < 8; ++bit) seen = static_cast<uint8_t>(seen | (sample.phi[8 * byte + bit] > 0) << bit);
       set.seen.push_back(seen);
     }
+    // walls: some places are seen by this probe alone, others by all
+    for (int p = 0; p < kSupportPointCount; ++p)
+      set.blend_sum.push_back(static_cast<uint8_t>(i < kTents ? 255 : 32 * (p % 8) + 31));
     set.phi_test.insert(set.phi_test.end(), kTestPoints, 128);
     set.validity_test.insert(set.validity_test.end(), kTestPoints / 8, 255);
     set.seen_test.insert(set.seen_test.end(), kTestPoints / 8, 255);
@@ -91,6 +94,7 @@ TEST_F(PolicyWordsTest, AFunctionWithoutThetaIsItsBareTentUnderEveryWordAndTakes
       const MeasuredFunction& one = word.functions[i];
       EXPECT_EQ(one.function, i);
       if (i < kTents) {
+        EXPECT_EQ(one.error.blend_rmse, tents.functions[i].error.blend_rmse) << word.name;
         EXPECT_EQ(one.error.rmse, tents.functions[i].error.rmse) << word.name;
         // the check of the bare tent is all that it takes
         EXPECT_EQ(one.elapsed_us > 0.0, &word != &words.words.front()) << word.name;
@@ -103,7 +107,8 @@ TEST_F(PolicyWordsTest, AFunctionWithoutThetaIsItsBareTentUnderEveryWordAndTakes
   for (uint64_t i = kTents; i < kCount; ++i) {
     EXPECT_FALSE(words.at(ThetaWord::corrected).functions[i].fitted);
     EXPECT_TRUE(words.at(ThetaWord::stored).functions[i].fitted) << "random numbers fail the check, and are refined";
-    EXPECT_LT(words.at(ThetaWord::stored).functions[i].error.rmse, words.at(ThetaWord::network).functions[i].error.rmse);
+    EXPECT_LT(words.at(ThetaWord::stored).functions[i].error.blend_rmse,
+              words.at(ThetaWord::network).functions[i].error.blend_rmse);
   }
   const auto json = figuresByPopulation(words.at(ThetaWord::stored), Scope::set, context_);
   EXPECT_EQ(json["all"]["functions"], kCount);
@@ -138,10 +143,10 @@ TEST_F(PolicyWordsTest, NothingIsBelowTheBestKnown) {
     EXPECT_EQ(functions, populations_.sample().size());
     for (size_t n = 0; n < populations_.sample().size(); ++n) {
       // fits sum in float, the meter in double
-      const double best = fits.at(LongFit::best_known).functions[n].error.rmse * (1.0 - 1e-5);
-      for (const MeasuredWord& fit : fits.words) EXPECT_GE(fit.functions[n].error.rmse, best) << fit.name;
+      const double best = fits.at(LongFit::best_known).functions[n].error.blend_rmse * (1.0 - 1e-5);
+      for (const MeasuredWord& fit : fits.words) EXPECT_GE(fit.functions[n].error.blend_rmse, best) << fit.name;
       for (const MeasuredWord& word : words.words) {
-        EXPECT_GE(word.functions[populations_.sample()[n]].error.rmse, best) << word.name;
+        EXPECT_GE(word.functions[populations_.sample()[n]].error.blend_rmse, best) << word.name;
       }
     }
     const auto all = [](uint64_t) { return true; };
@@ -161,11 +166,12 @@ TEST_F(PolicyWordsTest, MoreStartsNeverMakeDirectFitsWorse) {
   EXPECT_EQ(convergence.functions, 2u);
   ASSERT_EQ(convergence.by_restarts.size(), 3u);
   for (size_t r = 1; r < convergence.by_restarts.size(); ++r) {
-    EXPECT_LE(convergence.by_restarts[r].rmse_mean, convergence.by_restarts[r - 1].rmse_mean);
+    EXPECT_LE(convergence.by_restarts[r].blend_rmse_mean, convergence.by_restarts[r - 1].blend_rmse_mean);
   }
   ASSERT_EQ(convergence.by_steps.size(), 4u);
   EXPECT_EQ(convergence.by_steps[2].adam_steps, options_.direct.adam_steps);
-  EXPECT_EQ(convergence.by_steps[2].rmse_mean, convergence.by_restarts[1].rmse_mean) << "direct itself, on both curves";
+  EXPECT_EQ(convergence.by_steps[2].blend_rmse_mean, convergence.by_restarts[1].blend_rmse_mean)
+      << "direct itself, on both curves";
 }
 
 TEST_F(PolicyWordsTest, StagesAreThePolicysOwnList) {
@@ -177,6 +183,24 @@ TEST_F(PolicyWordsTest, StagesAreThePolicysOwnList) {
   EXPECT_EQ(stages.back()["name"], "refinement");
   EXPECT_EQ(stages.back()["word"], "fitted");
   EXPECT_EQ(stages.back()["budget"], "1 round at most");
+}
+
+TEST_F(PolicyWordsTest, AScenesErrorsAreOfBothKinds) {
+  PolicyWords words = measurePolicy(generator_, set_, populations_, options_);
+  LongFits fits = measureLongFits(generator_, set_, populations_, words.least_wrong, options_);
+  const MeasuredWord& stored = words.at(ThetaWord::stored);
+  double blend_rmse = 0.0, rmse = 0.0;
+  for (uint64_t i = kTents; i < kCount; ++i) {
+    if (set_.scene_idx[i] != 0) continue;
+    blend_rmse = std::max(blend_rmse, stored.functions[i].error.blend_rmse);
+    rmse = std::max(rmse, stored.functions[i].error.rmse);
+  }
+  EXPECT_GT(blend_rmse, rmse) << "no weight is below 1";
+  const ValidatedGenerator validated{
+      generator_, std::string(NLG_SOURCE_WEIGHTS) + "/tent_mlp.safetensors", std::move(words), std::move(fits), {}};
+  const auto scene = representationJson(validated, context_)["by_scene"]["a"]["stored"];
+  EXPECT_EQ(scene["blend_rmse"]["worst"], blend_rmse);
+  EXPECT_EQ(scene["rmse"]["worst"], rmse);
 }
 
 TEST_F(PolicyWordsTest, TheCsvHasALineAFunctionAndWord) {

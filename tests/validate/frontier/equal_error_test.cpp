@@ -11,8 +11,9 @@ namespace {
 const std::vector<uint32_t> kScene = {0, 0, 1, 1, 2, 2};
 
 // The same for every function.
-TimedPoint even(const std::string& family, const std::string& label, double us, double rmse) {
-  return {family, label, std::vector<double>(kScene.size(), us), std::vector<double>(kScene.size(), rmse)};
+TimedPoint even(const std::string& family, const std::string& label, double us, double error, double fails = 0.0) {
+  const auto all = [](double value) { return std::vector<double>(kScene.size(), value); };
+  return {family, label, all(us), all(error), all(fails)};
 }
 
 EqualError compare(const TimedPoint& own, const std::vector<TimedPoint>& rivals) {
@@ -52,10 +53,11 @@ TEST(EqualError, SaysWhyThereIsNoRatio) {
   const EqualError never = compare(even("", "own", 10, 0.01), {even("lm", "1", 100, 0.02)});
   EXPECT_FALSE(never.ratio);
   EXPECT_EQ(never.reason, "no direct fit reaches this error");
+  EXPECT_EQ(never.longest_us, 100.0);
   const EqualError below = compare(even("", "own", 10, 0.01), {even("lm", "the first", 100, 0.005)});
   EXPECT_FALSE(below.ratio);
   EXPECT_NE(below.reason.find("the first"), std::string::npos) << below.reason;
-  EXPECT_EQ(below.rmse_mean, 0.01);
+  EXPECT_EQ(below.blend_rmse_mean, 0.01);
   EXPECT_EQ(below.time_us, 10.0);
 }
 
@@ -73,11 +75,24 @@ TEST(EqualError, HasAnIntervalOverScenesThatHoldsItsValue) {
   EXPECT_NEAR(*equal.ratio->high, 120, 1e-9 * 120);
 }
 
+TEST(EqualError, SaysHowManyFailOnBothSides) {
+  TimedPoint own = even("", "own", 10, 0.01), first = even("lm", "1", 100, 0.02, 1.0), second = even("lm", "2", 10000, 0.005);
+  own.fails_check[0] = own.fails_check[1] = 1.0;  // both functions of one scene of three
+  const EqualError equal = compare(own, {first, second});
+  ASSERT_TRUE(equal.ratio);
+  EXPECT_NEAR(equal.share_failing.value, 1.0 / 3.0, 1e-12);
+  EXPECT_EQ(equal.share_failing.low, 0.0);
+  EXPECT_EQ(equal.share_failing.high, 1.0);
+  // half of the way, in logarithms, from all that fail to none
+  EXPECT_NEAR(equal.rival_share_failing.value, 0.5, 1e-9);
+  EXPECT_NEAR(equal.rival_share_failing.high, 0.5, 1e-9) << "all scenes alike";
+}
+
 TEST(EqualError, HasNoUpperBoundWhenManyDrawsNeverReachIt) {
   TimedPoint own = even("", "own", 10, 0.01), fit = even("lm", "2", 10000, 0.002);
   // in one scene of three fits stay far above; a draw of that scene alone never reaches the error
   for (size_t i = 0; i < kScene.size(); ++i) {
-    if (kScene[i] == 2) fit.rmse[i] = 0.02;
+    if (kScene[i] == 2) fit.blend_rmse[i] = 0.02;
   }
   const EqualError equal = compare(own, {even("lm", "1", 100, 0.03), fit});
   ASSERT_TRUE(equal.ratio);

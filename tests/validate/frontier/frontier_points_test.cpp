@@ -50,12 +50,17 @@ std::vector<FunctionBlock> sampleBlocks() {
 
 // All of them take a theta, every second one is hard.
 const ChosenFunctions& sampleFunctions() {
-  static const ChosenFunctions functions = {{0, 1, 2, 3, 4, 5}, {6, 5, 4, 3, 2, 1}, {false, true, false, true, true, false}, {}};
+  static const ChosenFunctions functions = [] {
+    ChosenFunctions made{{0, 1, 2, 3, 4, 5}, {}, {false, true, false, true, true, false}, {}};
+    for (const double rmse : {6, 5, 4, 3, 2, 1}) made.tents.push_back({.rmse = rmse, .blend_rmse = 10 * rmse});
+    return made;
+  }();
   return functions;
 }
 
 std::vector<PointMeasurement> measure(const std::vector<PlotRun>& runs, const InterleaveOptions& options) {
-  return measureInterleaved(sampleSet(), sampleFunctions(), sampleBlocks(), runs, options, [](int64_t) {});
+  return measureInterleaved(sampleSet(), sampleFunctions(), sampleBlocks(), runs, PolicyOptions().check(), options,
+                            [](int64_t) {});
 }
 
 std::vector<PointMeasurement> measureOnce(const std::vector<PlotRun>& runs) { return measure(runs, {0, 0.0}); }
@@ -90,7 +95,13 @@ TEST(Interleaved, RunsEveryPointOnTheSameFunctions) {
   EXPECT_EQ(measured[1].times[1].elapsed_us, (std::vector<double>{10, 10}));
   for (const PointMeasurement& point : measured) {
     ASSERT_EQ(point.rmse.size(), size_t{kFunctionCount});
-    for (int i = 1; i < kFunctionCount; ++i) EXPECT_LT(point.rmse[i], point.rmse[i - 1]) << "walls stand further off";
+    ASSERT_EQ(point.blend_rmse.size(), size_t{kFunctionCount});
+    for (int i = 1; i < kFunctionCount; ++i) {
+      EXPECT_LT(point.rmse[i], point.rmse[i - 1]) << "walls stand further off";
+      EXPECT_LT(point.blend_rmse[i], point.blend_rmse[i - 1]);
+    }
+    EXPECT_GT(point.blend_rmse[0], point.rmse[0]) << "a bare tent leaks through a wall";
+    EXPECT_EQ(point.fails_check, std::vector<bool>(kFunctionCount, true));
   }
 }
 
@@ -126,6 +137,8 @@ const Figures& of(const ByPopulation<Figures>& figures, Population population) {
 TEST(PointFigures, AreMeansOfRunsAndQuantilesOverThem) {
   PointMeasurement measured;
   measured.rmse = {1, 2, 3, 4, 5, 6};
+  measured.blend_rmse = {20, 20, 30, 40, 50, 60};
+  measured.fails_check = {true, false, false, true, true, false};
   measured.took_fit = {true, true, false, false, false, false};
   measured.times = {{0, {1, 2, 3, 4}}, {1, {10, 20}}, {0, {3, 2, 1, 4}}};
   const PointFigures figures = figuresOf(measured, sampleSet(), sampleFunctions(), sampleBlocks(), {});
@@ -133,38 +146,47 @@ TEST(PointFigures, AreMeansOfRunsAndQuantilesOverThem) {
   EXPECT_EQ(theta.time.median_us, 2.5);
   EXPECT_EQ(theta.time.p25_us, 2.5);
   EXPECT_EQ(theta.time.p75_us, 0.5 * (2.5 + 15));
-  EXPECT_EQ(theta.rmse.median, 3.5);
-  EXPECT_EQ(theta.rmse.worst, 6.0);
+  EXPECT_EQ(theta.errors.rmse.median, 3.5);
+  EXPECT_EQ(theta.errors.rmse.worst, 6.0);
+  EXPECT_EQ(theta.errors.blend_rmse.median, 35.0);
   EXPECT_EQ(theta.share_fitted, 2.0 / 6.0);
+  EXPECT_EQ(theta.share_failing_check, 3.0 / 6.0);
   // hard: functions 1, 3 and 4
   const PopulationFigures& hard = of(figures.figures, Population::hard);
-  EXPECT_EQ(hard.rmse.median, 4.0);
-  EXPECT_EQ(hard.rmse.worst, 5.0);
+  EXPECT_EQ(hard.errors.rmse.median, 4.0);
+  EXPECT_EQ(hard.errors.rmse.worst, 5.0);
   EXPECT_EQ(hard.time.median_us, 3.0) << "of 3, 10 and 3";
+  EXPECT_EQ(hard.errors.blend_rmse.mean, 110.0 / 3.0);
   EXPECT_EQ(hard.share_fitted, 1.0 / 3.0);
+  EXPECT_EQ(hard.share_failing_check, 2.0 / 3.0);
   const TentFigures tent = figuresOfTent(sampleSet(), sampleFunctions(), {});
-  EXPECT_EQ(of(tent.figures, Population::theta).median, 3.5);
-  EXPECT_EQ(of(tent.figures, Population::hard).mean, 10.0 / 3.0);
-  EXPECT_EQ(tent.by_scene.at("hall").median, 4.0);
+  EXPECT_EQ(of(tent.figures, Population::theta).rmse.median, 3.5);
+  EXPECT_EQ(of(tent.figures, Population::hard).rmse.mean, 10.0 / 3.0);
+  EXPECT_EQ(tent.by_scene.at("hall").rmse.median, 4.0);
+  EXPECT_EQ(tent.by_scene.at("hall").blend_rmse.median, 40.0);
   // functions 0, 2 and 4 are the hall's: times 2, 10 and 2
   EXPECT_EQ(figures.by_scene.at("hall").time.median_us, 2.0);
-  EXPECT_EQ(figures.by_scene.at("hall").rmse.median, 3.0);
-  EXPECT_EQ(figures.by_scene.at("cellar").rmse.mean, 4.0);
+  EXPECT_EQ(figures.by_scene.at("hall").errors.rmse.median, 3.0);
+  EXPECT_EQ(figures.by_scene.at("cellar").errors.rmse.mean, 4.0);
+  EXPECT_EQ(figures.by_scene.at("cellar").errors.blend_rmse.mean, 40.0);
   EXPECT_EQ(functionTimes(measured, sampleBlocks()), (std::vector<double>{2, 2, 2, 4, 10, 20}));
 }
 
 TEST(PointFigures, OfAllFunctionsHoldBareTentsAtTimeZero) {
   PointMeasurement measured;
-  measured.rmse = {1, 2, 3, 4, 5, 6};
+  measured.rmse = measured.blend_rmse = {1, 2, 3, 4, 5, 6};
+  measured.fails_check.assign(6, true);
   measured.took_fit.assign(6, true);
   measured.times = {{0, {8, 8, 8, 8}}};
-  const BareTents tents = {{0.5, 0.5}, {}};
+  const BareTents tents = {{1.5, 1.5}, {0.5, 0.5}, {}};
   const PointFigures figures = figuresOf(measured, sampleSet(), sampleFunctions(), sampleBlocks(), tents);
   const PopulationFigures& all = of(figures.figures, Population::all);
   EXPECT_EQ(all.time.median_us, 6.0) << "two of eight take none";
-  EXPECT_EQ(all.rmse.mean, 22.0 / 8.0);
+  EXPECT_EQ(all.errors.rmse.mean, 22.0 / 8.0);
+  EXPECT_EQ(all.errors.blend_rmse.mean, 24.0 / 8.0);
+  EXPECT_EQ(all.share_failing_check, 0.75) << "a bare tent passes";
   EXPECT_EQ(all.share_fitted, 0.75);
-  EXPECT_EQ(of(figures.figures, Population::theta).rmse.mean, 3.5);
+  EXPECT_EQ(of(figures.figures, Population::theta).errors.rmse.mean, 3.5);
 }
 
 TEST(PointFigures, HaveNoneOfHardFunctionsWithoutAny) {
@@ -172,6 +194,8 @@ TEST(PointFigures, HaveNoneOfHardFunctionsWithoutAny) {
   functions.hard.assign(6, false);
   PointMeasurement measured;
   measured.rmse.assign(6, 1.0);
+  measured.blend_rmse.assign(6, 1.0);
+  measured.fails_check.assign(6, false);
   measured.took_fit.assign(6, false);
   measured.times = {{0, {1, 2, 3, 4}}};
   EXPECT_FALSE(figuresOf(measured, sampleSet(), functions, sampleBlocks(), {}).figures[2]);
@@ -206,7 +230,7 @@ TEST(ChosenFunctions, TakeBareTentsInTheProportionOfEveryScene) {
   every.bare_tent_rmse = 0.0;
   EXPECT_EQ(chooseFunctions(set, 100, every, 0.01).count(Population::theta), 10u);
   PolicyOptions none;
-  none.bare_tent_rmse = 1.0, none.tau_rmse = 1.0, none.leak_share = 1.0;
+  none.bare_tent_rmse = 1e3, none.tau_rmse = 1.0, none.tau_blend = 1e3;
   EXPECT_THROW(chooseFunctions(set, 100, none, 0.01), InputError);
 }
 
@@ -298,7 +322,7 @@ TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
     EXPECT_FALSE(points[p].is_direct);
     for (int i = 0; i < kFunctionCount; ++i) {
       // fits read the kernels' sums, errors the evaluator's: the two differ by rounding
-      EXPECT_LE(measured[p].rmse[i], measured[0].rmse[i] * (1 + 1e-5)) << points[p].label << ", " << i;
+      EXPECT_LE(measured[p].blend_rmse[i], measured[0].blend_rmse[i] * (1 + 1e-5)) << points[p].label << ", " << i;
       EXPECT_TRUE(measured[p].took_fit[i]);
     }
   }
@@ -322,7 +346,7 @@ TEST(FitPoints, OfAGateFitOnOnlyWhatIsNotGoodYet) {
   const auto generator = sampleShared(Representation::productField(3));
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
   PolicyOptions lenient;
-  lenient.tau_rmse = 1e3, lenient.leak_share = 1.0;
+  lenient.tau_rmse = 1e3, lenient.tau_blend = 1e3;
   const auto gated = [&](double good_rmse, int budget) {
     PolicyOptions options = lenient;
     options.good_rmse = good_rmse;
@@ -335,23 +359,21 @@ TEST(FitPoints, OfAGateFitOnOnlyWhatIsNotGoodYet) {
   }
   // what the first round left so good is not touched again, all others are
   const std::vector<FittedFunction> first = gated(0.0, 2), last = gated(0.0, 32);
-  std::vector<double> rmse;
+  std::vector<double> errors;
   for (size_t i = 0; i < first.size(); ++i) {
     EXPECT_TRUE(first[i].took_fit);
     const PointOrder& order = pointOrder(first[i].representation);
-    const WeightingFunction function = decodeFunction(block.stored[i], order);
-    EXPECT_LE(functionRmse(last[i].representation, function, last[i].theta.data()),
-              functionRmse(first[i].representation, function, first[i].theta.data()));
-    // the gate's error is the weighed one
-    const WeightingFunction weighed = decodeFunction(block.stored[i], order, lenient.dark_weight);
-    rmse.push_back(functionRmse(first[i].representation, weighed, first[i].theta.data()));
+    // what the fits minimise, and what the gate goes by
+    const WeightingFunction function = decodeFunction(block.stored[i], order, lenient.check().loss());
+    errors.push_back(functionRmse(first[i].representation, function, first[i].theta.data()));
+    EXPECT_LE(functionRmse(last[i].representation, function, last[i].theta.data()), errors.back());
   }
-  std::vector<double> sorted = rmse;
+  std::vector<double> sorted = errors;
   std::sort(sorted.begin(), sorted.end());
   const double middle = 0.5 * (sorted[2] + sorted[3]);
   const std::vector<FittedFunction> some = gated(middle, 32);
   for (size_t i = 0; i < some.size(); ++i) {
-    EXPECT_EQ(some[i].theta == first[i].theta, rmse[i] <= middle) << "function " << i;
+    EXPECT_EQ(some[i].theta == first[i].theta, errors[i] <= middle) << "function " << i;
   }
 }
 
@@ -380,7 +402,7 @@ TEST(FitPoints, OfACodeStartFromItsMeanAndAtRandom) {
     const std::vector<FittedFunction> first = runPoint(direct, block, family, 1), last = runPoint(direct, block, family, 16);
     for (size_t i = 0; i < first.size(); ++i) {
       const Representation& code = first[i].representation;
-      const WeightingFunction function = decodeFunction(block.stored[i], pointOrder(code));
+      const WeightingFunction function = decodeFunction(block.stored[i], pointOrder(code), CheckOptions().loss());
       EXPECT_LE(functionRmse(code, function, last[i].theta.data()), functionRmse(code, function, first[i].theta.data()))
           << family << ", " << i;
     }

@@ -25,7 +25,7 @@ from tool.input_file import Node
 
 made_up.FUNCTIONS = 400  # enough for chances to be told from noise
 made_up.REPRESENTATIONS = {"mlp": 113}
-TAU = made_up.TAU["rmse"]
+TAU, BLEND = made_up.TAU["rmse"], made_up.BLEND
 SCENES = made_up.SCENES
 
 
@@ -52,7 +52,7 @@ class Comparisons(unittest.TestCase):
             chance = np.random.default_rng(7)
             for i, row in enumerate(table["mlp", word]):
                 rmse = changed(row[0], 0.001 + 0.02 * chance.uniform()) if row[2] else row[4]
-                table["mlp", word][i] = (*row[:4], rmse, row[5], rmse > TAU, *row[7:])
+                table["mlp", word][i] = (*row[:4], rmse, row[5], rmse > TAU or BLEND * rmse > made_up.TAU["blend"], *row[7:])
         os.makedirs(os.path.join(self.folder, name), exist_ok=True)
         if with_functions:
             made_up.write_functions(os.path.join(self.folder, name, "functions.csv"), table)
@@ -67,7 +67,7 @@ class Comparisons(unittest.TestCase):
     def only(self, old, word, function, rmse):
         """The same run with another error of one function at one stage."""
         samples = {key: some.only(np.arange(len(some))) for key, some in old.samples.items()}
-        samples["mlp", word].rmse = np.where(samples["mlp", word].function == function, rmse, samples["mlp", word].rmse)
+        samples["mlp", word].blend_rmse = np.where(samples["mlp", word].function == function, BLEND * rmse, samples["mlp", word].blend_rmse)
         return compare.Run(old.path, old.summary, samples)
 
     def test_finds_nothing_between_a_run_and_itself(self):
@@ -79,10 +79,10 @@ class Comparisons(unittest.TestCase):
     def test_sees_a_small_change_of_all_functions(self):
         # 3 %: far below what the spread over functions would hide if they were not paired
         old, worse = self.run_of("old"), self.run_of("new", lambda i, rmse: 1.03 * rmse)
-        there = self.change(old, worse, "network, mean RMSE")
+        there = self.change(old, worse, "network, mean blend RMSE")
         self.assertEqual(there.trend, "worse")
         self.assertAlmostEqual(there.new / there.old, 1.03, places=3)
-        self.assertEqual(self.change(worse, old, "network, mean RMSE").trend, "better")
+        self.assertEqual(self.change(worse, old, "network, mean blend RMSE").trend, "better")
 
     def test_calls_noise_the_same(self):
         # either run's errors are off by up to 30 %, so that each function's two could as well stand the other way round
@@ -92,8 +92,8 @@ class Comparisons(unittest.TestCase):
 
     def test_names_the_scene_that_got_worse(self):
         old, worse = self.run_of("old"), self.run_of("new", lambda i, rmse: 1.2 * rmse if i * len(SCENES) // made_up.FUNCTIONS == 2 else rmse)
-        self.assertEqual(self.change(old, worse, "stored, mean RMSE", SCENES[2]).trend, "worse")
-        self.assertEqual(self.change(old, worse, "stored, mean RMSE", SCENES[0]).trend, "same")
+        self.assertEqual(self.change(old, worse, "stored, mean blend RMSE", SCENES[2]).trend, "worse")
+        self.assertEqual(self.change(old, worse, "stored, mean blend RMSE", SCENES[0]).trend, "same")
 
     def test_counts_functions_that_come_to_fail_the_check(self):
         old, worse = self.run_of("old", lambda i, rmse: rmse / 2), self.run_of("new", lambda i, rmse: 0.03 if i % 10 == 0 else rmse / 2)
@@ -105,8 +105,8 @@ class Comparisons(unittest.TestCase):
         runs = {name: self.run_of(name, changed, with_functions=False) for name, changed in
                 (("old", same), ("slightly", lambda i, rmse: 1.04 * rmse), ("clearly", lambda i, rmse: 1.06 * rmse), ("leapt", lambda i, rmse: max(rmse, 0.9 * (i == 5))))}
         self.assertFalse(compare.compare(runs["old"], runs["slightly"], options()).is_paired)
-        for name, figure, trend in [("slightly", "mean RMSE", "same"), ("clearly", "mean RMSE", "worse"), ("clearly", "p99 of RMSE", "worse"), ("clearly", "worst RMSE", "same"),
-                                    ("leapt", "worst RMSE", "worse")]:
+        for name, figure, trend in [("slightly", "mean blend RMSE", "same"), ("clearly", "mean blend RMSE", "worse"), ("clearly", "p99 of blend RMSE", "worse"), ("clearly", "worst blend RMSE", "same"),
+                                    ("leapt", "worst blend RMSE", "worse")]:
             self.assertEqual(self.change(runs["old"], runs[name], f"network, {figure}").trend, trend, (name, figure))
 
     def test_judges_times_only_when_asked(self):
@@ -146,14 +146,14 @@ class Comparisons(unittest.TestCase):
         stored = old.samples["mlp", "stored"]
         function = int(stored.function[stored.takes_theta][0])
         tail = self.only(old, "stored", function, 0.9)
-        worst = self.change(old, tail, "stored, worst RMSE")
-        self.assertEqual((worst.trend, worst.new), ("worse", 0.9))
+        worst = self.change(old, tail, "stored, worst blend RMSE")
+        self.assertEqual((worst.trend, worst.new), ("worse", BLEND * 0.9))
         self.assertIn(f"function {function} of", worst.note)
-        self.assertEqual([self.change(old, tail, "stored, worst RMSE", scene).trend for scene in SCENES], ["worse", "same", "same"])
-        self.assertEqual(self.change(old, tail, "network, worst RMSE").trend, "same")
-        self.assertEqual(self.change(tail, old, "stored, worst RMSE").trend, "better")
+        self.assertEqual([self.change(old, tail, "stored, worst blend RMSE", scene).trend for scene in SCENES], ["worse", "same", "same"])
+        self.assertEqual(self.change(old, tail, "network, worst blend RMSE").trend, "same")
+        self.assertEqual(self.change(tail, old, "stored, worst blend RMSE").trend, "better")
         # up to the factor, of tau or of its own error, it is not
-        self.assertEqual(self.change(old, self.only(old, "stored", function, 0.0399), "stored, worst RMSE").trend, "same")
+        self.assertEqual(self.change(old, self.only(old, "stored", function, 0.0479), "stored, worst blend RMSE").trend, "same")
 
     def test_refuses_damaged_files(self):
         path = self.write("old")
@@ -177,7 +177,7 @@ class Comparisons(unittest.TestCase):
 
         def drawn():
             rmse, all_true = np.abs(chance.normal(0.015, 0.003, count)), np.ones(count, bool)
-            one = Samples(np.arange(count), np.repeat(scenes, 8), all_true, np.arange(count) % 2 == 0, rmse, rmse, rmse, chance.uniform(size=count), rmse, rmse > TAU, all_true, rmse)
+            one = Samples(np.arange(count), np.repeat(scenes, 8), all_true, np.arange(count) % 2 == 0, rmse, rmse, rmse, rmse, chance.uniform(size=count), rmse, rmse > TAU, all_true, rmse)
             return compare.Run("new", Node("new", "", summary), {("mlp", word): one for word in WORDS})
         alarms = 0
         for _ in range(runs):
@@ -193,9 +193,9 @@ class Comparisons(unittest.TestCase):
         self.assertEqual(run(old, old).returncode, 0)
         found = run(old, worse)
         self.assertEqual(found.returncode, CHECK_FAILED)
-        self.assertRegex(found.stderr, r"^compare.py: error: new run against old: .*worse, the first of them mlp: network, mean RMSE\n$")
+        self.assertRegex(found.stderr, r"^compare.py: error: new run against old: .*worse, the first of them mlp: network, mean blend RMSE\n$")
         changes = json.loads(run(old, worse, "--json").stdout)["changes"]
-        self.assertEqual({some["trend"] for some in changes if some["figure"] == "stored, mean RMSE"}, {"worse"})
+        self.assertEqual({some["trend"] for some in changes if some["figure"] == "stored, mean blend RMSE"}, {"worse"})
         self.assertEqual(run(old).returncode, USAGE_ERROR)
         missing = run(old, "missing.json")
         self.assertEqual((missing.returncode, missing.stderr.count("\n")), (INPUT_ERROR, 1))

@@ -15,11 +15,12 @@ FUNCTIONS = 60
 ERROR = {"tent": 1.0, "network": 0.5, "corrected": 0.3, "fitted": 0.15, "stored": 0.151, "adam_theta0": 0.22, "lm_theta0": 0.21, "adam_random": 0.25, "direct": 0.15,
          "best_known": 0.14}
 TIME_US = {"network": 20, "corrected": 300, "fitted": 500, "stored": 500, "adam_theta0": 60000, "lm_theta0": 9000, "adam_random": 60000, "direct": 180000, "best_known": 240000}
-TAU = {"rmse": 0.02, "leak": 0.1, "leak_share": 0.01, "hard_tent_rmse": 0.01, "bare_tent_rmse": 0.005}
+TAU = {"rmse": 0.02, "blend": 0.06, "leak": 0.1, "dark_weight": 64, "blend_floor": 0.2, "hard_tent_rmse": 0.01, "bare_tent_rmse": 0.005}
+BLEND = 2.5  # every blend RMSE over its RMSE: what takes one for the other shows
 # name, title, word, budget, which functions take it
 STAGES = [("network", "network", "network", None, "all functions"),
-          ("last_layer", "exact last layer", "corrected", None, "functions that the network left above an RMSE of 0.001 or failing the check"),
-          ("lm", "Levenberg-Marquardt", "fitted", "4 iterations at most", "those of them whose RMSE is still above 0.005"),
+          ("last_layer", "exact last layer", "corrected", None, "functions that the network left above a blend RMSE of 0.001 or failing the check"),
+          ("lm", "Levenberg-Marquardt", "fitted", "4 iterations at most", "those of them whose blend RMSE is still above 0.005"),
           ("refinement", "refinement", "fitted", "3 rounds at most", "functions that fail the check"),
           ("rounding", "rounding", "stored", None, "all functions")]
 AFTER = (["network"], ["corrected"], ["fitted"], ["stored"], [])  # what θ is called after a stage
@@ -45,7 +46,7 @@ def samples(seed):
                 continue
             if not takes and word in WORDS:
                 rmse = tent[i]  # the bare tent at every stage
-            rows.append((i, SCENES[i * len(SCENES) // FUNCTIONS], takes, tent[i] >= TAU["hard_tent_rmse"], rmse, leak, rmse > TAU["rmse"],
+            rows.append((i, SCENES[i * len(SCENES) // FUNCTIONS], takes, tent[i] >= TAU["hard_tent_rmse"], rmse, leak, rmse > TAU["rmse"] or BLEND * rmse > TAU["blend"],
                          word in FITS or (takes and word in ("fitted", "stored") and tent[i] > .05), TIME_US.get(word, 0) * chance.uniform(.9, 1.1) * takes))
         table[representation, word] = rows
     return table
@@ -58,7 +59,7 @@ def share(part, whole):
 
 def figures(rows):
     rmse, time = quantiles([r[4] for r in rows]), quantiles([r[8] for r in rows])
-    return {"functions": len(rows), "rmse": rmse, "rmse_test_points": quantiles([1.1 * r[4] for r in rows]), "rmse_occluded": quantiles([1.3 * r[4] for r in rows if r[3]]),
+    return {"functions": len(rows), "blend_rmse": quantiles([BLEND * r[4] for r in rows]), "rmse": rmse, "rmse_test_points": quantiles([1.1 * r[4] for r in rows]), "rmse_occluded": quantiles([1.3 * r[4] for r in rows if r[3]]),
             "leak": {"mean": .003, "p99": .05}, "share_failing_check": share(sum(r[6] for r in rows), len(rows)), "share_fitted": share(sum(r[7] for r in rows), len(rows)),
             "us_per_function": time["mean"], "us_per_function_median": time["median"]}
 
@@ -85,7 +86,7 @@ def sample(table, name):
             reference = {r[0]: r[4] for r in table[name, fit]}
             taking = [r for r in of(word) if r[2]]
             hard = [r for r in of(word) if r[3]]
-            ratios[word][key] = {"median": ratio(taking, reference), "median_hard": ratio(hard, reference), "median_test_points": ratio(taking, reference),
+            ratios[word][key] = {"median": ratio(taking, reference), "median_hard": ratio(hard, reference), "median_rmse": ratio(taking, reference), "median_test_points": ratio(taking, reference),
                                  "median_occluded_hard": {"value": 0, "low": 0, "high": 0}}
     return {"functions": len(known), "hard": sum(r[3] for r in of("network")), **{word: populations(of(word)) for word in WORDS + FITS}, "ratios": ratios}
 
@@ -96,9 +97,9 @@ def summary(table, held_out=HELD_OUT):
         stages = [{"name": stage, "title": title, "word": word, "budget": budget, "takes": takes, "text": f"{title}: {takes}"} for stage, title, word, budget, takes in STAGES]
         node = {"parameters": parameters, "theta_bytes": {"float32": 4 * parameters, "float16": 2 * parameters, "int8": parameters + 9}, "weights_bytes": 2000000, "weights_sha256": "0" * 64, "evaluate_us": 10.0, "stages": stages}
         node |= {word: populations(table[name, word]) for word in WORDS} | {"sample": sample(table, name)}
-        by_scene = lambda word, scene: quantiles([r[4] for r in table[name, word] if r[1] == scene and r[2]])
+        by_scene = lambda word, scene: {error: quantiles([by * r[4] for r in table[name, word] if r[1] == scene and r[2]]) for error, by in (("blend_rmse", BLEND), ("rmse", 1))}
         node["by_scene"] = {scene: {word: by_scene(word, scene) for word in ("stored", "network")} for scene in SCENES}
-        curve = lambda key, counts: [{"restarts": 2, "adam_steps": 32000, "rmse_mean": .006 * (1 + 1 / n)} | {key: n} for n in counts]
+        curve = lambda key, counts: [{"restarts": 2, "adam_steps": 32000, "blend_rmse_mean": .006 * (1 + 1 / n)} | {key: n} for n in counts]
         node["convergence"] = {"functions": 10, "by_restarts": curve("restarts", (1, 2, 4, 8)), "by_adam_steps": curve("adam_steps", (1000, 4000, 32000))}
         representations[name] = node
     options = {"direct_adam_steps": 32000, "direct_lm_iterations": 40, "direct_restarts": 2}
@@ -106,7 +107,7 @@ def summary(table, held_out=HELD_OUT):
     counts = {"distinct": 200, "free_space": 900, "duplicates": 80, "in_solid": 300, "empty": 1, "visited_probes": 1481, "grid_probes": 9000,
               "held_out": FUNCTIONS, "held_out_scenes": len(SCENES), "take_theta": sum(r[2] for r in tent), "hard": sum(r[3] for r in tent), "held_out_in_training": 2,
               "held_out_in_training_mirrored": 3}
-    return {"schema_version": 1, "provenance": {"tool": "nlg-validate", "revision": "made-up", "options": options, "inputs": {"held_out": held_out}},
+    return {"schema_version": 2, "provenance": {"tool": "nlg-validate", "revision": "made-up", "options": options, "inputs": {"held_out": held_out}},
             "tau": TAU, "theta_precision": "int8", "functions": counts, "tent": populations(tent), "representations": representations}
 
 
@@ -115,7 +116,7 @@ def slices():
     for name in REPRESENTATIONS:
         for which in ("p5", "median", "p95", "worst"):
             ramp = [1000 * i // (size * size) for i in range(size * size)]
-            result.append({"representation": name, "which": which, "function": 7, "scene": SCENES[1], "rmse": .03, "axis": 1, "size": size,
+            result.append({"representation": name, "which": which, "function": 7, "scene": SCENES[1], "blend_rmse": .075, "rmse": .03, "axis": 1, "size": size,
                            "valid": [int(i % size > 2) for i in range(size * size)], "seen": [int(i % size > 6) for i in range(size * size)], "target_permille": ramp, "stored_permille": ramp[::-1],
                            "difference_permille": [b - a for a, b in zip(ramp, ramp[::-1])]})
     return result
@@ -127,8 +128,9 @@ def frontier():
                 ("lm_from_theta0", [4, 16, 64]), ("lm_from_theta0_gated", [4, 16, 64]), ("adam_from_random", [200, 1000, 8000]), ("coefficients", [32, 256, 1024])]
 
     def add(representation, family, budget, label, us, rmse, words=(), fitted=0.0):
-        errors = lambda c: {"rmse_mean": 1.5 * rmse * c, "rmse_median": rmse * c, "rmse_p5": rmse * c / 4, "rmse_p95": rmse * c * 5, "rmse_worst": rmse * c * 15}
-        figures = lambda c: {"us_median": us, "us_p25": us * .95, "us_p75": us * 1.1, **errors(c), "leak_p99": .05, "share_fitted": fitted, "on_front": False}
+        statistics = {"mean": 1.5, "median": 1, "p5": .25, "p95": 5, "worst": 15}
+        errors = lambda c: {f"{error}_{key}": by * share * rmse * c for error, by in (("blend_rmse", BLEND), ("rmse", 1)) for key, share in statistics.items()}
+        figures = lambda c: {"us_median": us, "us_p25": us * .95, "us_p75": us * 1.1, **errors(c), "leak_p99": .05, "share_failing_check": .01 * c, "share_fitted": fitted, "on_front": False}
         points.append({"representation": representation, "family": family, "budget": budget, "label": label, "words": list(words),
                        "figures": {"all": figures(.5), "theta": figures(1), "hard": figures(3)},
                        "by_scene": {scene: {"us_median": us, "us_p25": us, "us_p75": us, **errors(1 + i / 2)} for i, scene in enumerate(SCENES)}})
@@ -143,15 +145,17 @@ def frontier():
                 add(representation, family, budget, f"{budget} of {family.replace('_', ' ')}", us, rmse, fitted=float("_from_" in family))
     for population in ("all", "theta", "hard"):
         best = float("inf")
-        for point in sorted(points, key=lambda p: (p["figures"][population]["us_median"], p["figures"][population]["rmse_mean"])):
-            if point["figures"][population]["rmse_mean"] < best:
-                point["figures"][population]["on_front"], best = True, point["figures"][population]["rmse_mean"]
-    speed = {"time_us": 500.0, "rmse_mean": .002, "rival": "LM from theta0, gated", "rival_us_at_equal_error": 3000.0, "ratio": {"value": 6.0, "low": 4.5, "high": 8.1}, "reason": None}
-    unreached = {**speed, "rival": None, "rival_us_at_equal_error": None, "ratio": None, "reason": "no direct fit reaches this error"}
+        for point in sorted(points, key=lambda p: (p["figures"][population]["us_median"], p["figures"][population]["blend_rmse_mean"])):
+            if point["figures"][population]["blend_rmse_mean"] < best:
+                point["figures"][population]["on_front"], best = True, point["figures"][population]["blend_rmse_mean"]
+    speed = {"time_us": 500.0, "blend_rmse_mean": .005, "share_failing_check": share(1, 100), "rival": "LM from theta0, gated", "rival_us_at_equal_error": 3000.0,
+             "rival_share_failing_check": share(3, 100), "ratio": {"value": 6.0, "low": 4.5, "high": 8.1}, "longest_us": None, "reason": None}
+    unreached = {**speed, "rival": None, "rival_us_at_equal_error": None, "rival_share_failing_check": None, "ratio": None, "longest_us": 9000.0, "reason": "no direct fit reaches this error"}
     speeds = {representation: {word: speed for word in WORDS} for representation in REPRESENTATIONS}
     speeds["mlp"]["fitted"] = {**speed, "ratio": {"value": 4.0, "low": 3.0, "high": None}}
-    tent = lambda c: {"rmse_mean": .03 * c, "rmse_median": .02 * c, "rmse_p5": .005, "rmse_p95": .1, "rmse_worst": .2}
-    return {"schema_version": 1, "provenance": {"inputs": {"held_out": HELD_OUT, "weights.0": "0" * 64}},
+    tent = lambda c: {f"{error}_{key}": by * value for error, by in (("blend_rmse", BLEND), ("rmse", 1))
+                      for key, value in (("mean", .03 * c), ("median", .02 * c), ("p5", .005), ("p95", .1), ("worst", .2))}
+    return {"schema_version": 2, "provenance": {"inputs": {"held_out": HELD_OUT, "weights.0": "0" * 64}},
             "functions": {"all": 100, "theta": 60, "hard": 9, "bare_tents_at_time_0": 40}, "scenes": list(SCENES), "points": points,
             "bare_tent": {"figures": {"all": tent(.5), "theta": tent(1), "hard": tent(2)}, "by_scene": {scene: tent(1) for scene in SCENES}},
             "front_sentences": {"all": "", "theta": "On the front: tent_mlp, stage after stage.", "hard": "On the front over hard functions: the same."},
@@ -215,11 +219,11 @@ def write_json(path, content):
     return path
 
 
-COLUMNS = "representation,word,function,scene,take_theta,hard,rmse,rmse_test_points,rmse_occluded,leak_mean,leak_p99,fails_check,fitted,elapsed_us"
+COLUMNS = "representation,word,function,scene,take_theta,hard,blend_rmse,rmse,rmse_test_points,rmse_occluded,leak_mean,leak_p99,fails_check,fitted,elapsed_us"
 
 
 def write_functions(path, table):
-    rows = [(r, w, i, scene, int(takes), int(hard), f"{rmse:.6g}", f"{1.1 * rmse:.6g}", f"{1.3 * rmse:.6g}" if hard else "", f"{leak / 9:.6g}", f"{leak:.6g}", int(fails), int(fitted),
+    rows = [(r, w, i, scene, int(takes), int(hard), f"{BLEND * rmse:.6g}", f"{rmse:.6g}", f"{1.1 * rmse:.6g}", f"{1.3 * rmse:.6g}" if hard else "", f"{leak / 9:.6g}", f"{leak:.6g}", int(fails), int(fitted),
              f"{us:.6g}") for (r, w), some in table.items() for i, scene, takes, hard, rmse, leak, fails, fitted, us in some]
     write_csv(path, COLUMNS.split(","), rows)
 
@@ -233,7 +237,7 @@ def write_all(folder):
     write_json(path("slices.json"), slices())
     write_json(path("basis.json"), {"functions": 140, "components": 64, "spectrum": [1.0 / (i + 1) for i in range(90)], "held_out_variance_kept": {"16": .8, "64": .95}})
     for name in REPRESENTATIONS:
-        write_csv(path(f"{name}.csv"), "step,learning_rate,training_loss,held_out_network,held_out_rmse,rollbacks".split(","),
+        write_csv(path(f"{name}.csv"), "step,learning_rate,training_loss,held_out_network_blend_rmse,held_out_blend_rmse,rollbacks".split(","),
                   [(i, .001, .02 / i, .03 / i, .01 / i, 0) for i in range(1, 6)])
     write_json(path("frontier.json"), frontier())
     write_json(path("stability.json"), stability())
