@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "scene/procedural/built_in.h"
 #include "scene/procedural/daylight.h"
 #include "scene/procedural/level.h"
 #include "tool/error.h"
@@ -16,14 +17,17 @@ struct Family {
 
 constexpr uint64_t kDaylightStream = 0x6c69676874;
 
-constexpr std::array<Family, 8> kFamilies = {{{"house", buildHouse},
-                                              {"maze", buildMaze},
-                                              {"colonnade", buildColonnade},
-                                              {"stairs", buildStairs},
-                                              {"clutter", buildClutter},
-                                              {"outdoor", buildOutdoor},
-                                              {"cave", buildCave},
-                                              {"apartment", buildApartment}}};
+constexpr std::array<Family, 11> kFamilies = {{{"house", buildHouse},
+                                               {"maze", buildMaze},
+                                               {"colonnade", buildColonnade},
+                                               {"stairs", buildStairs},
+                                               {"clutter", buildClutter},
+                                               {"outdoor", buildOutdoor},
+                                               {"cave", buildCave},
+                                               {"apartment", buildApartment},
+                                               {"kitchen", buildKitchen},
+                                               {"gallery", buildGallery},
+                                               {"meeting", buildMeeting}}};
 
 }  // namespace
 
@@ -41,6 +45,7 @@ Scene makeProceduralScene(const std::string& family, uint64_t seed) {
     const Daylight daylight = drawDaylight(mixSeed(kDaylightStream, i, seed));
     scene.light.sky = daylight.sky;
     scene.light.suns = daylight.suns;
+    for (const View& view : level.views) addCamera(scene, view.name, view.eye, view.look, kViewDegrees);
     return scene;
   }
   std::string names;

@@ -1,7 +1,8 @@
 // Levels from a seed: the embedded training scenes, so that the pipeline needs no file from anywhere.
 //
-// Eight families, each recognisable and each varied by its seed in extent, plan and furnishing. Walls, floors and props are
-// closed solids with outward faces (ground and cave shells included), as an engine's brushes and meshes are.
+// Eleven families, each recognisable and each varied by its seed in extent, plan and furnishing. Walls, floors and props are
+// closed solids with outward faces (ground and cave shells included), as an engine's brushes and meshes are. Only what kitchens,
+// galleries and meeting rooms are fitted with is of sheets in half of the scenes.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +22,10 @@ namespace nlg {
 //   clutter     furnished interiors
 //   outdoor     uneven ground with buildings, walls and rocks
 //   cave
+//   kitchen     units and cupboards of boards of 2 cm, or of double-sided sheets, fronts before them, gaps of millimetres to 5 cm
+//   gallery     a hall with panels 3 to 8 cm before its walls and before one that stands free
+//   meeting     panels, a blind, a sideboard, a table and chairs of plates
+// The last three are single rooms with three cameras each.
 const std::vector<std::string>& proceduralFamilies();
 
 // The scene of one family and seed; the same bits on every machine for the same arguments. Typically 10 to 30 m across, 3 to 12 m

@@ -6,15 +6,6 @@
 namespace nlg {
 namespace {
 
-// A hole through one wall of the shell, given along the wall's inside; margin_m around it stays free.
-void carveHole(Building& building, int storey, Side side, double from, double to, double low, double high, double margin_m) {
-  const Rect in = building.inner();
-  const double start = in.start(side);
-  const Rect hole = Rect::across(side, start + from, start + to, in.edge(side), building.outer.edge(side));
-  building.shell.carve({hole.x0, low, hole.z0}, {hole.x1, high, hole.z1});
-  building.openings.push_back({storey, hole.grown(margin_m)});
-}
-
 // A wall between two halves of a room, seen from above.
 struct Cut {
   bool along_x = false;  // the wall runs along x
@@ -103,6 +94,14 @@ class Parter {
 };
 
 }  // namespace
+
+void carveHole(Building& building, int storey, Side side, double from, double to, double low, double high, double margin_m) {
+  const Rect in = building.inner();
+  const double start = in.start(side);
+  const Rect hole = Rect::across(side, start + from, start + to, in.edge(side), building.outer.edge(side));
+  building.shell.carve({hole.x0, low, hole.z0}, {hole.x1, high, hole.z1});
+  building.openings.push_back({storey, hole.grown(margin_m)});
+}
 
 double Building::floorHeight(int storey) const {
   double height = ground_m;

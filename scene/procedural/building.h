@@ -37,6 +37,9 @@ void addGround(Level& level, const Building& building, double margin_m);
 // The outside and the rooms' air, without openings yet.
 void fillShell(Level& level, Building& building);
 
+// Carves a hole through one wall of the shell, given along the wall's inside, y from low to high; margin_m around it stays free.
+void carveHole(Building& building, int storey, Side side, double from, double to, double low, double high, double margin_m);
+
 // Carves windows with sills at regular distances into a storey's four walls; some stay closed.
 void carveWindows(Level& level, Building& building, int storey, double share);
 

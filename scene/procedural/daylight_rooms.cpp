@@ -16,11 +16,6 @@ constexpr double kGroundTop_m = -0.1, kMargin_m = 3.0;  // of the ground, and ho
 
 using Point = glm::dvec3;
 
-struct View {
-  std::string name;
-  Point eye, look;
-};
-
 // A place in the making. The house is one closed solid, and so is the ground; x points east, z south.
 struct Site {
   explicit Site(uint64_t seed) : level(mixSeed(0x6461796c69676874, seed)) {
@@ -77,7 +72,7 @@ struct Site {
     scene.light.sky = sky;
     scene.light.suns = suns;
     scene.light.lamps = lamps;
-    for (const View& view : views) addCamera(scene, view.name, view.eye, view.look, 65.0);
+    for (const View& view : views) addCamera(scene, view.name, view.eye, view.look, kViewDegrees);
     return scene;
   }
 

@@ -56,6 +56,13 @@ struct Rect {
   bool overlaps(const Rect& other) const { return x0 < other.x1 && other.x0 < x1 && z0 < other.z1 && other.z0 < z1; }
 };
 
+// A camera in world coordinates, metres.
+struct View {
+  std::string name;
+  glm::dvec3 eye, look;
+};
+inline constexpr double kViewDegrees = 65.0;  // from a picture's lower to its upper edge
+
 // Draws from the stream stand one to a statement, or in braces: the order of a call's arguments is the compiler's choice.
 struct Level {
   explicit Level(uint64_t seed);
@@ -63,6 +70,7 @@ struct Level {
   MeshBuilder mesh;
   Random random;
   Palette palette;
+  std::vector<View> views;  // of families that have some
 
   // Faces of rooms: walls, floor on top, ceiling below.
   BrushMaterials roomFaces() const { return {palette.wall, palette.floor, palette.ceiling}; }
@@ -81,5 +89,8 @@ void buildClutter(Level& level);
 void buildOutdoor(Level& level);
 void buildCave(Level& level);
 void buildApartment(Level& level);
+void buildKitchen(Level& level);
+void buildGallery(Level& level);
+void buildMeeting(Level& level);
 
 }  // namespace nlg
