@@ -54,6 +54,14 @@ double largestLoss(const TrainOptions& options) {
   return std::pow(std::max(options.loss.dark_weight, std::pow(options.loss.blend_floor, -2.0)), options.error_power);
 }
 
+// Dark points count as much as lit ones at the start, and in equal factors more up to their whole weight at kDarkRampEnd of the steps.
+constexpr double kDarkRampEnd = 0.5;
+
+LossOptions lossAt(const TrainOptions& options, int64_t step) {
+  const double share = std::min(1.0, static_cast<double>(step) / (kDarkRampEnd * options.steps));
+  return {std::pow(options.loss.dark_weight, share), options.loss.blend_floor};
+}
+
 // Of the sigmoid's slope where a point is shut, at the start; it falls to 0 at kLeakEnd of the steps.
 constexpr double kStartLeak = 0.25, kLeakEnd = 0.8;
 
@@ -63,7 +71,7 @@ torch::Tensor codeLosses(const TrainOptions& options, const TrainingData& data, 
   const torch::Device device = state.network->parameters().front().device();
   const torch::Tensor z = state.network->forward(coefficientBatch(data, samples).to(device)).cpu();
   const double phase = static_cast<double>(state.step) / options.steps;
-  const DictionaryLossOptions loss{kStartLeak * std::max(0.0, 1.0 - phase / kLeakEnd), options.loss};
+  const DictionaryLossOptions loss{kStartLeak * std::max(0.0, 1.0 - phase / kLeakEnd), lossAt(options, state.step)};
   const torch::Tensor mean_squares = codeMeanSquares(state.network, z, data, samples, samples.front().batch, loss);
   return (mean_squares + 1e-6).pow(options.error_power).clamp_max(largestLoss(options));
 }
@@ -72,7 +80,7 @@ torch::Tensor codeLosses(const TrainOptions& options, const TrainingData& data, 
 torch::Tensor stepLosses(const TrainOptions& options, const Representation& representation, const TrainingData& data,
                          const std::vector<Sample>& samples, TrainingState& state) {
   if (representation.isCode()) return codeLosses(options, data, samples, state);
-  const ThetaStages stages = runStages(state.network, representation, data, samples, options.loss);
+  const ThetaStages stages = runStages(state.network, representation, data, samples, lossAt(options, state.step));
   return (torch::stack(stages.mean_squares) + 1e-6).pow(options.error_power).clamp_max(largestLoss(options)).mean(0);
 }
 

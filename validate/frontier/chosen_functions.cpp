@@ -39,13 +39,13 @@ ChosenFunctions chooseFunctions(const FunctionSet& set, uint64_t wanted, const P
   FunctionChecker checker;
   std::vector<uint64_t> taking;
   std::vector<uint32_t> taking_scene;
-  std::vector<FunctionCheck> tents(set.functionCount());
+  std::vector<bool> hard(set.functionCount());
   std::vector<std::vector<uint64_t>> tents_of(scene_count);
   std::vector<uint64_t> taking_of(scene_count, 0), chosen_of(scene_count, 0);
   for (uint64_t i = 0; i < set.functionCount(); ++i) {
     const FunctionCheck tent = checker.checkBareTent(storedFunction(set, i), policy.check());
     const uint32_t scene = set.scene_idx[i];
-    tents[i] = tent;
+    hard[i] = tent.rmse >= hard_tent_rmse;
     if (takesBareTent(tent, policy)) {
       tents_of[scene].push_back(i);
       continue;
@@ -59,8 +59,7 @@ ChosenFunctions chooseFunctions(const FunctionSet& set, uint64_t wanted, const P
   for (const uint64_t n : chooseEvenly(taking_scene, scene_count, wanted)) {
     const uint64_t i = taking[n];
     chosen.with_theta.push_back(i);
-    chosen.tents.push_back(tents[i]);
-    chosen.hard.push_back(tents[i].rmse >= hard_tent_rmse);
+    chosen.hard.push_back(hard[i]);
     ++chosen_of[taking_scene[n]];
   }
   for (size_t s = 0; s < scene_count; ++s) {

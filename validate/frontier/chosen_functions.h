@@ -13,7 +13,6 @@ const char* populationWords(Population population);  // "functions that take a Î
 
 struct ChosenFunctions {
   std::vector<uint64_t> with_theta;  // what points run on, as many of every scene
-  std::vector<FunctionCheck> tents;  // of these, the bare tent's
   std::vector<bool> hard;            // of these
   std::vector<uint64_t> bare_tents;  // that take none: in every scene as many beside the others as the scene has in proportion
 

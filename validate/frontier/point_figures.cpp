@@ -66,6 +66,7 @@ bool any(const Mask& mask) { return std::find(mask.begin(), mask.end(), true) !=
 BareTents measureBareTents(const FunctionSet& set, const ChosenFunctions& functions, const LossOptions& loss) {
   BareTents tents;
   ErrorMeter meter(set, loss);
+  for (const uint64_t function : functions.with_theta) tents.with_theta.push_back(meter.measureTent(function));
   for (const uint64_t function : functions.bare_tents) {
     const FunctionError error = meter.measureTent(function);
     tents.blend_rmse.push_back(error.blend_rmse);
@@ -77,7 +78,7 @@ BareTents measureBareTents(const FunctionSet& set, const ChosenFunctions& functi
 
 TentFigures figuresOfTent(const FunctionSet& set, const ChosenFunctions& functions, const BareTents& tents) {
   std::vector<double> blend_rmse, rmse;
-  for (const FunctionCheck& tent : functions.tents) blend_rmse.push_back(tent.blend_rmse), rmse.push_back(tent.rmse);
+  for (const FunctionError& tent : tents.with_theta) blend_rmse.push_back(tent.blend_rmse), rmse.push_back(tent.rmse);
   const auto of = [&](const Mask& counts) {
     return BothErrors{errorFigures(picked(blend_rmse, counts)), errorFigures(picked(rmse, counts))};
   };

@@ -51,8 +51,9 @@ struct TentFigures {
   std::map<std::string, BothErrors> by_scene;  // of functions that take a theta
 };
 
-// Functions that take no theta, all of which pass the check: what they have in every point's figures over all functions.
 struct BareTents {
+  std::vector<FunctionError> with_theta;  // of the functions that take one
+  // of those that take none, all of which pass the check: what they have in every point's figures over all functions
   std::vector<double> blend_rmse, rmse;
   PooledMagnitudes leaks;
 };

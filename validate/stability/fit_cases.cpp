@@ -106,9 +106,9 @@ double mustReach(const Representation& representation, const WeightingFunction& 
 void measureStarts(const StabilityInputs& inputs, StabilityFigures* figures) {
   constexpr int kRefinedCount = 250;  // refinements of larger representations take minutes
   AdamOptions adam;
-  adam.steps = inputs.isBrief() ? 100 : 1000;
+  adam.steps = inputs.isBrief() ? 250 : 1000;
   LevenbergMarquardtOptions lm;
-  lm.iterations = inputs.isBrief() ? 2 : 20;
+  lm.iterations = inputs.isBrief() ? 5 : 20;
   RefinementOptions refinement;
   refinement.refine_rounds = 1;
   const SampledFunction wall = functionBesideWall(9, 0.3);

@@ -50,12 +50,14 @@ std::vector<FunctionBlock> sampleBlocks() {
 
 // All of them take a theta, every second one is hard.
 const ChosenFunctions& sampleFunctions() {
-  static const ChosenFunctions functions = [] {
-    ChosenFunctions made{{0, 1, 2, 3, 4, 5}, {}, {false, true, false, true, true, false}, {}};
-    for (const double rmse : {6, 5, 4, 3, 2, 1}) made.tents.push_back({.rmse = rmse, .blend_rmse = 10 * rmse});
-    return made;
-  }();
+  static const ChosenFunctions functions = {{0, 1, 2, 3, 4, 5}, {false, true, false, true, true, false}, {}};
   return functions;
+}
+
+BareTents sampleTents() {
+  BareTents tents;
+  for (const double rmse : {6, 5, 4, 3, 2, 1}) tents.with_theta.push_back({.blend_rmse = 10 * rmse, .rmse = rmse});
+  return tents;
 }
 
 std::vector<PointMeasurement> measure(const std::vector<PlotRun>& runs, const InterleaveOptions& options) {
@@ -159,7 +161,7 @@ TEST(PointFigures, AreMeansOfRunsAndQuantilesOverThem) {
   EXPECT_EQ(hard.errors.blend_rmse.mean, 110.0 / 3.0);
   EXPECT_EQ(hard.share_fitted, 1.0 / 3.0);
   EXPECT_EQ(hard.share_failing_check, 2.0 / 3.0);
-  const TentFigures tent = figuresOfTent(sampleSet(), sampleFunctions(), {});
+  const TentFigures tent = figuresOfTent(sampleSet(), sampleFunctions(), sampleTents());
   EXPECT_EQ(of(tent.figures, Population::theta).rmse.median, 3.5);
   EXPECT_EQ(of(tent.figures, Population::hard).rmse.mean, 10.0 / 3.0);
   EXPECT_EQ(tent.by_scene.at("hall").rmse.median, 4.0);
@@ -178,7 +180,7 @@ TEST(PointFigures, OfAllFunctionsHoldBareTentsAtTimeZero) {
   measured.fails_check.assign(6, true);
   measured.took_fit.assign(6, true);
   measured.times = {{0, {8, 8, 8, 8}}};
-  const BareTents tents = {{1.5, 1.5}, {0.5, 0.5}, {}};
+  const BareTents tents = {{}, {1.5, 1.5}, {0.5, 0.5}, {}};
   const PointFigures figures = figuresOf(measured, sampleSet(), sampleFunctions(), sampleBlocks(), tents);
   const PopulationFigures& all = of(figures.figures, Population::all);
   EXPECT_EQ(all.time.median_us, 6.0) << "two of eight take none";
@@ -199,7 +201,7 @@ TEST(PointFigures, HaveNoneOfHardFunctionsWithoutAny) {
   measured.took_fit.assign(6, false);
   measured.times = {{0, {1, 2, 3, 4}}};
   EXPECT_FALSE(figuresOf(measured, sampleSet(), functions, sampleBlocks(), {}).figures[2]);
-  EXPECT_FALSE(figuresOfTent(sampleSet(), functions, {}).figures[2]);
+  EXPECT_FALSE(figuresOfTent(sampleSet(), functions, sampleTents()).figures[2]);
 }
 
 TEST(ChosenFunctions, TakeBareTentsInTheProportionOfEveryScene) {
