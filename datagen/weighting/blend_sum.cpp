@@ -29,7 +29,8 @@ NeighbourEyes neighbourEyes(const glm::dvec3& position_m, float spacing_m, Probe
   for (int z = -1; z <= 1; ++z) {
     for (int y = -1; y <= 1; ++y) {
       for (int x = -1; x <= 1; ++x) {
-        found[indexOf({x, y, z})] = eyes->sightOf({own[0] + x * units, own[1] + y * units, own[2] + z * units}, units, finder).eye;
+        found[indexOf({x, y, z})] =
+            eyes->sightOf({own[0] + x * units, own[1] + y * units, own[2] + z * units}, units, finder).eye;
       }
     }
   }

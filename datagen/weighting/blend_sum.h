@@ -37,8 +37,8 @@ class BlendSum {
 
   std::array<OctantPackets, kMirrorCount> octants_;
   std::array<AlignedFloats, kMirrorCount>
-      tents_;                         // by axes along which a neighbour is away, bits: its tent at an octant's points
-  std::vector<uint32_t> all_;                             // triangles of the support …
+      tents_;                  // by axes along which a neighbour is away, bits: its tent at an octant's points
+  std::vector<uint32_t> all_;  // triangles of the support …
   std::array<std::vector<uint32_t>, kMirrorCount> near_;  // … and of each octant
   std::array<uint16_t, kOctantPointCount / kPacketLanes> blocked_{};
   AlignedFloats sum_;  // of one octant

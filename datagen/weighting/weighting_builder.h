@@ -28,11 +28,11 @@ enum class ProbeOutcome {
 
 // The result for one probe; arrays run over all points of the link table (P support points, then the test points).
 struct GeneratedFunction {
-  std::vector<float> phi;          // [0, 1]; 0 at invalid points
-  std::vector<uint8_t> valid;      // 0 or 1
-  std::vector<uint8_t> seen;       // 0 or 1: seen by the probe's eye (and valid)
-  bool open_shell = false;         // votes about solid were disputed
-  bool in_solid = false;           // the probe is in solid, its eye elsewhere
+  std::vector<float> phi;      // [0, 1]; 0 at invalid points
+  std::vector<uint8_t> valid;  // 0 or 1
+  std::vector<uint8_t> seen;   // 0 or 1: seen by the probe's eye (and valid)
+  bool open_shell = false;     // votes about solid were disputed
+  bool in_solid = false;       // the probe is in solid, its eye elsewhere
 };
 
 // What becomes of a probe in solid.

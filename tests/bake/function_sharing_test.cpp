@@ -106,7 +106,8 @@ TEST(SharedThetas, KeepWhatWouldLeak) {
   Functions functions({wallTheta(9.0f, 40.0f), wallTheta(0.7f, 200.0f)});
   functions.options.tau_rmse = 1.0;
   const FunctionCheck leaking = functions.check(1, 0);
-  ASSERT_GT(leaking.leak_share, functions.options.leak_share);
+  ASSERT_LT(leaking.rmse, functions.options.tau_rmse);
+  ASSERT_GT(leaking.blend_rmse, functions.options.tau_blend);
   ASSERT_LT(leaking.blend_rmse, 1.0);
   EXPECT_EQ(functions.share(1.0).whose[1], 1u);
 }

@@ -97,7 +97,7 @@ TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
 
 TEST(FunctionLoss, IsTheMeanSquaredErrorOfEachSample) {
   const torch::Tensor theta = randomThetaBatch(kSamples.size());
-  const torch::Tensor losses = measureTheta(theta, {Representation::tentMlp(0.01f), data(), kSamples}).mean_square;
+  const torch::Tensor losses = measureTheta(theta, {Representation::tentMlp(0.01f), data(), kSamples, kLoss}).mean_square;
   ASSERT_EQ(losses.sizes(), torch::IntArrayRef({static_cast<int64_t>(kSamples.size())}));
   for (size_t b = 0; b < kSamples.size(); ++b) {
     const float* row = theta.data_ptr<float>() + b * ThetaLayout::count;
@@ -121,15 +121,16 @@ TEST(FunctionLoss, ReadsThetaThatIsNotContiguous) {
   const std::vector<Sample> samples(kSamples.begin(), kSamples.begin() + 3);
   const torch::Tensor transposed = theta.t().contiguous().t();
   ASSERT_FALSE(transposed.is_contiguous());
-  EXPECT_TRUE(torch::equal(measureTheta(transposed, {{}, data(), samples}).gradient,
-                           measureTheta(theta, {{}, data(), samples}).gradient));
-  EXPECT_TRUE(torch::equal(solveLastLayers(transposed, {{}, data(), samples}), solveLastLayers(theta, {{}, data(), samples})));
+  EXPECT_TRUE(torch::equal(measureTheta(transposed, {{}, data(), samples, kLoss}).gradient,
+                           measureTheta(theta, {{}, data(), samples, kLoss}).gradient));
+  EXPECT_TRUE(torch::equal(solveLastLayers(transposed, {{}, data(), samples, kLoss}),
+                           solveLastLayers(theta, {{}, data(), samples, kLoss})));
 }
 
 TEST(SolveLastLayers, SolvesEachOnItsOwnPoints) {
   for (const Representation& representation : kBothRepresentations) {
     const torch::Tensor theta = randomThetaBatch(kSamples.size());
-    const torch::Tensor solved = solveLastLayers(theta, {representation, data(), kSamples});
+    const torch::Tensor solved = solveLastLayers(theta, {representation, data(), kSamples, kLoss});
     for (size_t b = 0; b < kSamples.size(); ++b) {
       const SamplePoints points(kSamples[b]);
       const float* row = theta.data_ptr<float>() + b * ThetaLayout::count;
@@ -139,21 +140,21 @@ TEST(SolveLastLayers, SolvesEachOnItsOwnPoints) {
       const float* got = solved.data_ptr<float>() + b * ThetaLayout::count;
       EXPECT_EQ(Theta(got, got + ThetaLayout::count), expected) << "sample " << b;
     }
-    const torch::Tensor before = measureTheta(theta, {representation, data(), kSamples}).mean_square;
-    const torch::Tensor after = measureTheta(solved, {representation, data(), kSamples}).mean_square;
+    const torch::Tensor before = measureTheta(theta, {representation, data(), kSamples, kLoss}).mean_square;
+    const torch::Tensor after = measureTheta(solved, {representation, data(), kSamples, kLoss}).mean_square;
     EXPECT_TRUE((after < before).all().item<bool>()) << before << '\n' << after;
   }
 }
 
 TEST(SolveLastLayers, LeavesAThetaWithoutAnyValidPoint) {
   const torch::Tensor theta = randomThetaBatch(1);
-  EXPECT_TRUE(torch::equal(solveLastLayers(theta, {{}, data(), {{5, 0, 3}}}), theta));
+  EXPECT_TRUE(torch::equal(solveLastLayers(theta, {{}, data(), {{5, 0, 3}}, kLoss}), theta));
 }
 
 TEST(SolveLastLayers, IsAConstantToTheGradientInTheLastLayerAlone) {
   torch::Tensor theta = randomThetaBatch(kSamples.size()).requires_grad_();
   const torch::Tensor weight = torch::linspace(1, 2, theta.numel()).view_as(theta);
-  (solveLastLayers(theta, {{}, data(), kSamples}) * weight).sum().backward();
+  (solveLastLayers(theta, {{}, data(), kSamples, kLoss}) * weight).sum().backward();
   const int64_t last = ThetaLayout::w3;
   EXPECT_TRUE(torch::equal(theta.grad().slice(1, 0, last), weight.slice(1, 0, last)));
   EXPECT_EQ(theta.grad().slice(1, last).abs().max().item<float>(), 0.0f);

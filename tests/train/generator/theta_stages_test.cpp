@@ -91,11 +91,11 @@ TEST(ThetaStages, AreOnesOfTheta0BeforeTraining) {
     const ThetaStages stages = runStages(network, representation, training(), samples, kUnweighed);
     ASSERT_EQ(stages.mean_squares.size(), size_t(1 + solveCount(representation))) << representationName(representation);
     torch::Tensor theta = torch::tensor(theta0).repeat({5, 1});
-    const torch::Tensor generated = measureTheta(theta, {representation, training(), samples}).mean_square;
+    const torch::Tensor generated = measureTheta(theta, {representation, training(), samples, kUnweighed}).mean_square;
     torch::Tensor solved = generated;
     if (solveCount(representation) == 1) {
-      theta = solveLastLayers(theta, {representation, training(), samples});
-      solved = measureTheta(theta, {representation, training(), samples}).mean_square;
+      theta = solveLastLayers(theta, {representation, training(), samples, kUnweighed});
+      solved = measureTheta(theta, {representation, training(), samples, kUnweighed}).mean_square;
     }
     for (size_t s = 0; s < stages.mean_squares.size(); ++s) {
       EXPECT_TRUE(torch::equal(stages.mean_squares[s], s == 0 ? generated : solved))

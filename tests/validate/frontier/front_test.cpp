@@ -54,13 +54,13 @@ TEST(Front, HasAMemberAsGoodAndAsFastAsAnyPointUpToTheTolerances) {
     const Members members = frontMembers(points, kTenth);
     double least_rmse = INFINITY, least_member = INFINITY;
     for (size_t i = 0; i < points.size(); ++i) {
-      least_rmse = std::min(least_rmse, points[i].rmse);
-      if (members[i]) least_member = std::min(least_member, points[i].rmse);
+      least_rmse = std::min(least_rmse, points[i].error);
+      if (members[i]) least_member = std::min(least_member, points[i].error);
     }
     EXPECT_LE(least_member, least_rmse * 1.1 * 1.1) << "seed " << seed;
     for (size_t a = 0; a < points.size(); ++a) {
       for (size_t b = 0; b < points.size(); ++b) {
-        const bool beats = points[b].us < points[a].us && points[b].rmse * 1.1 < points[a].rmse;
+        const bool beats = points[b].us < points[a].us && points[b].error * 1.1 < points[a].error;
         EXPECT_FALSE(members[a] && beats) << "seed " << seed << ": " << b << " beats member " << a;
       }
     }
