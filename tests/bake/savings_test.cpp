@@ -51,7 +51,7 @@ uint64_t probesOf(const LightGrid& grid, uint32_t function) {
 // The median error of what generators make, nothing corrected.
 double medianRmse(const std::vector<Generator>& generators, BakeOptions options) {
   options.policy.good_rmse = 1e3;
-  options.policy.check() = {1e3, 1e3, 1.0, 1.0};
+  options.policy.check() = {1e3, 1e3, 1.0, 1.0, 1.0};
   std::vector<double> rmse;
   for (const ThetaRecord& record : bakeHouse(generators, options).statistics.records)
     rmse.push_back(record.at(ThetaWord::stored).rmse);
@@ -164,7 +164,7 @@ TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
   options.policy.choice_flat_ratio = 1e-6;
   options.policy.choice_enough_rmse = medianRmse(generators({"tent_mlp4"}), options) / options.policy.choice_generator_excess;
   options.policy.good_rmse = 1e3;
-  options.policy.check() = {1e3, 1e3, 1.0, 1.0};
+  options.policy.check() = {1e3, 1e3, 1.0, 1.0, 1.0};
   const Bake house = bakeHouse(both, options);
   const auto& larger_ran = house.statistics.larger_ran;
   const auto larger = static_cast<uint64_t>(std::count(larger_ran.begin(), larger_ran.end(), 1));
@@ -179,7 +179,7 @@ TEST(Savings, WhatIsGoodTakesNoStageAfterTheNetwork) {
   const std::vector<Generator> one = generators({"tent_mlp"});
   BakeOptions options = houseCornerOptions();
   options.policy.good_rmse = 1e3;
-  options.policy.check() = {1e3, 1e3, 1.0, 1.0};
+  options.policy.check() = {1e3, 1e3, 1.0, 1.0, 1.0};
   const Bake good = bakeHouse(one, options);
   const char* line = "corrections and fits of thetas that are good";
   EXPECT_EQ(lineOf(savingsOf(good, one, options), line).count, good.statistics.counts.functions);

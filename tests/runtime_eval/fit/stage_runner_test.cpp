@@ -32,11 +32,11 @@ struct Improved {
   bool changed() const { return std::memcmp(start.data(), theta.data(), theta.size() * sizeof(float)) != 0; }
 };
 
-// Nothing passes the check, so that every function takes the stages and no theta is put back for its leaks.
+// Nothing passes the check, so that every function takes the stages and no theta is put back.
 PolicyOptions optionsOf(const StageOptions& stages, double tau_rmse) {
   PolicyOptions options;
   static_cast<StageOptions&>(options) = stages;
-  options.check() = {tau_rmse, 1e9, 1.0, 1.0};  // leaks do not count, nor dark points more than others
+  options.check() = {tau_rmse, 1e9, 1.0, 1.0, 1.0};  // all points count alike
   return options;
 }
 

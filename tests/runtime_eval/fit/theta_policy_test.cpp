@@ -184,8 +184,8 @@ TEST(ThetaPolicy, RecordsWhatItsThetaIs) {
 TEST(ThetaPolicy, ALaterWordIsNeverInTroubleThatTheOneBeforeWasNot) {
   const Functions functions(60);
   PolicyOptions options = shortOptions();
-  // leaks decide
-  options.check() = {1e3, 1e-2, 0.05};
+  // the RMSE decides, which is not what fits minimise
+  options.check() = {0.03, 1e3, 1.0, 64.0, 0.2};
   for (const Representation& representation : {Representation::tentMlp(), Representation::productField(3)}) {
     for (uint64_t seed = 1; seed < 4; ++seed) {
       const Generator generator = solvedGenerator(representation, seed);
@@ -219,7 +219,7 @@ TEST(ThetaPolicy, EndsAfterTheStageThatItIsTold) {
         EXPECT_EQ(one.record.stage_us[s], 0.0f) << stageName(plan.stage);
       }
     }
-    // the refinement may give RMSE for leaks
+    // the refinement may give one RMSE for the other
     if (plan.stage != ThetaStage::refinement) {
       EXPECT_LE(sum, last_sum * (1 + 1e-6)) << stageName(plan.stage);
     }
