@@ -230,14 +230,21 @@ void SceneFunctions::makeFunction(const PlacedProbe& probe, ThreadState& state, 
   appendFunction(state.function, scene_.source.scene.origin_m + probe.position, probe.spacing_m, &rows);
   const Clock::time_point appended = Clock::now();
   state.times.functions_s += secondsBetween(start, appended);
-  const FunctionCheck tent = state.checker.checkBareTent(storedFunction(rows, rows.functionCount() - 1), options_.policy.check());
-  const bool is_tent = takesBareTent(tent, options_.policy);
+  const auto sumBlend = [&] {
+    state.builder.sumBlend(state.function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
+  };
+  const auto checkBareTent = [&] {
+    const StoredFunction function = storedFunction(rows, rows.functionCount() - 1);
+    return state.checker.checkBareTent(function, options_.policy.check());
+  };
+  // sums are dear: nobody asks for those of a function that is a bare tent without them, if they have no say in it
+  FunctionCheck tent = checkBareTent();
+  bool is_tent = takesBareTent(tent, options_.policy);
+  if (!is_tent || state.checker.isPartlyLit(storedFunction(rows, rows.functionCount() - 1))) sumBlend();
+  if (is_tent) tent = checkBareTent();
+  is_tent = is_tent && takesBareTent(tent, options_.policy);
   block->bare_tent_rmse.push_back(is_tent ? std::optional(tent.rmse) : std::nullopt);
-  const Clock::time_point checked = Clock::now();
-  state.times.bare_tent_s += secondsBetween(appended, checked);
-  if (is_tent) return;
-  state.builder.sumBlend(state.function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
-  state.times.functions_s += secondsBetween(checked, Clock::now());
+  state.times.bare_tent_s += secondsBetween(appended, Clock::now());
 }
 
 bool SceneFunctions::takeKnown(const PlacedProbe& probe, const KeptKey& key, ThreadState& state, ProbeBlock* block) {

@@ -69,7 +69,7 @@ def training_scenes(run):
     scenes = sorted({shard.rsplit(".", 2)[0] for shard in shards})
     families = {}
     for scene in scenes:
-        match = re.fullmatch(r"(house|maze|colonnade|stairs|clutter|outdoor|cave|flat|townhouse|office|villa)_(\d+)(_.*)?", scene)
+        match = re.fullmatch(r"(house|maze|colonnade|stairs|clutter|outdoor|cave|kitchen|gallery|meeting|flat|townhouse|office|villa)_(\d+)(_.*)?", scene)
         families.setdefault(match[1] if match else "", []).append(scene)
     levels = families.pop("", [])
     parts = [f"{len(members)} of the procedural family {family}" for family, members in sorted(families.items())]

@@ -30,8 +30,12 @@ class FunctionChecker {
   // theta   D floats
   FunctionCheck check(const Representation& representation, const StoredFunction& stored, const float* theta,
                       const CheckOptions& options);
-  // The bare tent, which needs no theta. It misses nothing, so that sums of the blend are not asked: as without them.
+  // The bare tent, which needs no theta. Sums of the blend are asked only where the tent is not all that a lit point has: they would
+  // weigh the rounding of bytes.
   FunctionCheck checkBareTent(const StoredFunction& stored, const CheckOptions& options);
+
+  // Whether the function has less than its tent somewhere and is not 0 there: only then the check of its bare tent asks for sums.
+  bool isPartlyLit(const StoredFunction& stored) const;
 
  private:
   FunctionCheck compare(const float* values, const StoredFunction& stored, const CheckOptions& options) const;
@@ -39,6 +43,7 @@ class FunctionChecker {
   AlignedFloats values_;       // P, pattern order
   AlignedFloats cell_values_;  // by place of a cell order
   AlignedFloats tent_;         // P, pattern order
+  std::vector<uint8_t> tent_byte_;
 };
 
 }  // namespace nlg

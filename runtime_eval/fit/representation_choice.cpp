@@ -7,7 +7,7 @@ namespace nlg {
 namespace {
 
 // An error that is not finite is never flat, and is no reason against a smaller representation.
-bool isFlat(const std::vector<FunctionCheck>& checks, size_t index, const CheckOptions& check, const ChoiceOptions& options) {
+bool isFlat(const std::vector<FunctionCheck>& checks, size_t index, const ChoiceOptions& options) {
   const double rmse = checks[index].blend_rmse;
   if (!std::isfinite(rmse)) return false;
   if (rmse <= options.choice_enough_rmse) return true;
@@ -23,7 +23,7 @@ int chooseRepresentation(const std::vector<FunctionCheck>& checks, const CheckOp
   for (size_t i = 0; i < checks.size(); ++i) {
     const bool passes = checks[i].passes(check);
     if (passes) last_passing = static_cast<int>(i);
-    if (!isFlat(checks, i, check, options)) continue;
+    if (!isFlat(checks, i, options)) continue;
     if (passes) return static_cast<int>(i);
     if (first_flat < 0) first_flat = static_cast<int>(i);
   }

@@ -15,28 +15,31 @@ struct Box {
   glm::dvec3 low, high;
 };
 
-// What a room's plates are made of: boards, which are solid, or sheets without thickness, which are seen from both sides.
+enum class Plates { boards, sheets };  // solid, or without thickness and seen from both sides
+enum class Doors { shut, none };
+
 struct Fittings {
   uint32_t carcass, front, panel;
-  bool are_sheets, have_backs;
+  Plates plates;
+  bool have_backs;
   double gap_m;  // between a front and what it closes
 };
 
 Fittings drawFittings(Level& level) {
   Fittings fittings{};
-  fittings.are_sheets = level.random.chance(0.5);
+  fittings.plates = level.random.chance(0.5) ? Plates::sheets : Plates::boards;
   fittings.have_backs = level.random.chance(0.5);
   fittings.gap_m = level.random.uniform(0.004, 0.04);
   const glm::vec3 paints[] = {{0.72f, 0.70f, 0.66f}, {0.45f, 0.29f, 0.15f}, {0.30f, 0.38f, 0.36f}, {0.60f, 0.48f, 0.34f}};
   for (uint32_t* of : {&fittings.carcass, &fittings.front, &fittings.panel})
-    *of = level.mesh.addMaterial({paints[level.random.below(4)], glm::vec3(0.0f), fittings.are_sheets});
+    *of = level.mesh.addMaterial({paints[level.random.below(4)], glm::vec3(0.0f), fittings.plates == Plates::sheets});
   return fittings;
 }
 
 // One object of plates, each given as a board; a sheet lies in the middle of its board.
 void addPlates(Level& level, const char* name, const Placement& at, const std::vector<Box>& plates, uint32_t material,
-               bool are_sheets) {
-  if (!are_sheets) {
+               Plates make) {
+  if (make == Plates::boards) {
     BrushGrid boards;
     for (const Box& plate : plates) boards.fill(plate.low, plate.high, material);
     return boards.emitObject(level.mesh, name, Mobility::movable, at);
@@ -63,7 +66,7 @@ Placement onWall(const Rect& room, Side wall, double along, double height, doubl
 }
 
 // An open box with a shelf, and one or two fronts before it. The placement is the middle of the lower back edge.
-void addUnit(Level& level, const Placement& at, const glm::dvec3& size, const Fittings& fittings, bool is_open = false) {
+void addUnit(Level& level, const Placement& at, const glm::dvec3& size, const Fittings& fittings, Doors doors) {
   const double x = 0.5 * size.x, t = kBoard_m, shelf = size.y * level.random.uniform(0.35, 0.65);
   std::vector<Box> boards = {{{-x, 0, 0}, {-x + t, size.y, size.z}},
                              {{x - t, 0, 0}, {x, size.y, size.z}},
@@ -71,8 +74,8 @@ void addUnit(Level& level, const Placement& at, const glm::dvec3& size, const Fi
                              {{-x, size.y - t, 0}, {x, size.y, size.z}},
                              {{-x, shelf, 0}, {x, shelf + t, 0.8 * size.z}}};
   if (fittings.have_backs) boards.push_back({{-x, 0, 0}, {x, size.y, t}});
-  addPlates(level, "carcass", at, boards, fittings.carcass, fittings.are_sheets);
-  if (is_open) return;
+  addPlates(level, "carcass", at, boards, fittings.carcass, fittings.plates);
+  if (doors == Doors::none) return;
   const double z = size.z + fittings.gap_m, slit = 0.004;
   const int front_count = size.x > 0.7 ? 2 : 1;
   std::vector<Box> fronts;
@@ -80,7 +83,7 @@ void addUnit(Level& level, const Placement& at, const glm::dvec3& size, const Fi
     const double from = -x + size.x * front / front_count, to = -x + size.x * (front + 1) / front_count;
     fronts.push_back({{from + slit, slit, z}, {to - slit, size.y - slit, z + t}});
   }
-  addPlates(level, "front", at, fronts, fittings.front, fittings.are_sheets);
+  addPlates(level, "front", at, fronts, fittings.front, fittings.plates);
 }
 
 // Units side by side along a wall under a worktop, and cupboards above them but before the window.
@@ -92,15 +95,17 @@ void addRun(Level& level, const Rect& room, Side wall, double from, double to, c
   for (int unit = 0; unit < count; ++unit) {
     const double along = from + (unit + 0.5) * width;
     const glm::dvec3 base(width - 0.006, kTop_m - kPlinth_m, kDepth_m), upper(width - 0.006, height, level.pick(0.3, 0.35));
-    addUnit(level, onWall(room, wall, along, kPlinth_m, off_wall), base, fittings, level.random.chance(0.15));
+    addUnit(level, onWall(room, wall, along, kPlinth_m, off_wall), base, fittings,
+            level.random.chance(0.15) ? Doors::none : Doors::shut);
     const bool is_before_window = along + 0.5 * width > window.low.x && along - 0.5 * width < window.high.x;
     if (!is_before_window)
-      addUnit(level, onWall(room, wall, along, kCupboards_m, off_wall), upper, fittings, level.random.chance(0.1));
+      addUnit(level, onWall(room, wall, along, kCupboards_m, off_wall), upper, fittings,
+              level.random.chance(0.1) ? Doors::none : Doors::shut);
   }
   const double half = 0.5 * (to - from);
   addPlates(level, "worktop", onWall(room, wall, from + half, 0.0, off_wall),
             {{{-half, kTop_m, 0}, {half, kTop_m + 0.04, kDepth_m + 0.06}}, {{-half, 0.01, 0.5}, {half, kPlinth_m, 0.52}}},
-            level.palette.stone, false);
+            level.palette.stone, Plates::boards);
 }
 
 // Panels and frames before a wall, one after another; none reaches over an edge of it.
@@ -110,7 +115,7 @@ void hangPanels(Level& level, const Rect& room, Side wall, double most_width, co
     const double height = std::min(level.pick(0.4, 2.6), high - low), before = level.random.uniform(0.03, 0.08);
     const double foot = low + (high - low - height) * level.random.uniform();
     addPlates(level, "panel", onWall(room, wall, along + 0.5 * width, foot, before),
-              {{{-0.5 * width, 0, 0}, {0.5 * width, height, kBoard_m}}}, fittings.panel, fittings.are_sheets);
+              {{{-0.5 * width, 0, 0}, {0.5 * width, height, kBoard_m}}}, fittings.panel, fittings.plates);
     along += width + level.pick(0.1, 0.8);
   }
 }
@@ -156,7 +161,7 @@ void buildKitchen(Level& level) {
   building.shell.emitObject(level.mesh, "shell", Mobility::structure);
   addRun(level, in, Side::north, 0.02, in.width() - 0.75, fittings, {glm::dvec3(-1.0), glm::dvec3(-1.0)});
   addRun(level, in, Side::west, 0.66, in.depth() - 0.6, fittings, {glm::dvec3(window), glm::dvec3(window + 1.2)});
-  addUnit(level, onWall(in, Side::north, in.width() - 0.36, 0.03, 0.06), {0.6, 1.8, 0.58}, fittings);  // the fridge
+  addUnit(level, onWall(in, Side::north, in.width() - 0.36, 0.03, 0.06), {0.6, 1.8, 0.58}, fittings, Doors::shut);  // the fridge
   addDiningGroup(level, {{in.x1 - 1.3, 0.0, in.z1 - 1.2}, {}}, 1.2, 0.8);
   addLamps(level, building, 1);
   level.views = {{"corner", {in.x1 - 0.6, 1.6, in.z1 - 0.6}, {in.x0 + 0.4, 1.2, in.z0 + 0.4}},
@@ -171,17 +176,29 @@ void buildGallery(Level& level) {
   const double clear = building.clear_m[0];
   carveHole(building, 0, Side::east, 0.5 * in.depth() - 1.0, 0.5 * in.depth() + 1.0, 0.0, 2.6, 0.0);
   building.shell.emitObject(level.mesh, "shell", Mobility::structure);
-  // a wall that stands free, with panels on both sides as on the hall's own
-  const Rect wall{in.x0 + 1.6, in.middle().y - 0.06, in.middle().x + 0.4, in.middle().y + 0.06};
-  level.mesh.beginObject("wall", Mobility::structure);
-  addBox(level.mesh, {}, {wall.x0, 0.0, wall.z0}, {wall.x1, clear - 0.5, wall.z1}, level.palette.inner_wall);
-  hangPanels(level, {wall.x0, wall.z1, wall.x1, in.z1}, Side::north, 2.4, fittings, 0.3, clear - 0.6);
-  hangPanels(level, {wall.x0, in.z0, wall.x1, wall.z0}, Side::south, 2.4, fittings, 0.3, clear - 0.6);
+  // a wall that stands free, and one that ends in the room from either side; panels hang on both faces of each
+  const double end = std::min(level.pick(1.2, 2.0), 0.5 * in.depth() - 1.0), west = in.x0 + level.pick(2.2, 3.0),
+               east = in.x1 - level.pick(1.6, 2.4), thick = level.pick(0.05, 0.15);
+  for (const Rect& wall : {Rect{in.x0 + 1.6, in.middle().y - 0.5 * thick, in.middle().x + 0.4, in.middle().y + 0.5 * thick},
+                           Rect{west, in.z0, west + thick, in.z0 + end}, Rect{east, in.z1 - end, east + thick, in.z1}}) {
+    level.mesh.beginObject("wall", Mobility::structure);
+    addBox(level.mesh, {}, {wall.x0, 0.0, wall.z0}, {wall.x1, clear - 0.4, wall.z1}, level.palette.inner_wall);
+    const bool along_x = wall.width() > wall.depth();
+    for (const Side side : {along_x ? Side::north : Side::west, along_x ? Side::south : Side::east}) {
+      const Rect room = wall.strip(opposite(side), wall.start(side), wall.start(side) + wall.length(side), -1.0);
+      hangPanels(level, room, side, 2.4, fittings, 0.3, clear - 0.5);
+    }
+  }
+  // the hall's own, on either side of the ends
+  for (const Rect& part : {Rect{in.x0, in.z0, west, in.z1}, Rect{west + thick, in.z0, in.x1, in.z1}})
+    hangPanels(level, part, Side::north, 2.8, fittings, 0.25, clear - 0.3);
+  for (const Rect& part : {Rect{in.x0, in.z0, east, in.z1}, Rect{east + thick, in.z0, in.x1, in.z1}})
+    hangPanels(level, part, Side::south, 2.8, fittings, 0.25, clear - 0.3);
+  hangPanels(level, in, Side::west, 2.8, fittings, 0.25, clear - 0.3);
   for (const Side side : {Side::north, Side::south, Side::west}) {
-    hangPanels(level, in, side, 2.8, fittings, 0.25, clear - 0.3);
     const double half = 0.5 * in.length(side) - 0.03;
     addPlates(level, "skirting", onWall(in, side, half + 0.03, 0.01, 0.005), {{{-half, 0, 0}, {half, 0.09, 0.015}}},
-              level.palette.inner_wall, false);
+              level.palette.inner_wall, Plates::boards);
   }
   for (const double z : {in.z0 + 1.2, in.z1 - 1.2}) {
     BrushGrid track;
@@ -194,7 +211,7 @@ void buildGallery(Level& level) {
   addPlates(
       level, "bench", {{in.x1 - 2.4, 0.0, in.middle().y}, {}},
       {{{-0.8, 0.42, -0.22}, {0.8, 0.46, 0.22}}, {{-0.7, 0, -0.2}, {-0.66, 0.42, 0.2}}, {{0.66, 0, -0.2}, {0.7, 0.42, 0.2}}},
-      level.palette.wood, false);
+      level.palette.wood, Plates::boards);
   level.views = {{"hall", {in.x0 + 0.8, 1.6, in.z1 - 0.8}, {in.x1, 1.2, in.z0 + 0.6}},
                  {"wall", {in.x1 - 0.8, 1.6, in.z0 + 0.8}, {in.x0, 1.3, in.z1 - 0.8}},
                  {"panels", {in.middle().x + 1.2, 1.6, in.z1 - 1.6}, {in.middle().x - 1.2, 1.3, in.z1}}};
@@ -212,18 +229,18 @@ void buildMeeting(Level& level) {
   const double pitch = level.random.uniform(0.08, 0.16);
   for (double y = level.pick(0.9, 1.6); y < clear - 0.15; y += pitch)
     slats.push_back({{0.4, y, 0.05}, {in.width() - 0.4, y + 0.008, 0.1}});
-  addPlates(level, "blind", {{in.x1, 0.0, in.z1}, turnByDegrees(180.0)}, slats, fittings.panel, fittings.are_sheets);
+  addPlates(level, "blind", {{in.x1, 0.0, in.z1}, turnByDegrees(180.0)}, slats, fittings.panel, fittings.plates);
   hangPanels(level, in, Side::north, 1.6, fittings, 0.2, clear - 0.15);
   hangPanels(level, in, Side::west, 2.2, fittings, 0.85, clear - 0.2);
   for (double along = 0.8; along + 0.5 < in.depth(); along += 0.9)
-    addUnit(level, onWall(in, Side::west, along, 0.05, 0.03), {0.88, 0.7, 0.42}, fittings);
+    addUnit(level, onWall(in, Side::west, along, 0.05, 0.03), {0.88, 0.7, 0.42}, fittings, Doors::shut);
   const double half = 0.5 * std::min(level.pick(1.8, 3.0), in.width() - 2.4), t = 0.5 * kBoard_m;
   const Placement middle{{in.middle().x + 0.3, 0.0, in.middle().y}, {}};
   addPlates(level, "table", middle,
             {{{-half, 0.73, -0.5}, {half, 0.75, 0.5}},
              {{-half + 0.2, 0, -0.4}, {-half + 0.22, 0.73, 0.4}},
              {{half - 0.22, 0, -0.4}, {half - 0.2, 0.73, 0.4}}},
-            fittings.front, fittings.are_sheets);
+            fittings.front, fittings.plates);
   for (const double side : {-1.0, 1.0}) {
     for (double x = 0.4 - half; x < half - 0.2; x += 0.7) {
       const double turn = (side > 0.0 ? 0.0 : 180.0) + level.random.uniform(-20.0, 20.0);
@@ -231,10 +248,11 @@ void buildMeeting(Level& level) {
                 {{{-0.22, 0.44, -0.22}, {0.22, 0.46, 0.22}},
                  {{-0.22, 0.5, 0.2}, {0.22, 0.92, 0.22}},
                  {{-0.22, 0, -t}, {0.22, 0.44, t}}},
-                fittings.carcass, fittings.are_sheets);
+                fittings.carcass, fittings.plates);
     }
   }
-  addPlates(level, "raft", middle, {{{-half, clear - 0.12, -0.6}, {half, clear - 0.1, 0.6}}}, level.palette.ceiling, false);
+  addPlates(level, "raft", middle, {{{-half, clear - 0.12, -0.6}, {half, clear - 0.1, 0.6}}}, level.palette.ceiling,
+            Plates::boards);
   addLamps(level, building, 2);
   level.views = {{"table", {in.x1 - 0.6, 1.6, in.z1 - 0.6}, {in.x0, 0.9, in.z0 + 0.6}},
                  {"panels", {in.middle().x + 0.5, 1.6, in.z1 - 1.0}, {in.middle().x - 0.8, 1.2, in.z0}},

@@ -63,7 +63,7 @@ class Views(unittest.TestCase):
             for of_class in method.keys() - {"weights", "light"}:
                 figures = method[of_class]
                 self.assertGreater(figures["receivers"], 0)
-                for share in [figures[off][way] for off in ("off_1.5", "off_2") for way in SHARES] + [figures["ringing"], figures["unlit"]]:
+                for share in [figures[off][way] for off in ("off_1.5", "off_2") for way in SHARES] + [figures["ringing"], figures["dim"], figures["unlit"]]:
                     self.assertTrue(0 <= share <= 1, figures)
                 for way in SHARES:
                     self.assertLessEqual(figures["off_2"][way], figures["off_1.5"][way])
@@ -103,6 +103,20 @@ class Views(unittest.TestCase):
         self.assertEqual([view["eye_m"] for view in result["views"]], [view["eye_m"] for view in self.result["views"]])
         self.assertEqual([method["weights"] for method in result["methods"]], ["tent_mlp4", "target functions", "exact visibility"])
         self.assertNotIn("sheet", result)
+
+    def test_looks_from_the_scenes_own_cameras_and_at_grids_of_files(self):
+        out, grid = self.path("rooms.json"), self.path("before.safetensors")
+        bake = subprocess.run([os.path.join(BIN, "nlg-bake"), "two_rooms:1", "--weights", os.path.join(WEIGHTS, "tent_mlp4.safetensors"), "--spacing-m", "2", "--out", grid], capture_output=True, text=True)
+        self.assertEqual(bake.returncode, 0, bake.stderr)
+        size = ["--width", str(WIDTH), "--height", str(HEIGHT), "--truth-rays", "16", "--spacing-m", "2"]
+        run = views("two_rooms:1", "--cameras", "--grid", grid, "--grids-only", *size, "--out", out)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        with open(out) as file:
+            result = json.load(file)
+        self.assertEqual([[round(x, 4) for x in view["eye_m"]] for view in result["views"]], [[-0.4, 1.6, -1.7], [3.75, 1.6, -1.7]])
+        self.assertEqual([method["weights"] for method in result["methods"]], ["before", "target functions", "exact visibility"])
+        self.assertEqual(result["methods"][-1]["all"]["dim"], 0)
+        self.assertEqual(views("house:1", "--cameras", *size, "--out", out).returncode, INPUT_ERROR)
 
     def test_refuses_what_cannot_be_measured(self):
         self.assertEqual(views(*HOUSE).returncode, USAGE_ERROR)

@@ -169,7 +169,7 @@ float tentRmse(const StoredFunction& function) {
   for (int p = 0; p < kSupportPointCount; ++p) {
     if (!function.isValid(p)) continue;
     const double difference = function.phi[p] / 255.0 - static_cast<double>(tents[p]);
-    const double residual = difference * weights.root(function.phi[p], tents[p], 255);
+    const double residual = difference * weights.root(function.phi[p], tents[p], function.blendSum(p));
     sum += residual * residual;
     ++count;
   }

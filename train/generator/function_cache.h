@@ -69,8 +69,7 @@ class FunctionCache {
   const uint8_t* mapped_ = nullptr;
 };
 
-// Blend RMSE of the bare tent over the valid points of a function, by the policy's defaults and as FunctionChecker::checkBareTent has it; 0
-// when there are none.
+// Blend RMSE of the bare tent over the valid points of a function, by the policy's defaults; 0 when there are none.
 float tentRmse(const StoredFunction& function);
 
 // The order in which a cache holds its functions: entry i is the number, counted over the shards, of the function in place i.

@@ -276,4 +276,15 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   return found;
 }
 
+SceneViews cameraViews(const LightTransport& transport) {
+  SceneViews found;
+  for (const Viewpoint& viewpoint : transport.scene().viewpoints) {
+    if (!(viewpoint.fov_y > 0.0f)) continue;  // a place
+    const glm::dvec3 eye(viewpoint.position);
+    const bool has_roof = transport.rays().lightHit(glm::vec3(eye), {0.0f, 1.0f, 0.0f}).kind == LightHit::Kind::surface;
+    found.views.push_back({found.rooms++, {eye, viewpoint.forward, viewpoint.up, viewpoint.fov_y}, {}, has_roof});
+  }
+  return found;
+}
+
 }  // namespace nlg

@@ -30,7 +30,7 @@ struct SceneViewOptions {
 inline constexpr size_t kLargestRooms = 3;  // under a roof, that get a view more than the others
 
 struct SceneView {
-  uint32_t room = 0;  // its number: those under a roof come first, of these and of the others the largest
+  uint32_t room = 0;  // its number: those under a roof come first, of these and of the others the largest; of a camera its own
   Camera camera;
   std::vector<Ball> figure;  // from its foot to its head; none where the view shows no free place for it
   bool has_roof = false;
@@ -46,5 +46,8 @@ struct SceneViews {
 // All eyes and centres of balls are in air and in the extent. The same for the same scene, extent and options on any number of threads.
 // extent   where places are drawn, relative to the scene's origin
 SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, const SceneViewOptions& options);
+
+// What the scene's own cameras see, without figures.
+SceneViews cameraViews(const LightTransport& transport);
 
 }  // namespace nlg

@@ -66,7 +66,7 @@ class Neighbours {
 };
 
 // All figures but the count.
-std::array<double*, 10> numbersOf(ViewFigures* f) {
+std::array<double*, 11> numbersOf(ViewFigures* f) {
   return {&f->colour,
           &f->rmse,
           &f->relative,
@@ -76,6 +76,7 @@ std::array<double*, 10> numbersOf(ViewFigures* f) {
           &f->off_last.brighter,
           &f->off_last.darker,
           &f->ringing,
+          &f->dim,
           &f->unlit};
 }
 
@@ -109,13 +110,14 @@ class ClassSum {
     truth_squares_ += truth;
   }
   void addRing() { figures_.ringing += 1.0; }
+  void addDim() { figures_.dim += 1.0; }
   void addUnlit() { figures_.unlit += 1.0; }
 
   ViewFigures finish() const {
     ViewFigures f = figures_;
     const auto count = static_cast<double>(std::max<uint64_t>(1, f.receivers));
-    for (double* share :
-         {&f.colour, &f.off_first.brighter, &f.off_first.darker, &f.off_last.brighter, &f.off_last.darker, &f.ringing, &f.unlit})
+    for (double* share : {&f.colour, &f.off_first.brighter, &f.off_first.darker, &f.off_last.brighter, &f.off_last.darker,
+                          &f.ringing, &f.dim, &f.unlit})
       *share /= count;
     f.relative = std::sqrt(f.relative / count);
     f.rmse = std::sqrt(over(error_squares_, truth_squares_));
@@ -187,12 +189,14 @@ ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& tr
     const double colour = hyAb(shownColour(sight, right, truth.exposure), shownColour(sight, given, truth.exposure));
     const bool is_ring = truth.least_nearby[i] > black && answer < kRingDarker * truth.least_nearby[i] &&
                          light - answer > kSureDeviations * deviation;
+    const bool is_dim = !truth.exact.empty() && truth.exact[i] > black && kLastFactor * answer < truth.exact[i];
     for (size_t c = 0; c < kViewClassCount; ++c) {
       if (!surfaces.isOf(i, static_cast<ViewClass>(c))) continue;
       sums[c].add(light, answer, deviation, black);
       sums[c].addColour(colour);
       sums[c].addSquares(squareSum(given - right), squareSum(right));
       if (is_ring) sums[c].addRing();
+      if (is_dim) sums[c].addDim();
       if (!answers[i].is_lit) sums[c].addUnlit();
     }
   }

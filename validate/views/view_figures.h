@@ -32,6 +32,7 @@ inline constexpr float kRingNormal = 0.9f;        // cosine between normals of s
 struct ViewTruth {
   std::vector<ReceivedLight> at;    // by sample
   std::vector<float> least_nearby;  // luminance: the least truth within kRingM, of like normals; by sample
+  std::vector<float> exact;         // luminance that exact visibility gives, by sample; empty: not known, and nothing is dim
   double exposure = 1.0;
   double median = 0.0;        // medianLight
   double adapted = 0.0;       // the median, or the least that an eye adapts to
@@ -61,6 +62,7 @@ struct ViewFigures {
   double excess = 0.0;    // the answers' mean less truth's, over truth's mean
   OffShares off_first, off_last;  // shares off by more than kFirstFactor and kLastFactor, truth's noise allowed for
   double ringing = 0.0;           // share that is darker than a ring may be
+  double dim = 0.0;               // share with less than 1 / kLastFactor of what exact visibility gives, black left aside
   double unlit = 0.0;             // share where the method knows no light
 };
 using ViewFiguresByClass = std::array<ViewFigures, kViewClassCount>;

@@ -20,8 +20,9 @@ Image enlarged(const Image& image, int scale) {
   return large;
 }
 
-std::string captionOf(const ViewFigures& f) {
-  return fmt::format("HyAB {:.1f}, > 2x {:.1f} %", f.colour, 100.0 * (f.off_last.brighter + f.off_last.darker));
+std::vector<std::string> captionOf(const ViewFigures& f) {
+  return {fmt::format("HyAB {:.1f}, > 2x {:.1f} %", f.colour, 100.0 * (f.off_last.brighter + f.off_last.darker)),
+          fmt::format("dim {:.1f} %", 100.0 * f.dim)};
 }
 
 }  // namespace
@@ -30,7 +31,7 @@ Image viewRow(const std::vector<ShownMethod>& methods, double exposure, const st
               int scale) {
   std::vector<PanelColumn> columns;
   for (size_t m = 0; m < methods.size(); ++m) {
-    const std::vector<std::string> caption = m == 0 ? truth_caption : std::vector{captionOf(methods[m].figures)};
+    const std::vector<std::string> caption = m == 0 ? truth_caption : captionOf(methods[m].figures);
     columns.push_back({methods[m].picture.method, caption, enlarged(toneMapped(methods[m].picture, exposure), scale), {}});
   }
   return drawPanel(columns, {});

@@ -11,6 +11,7 @@
 #include "datagen/view/png_file.h"
 #include "light/light_extent.h"
 #include "light/methods/method_set.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -18,6 +19,7 @@
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
 #include "validate/light/asked_bakes.h"
 #include "validate/views/view_pictures.h"
@@ -34,7 +36,8 @@ constexpr uint64_t kSeed = 1, kViewStream = 0x7669657773, kTruthStream = 0x74727
 
 struct Request {
   std::string scene, out;
-  std::vector<std::string> weights;
+  std::vector<std::string> weights, grids;
+  bool cameras = false;  // the scene's own in place of views that are found
   SceneViewOptions views;
   int truth_rays = 256, probe_rays = 1024;
   double truth_noise = 0.05;
@@ -59,7 +62,9 @@ class ViewsMeasurement {
         scene_(scene),
         threads_(options.threads > 0 ? options.threads : machineThreadCount()),
         transport_(scene.source.scene, scene.rays),
-        views_(findViews(transport_, lightExtent(scene.source.scene, options.extent_m), request.views)) {
+        views_(request.cameras ? cameraViews(transport_)
+                               : findViews(transport_, lightExtent(scene.source.scene, options.extent_m), request.views)) {
+    if (views_.views.empty() && request.cameras) throw InputError(request.scene, "cameras", "one or more", "none");
     if (views_.views.empty()) throw InputError(request.scene, "air", "places where somebody can stand", "none");
     ViewTruthOptions truth;
     truth.gather.rays = request.truth_rays;
@@ -90,11 +95,21 @@ class ViewsMeasurement {
   }
 
   Json measure(const GeneratorSets& sets) {
-    for (const auto& [name, generators] : sets) measureGrid(name, generators);
     MethodSet methods({transport_, scene_.links, scene_.tree, scene_.air},
                       methodSetOptions(options_, {request_.probe_rays, 64}, threads_));
     methods.addTargetFunctions(receivers(), options_.diffusion, {LightWay::solved});
     methods.addTrilinear(TrilinearKind::visible, {LightWay::solved});
+    takeExact(methods.methods().back());
+    for (const auto& [name, generators] : sets) measureGrid(name, generators);
+    for (const std::string& path : request_.grids) {
+      LightGrid grid;
+      GridMetadata metadata;
+      requireRead(path, readLightGridFile(path, &grid, &metadata), "a light grid");
+      if (grid.light.empty()) throw InputError(path, "light", "a light grid that holds light", "none");
+      measureLighting(std::filesystem::path(path).stem().string(), "of its file",
+                      gridLighting(grid, scene_.source.scene.origin_m));
+    }
+    grid_count_ = measured_.size();
     if (!request_.grids_only) {
       methods.addTrilinear(TrilinearKind::all, {LightWay::point});
       methods.addTrilinear(TrilinearKind::valid, {LightWay::point});
@@ -136,6 +151,14 @@ class ViewsMeasurement {
 
   std::string viewName(size_t view) const { return fmt::format("{}_{:02}", fileWord(scene_.source.id), view + 1); }
 
+  // What all methods' dimness is held against.
+  void takeExact(const LightMethod& method) {
+    for (ReadyView& view : ready_) {
+      for (const ReceivedLight& at : lightSamples(view.surfaces.sights, measuredLighting(method.weights, method), threads_))
+        view.truth.exact.push_back(static_cast<float>(luminanceOf(at.irradiance)));
+    }
+  }
+
   // As the bake leaves it in its file.
   void measureGrid(const std::string& name, const std::vector<Generator>& generators) {
     const LightGrid grid = bakeScene(scene_, generators, options_, temporaryFolder()).grid;
@@ -164,12 +187,12 @@ class ViewsMeasurement {
     return places;
   }
 
-  // Truth, the first grid, and of what else was measured what a reader knows best.
+  // Truth, exact visibility, all grids, and of rivals what a reader knows best.
   std::vector<ShownMethod> shown(size_t view) {
     std::vector<ShownMethod> row = {{pictureOf(ready_[view].surfaces.sights, "truth", ready_[view].truth.at), {}}};
-    std::vector<std::string> wanted = {"DDGI as shipped", "trilinear"};
-    if (request_.grids_only) wanted = {"exact visibility", "target functions"};
-    if (!request_.weights.empty()) wanted.insert(wanted.begin(), measured_.front().weights);
+    std::vector<std::string> wanted = {"exact visibility"};
+    for (size_t m = 0; m < grid_count_; ++m) wanted.push_back(measured_[m].weights);
+    wanted.push_back(request_.grids_only ? "target functions" : "DDGI as shipped");
     for (const std::string& name : wanted) {
       for (ShownMethod& method : pictures_[view]) {
         if (method.picture.method == name) row.push_back(method);
@@ -230,6 +253,7 @@ class ViewsMeasurement {
   std::vector<ReadyView> ready_;                         // by view
   size_t known_views_ = 0;                               // whose truth is known
   std::vector<MeasuredViews> measured_;                  // by method
+  size_t grid_count_ = 0;                                // of these, the first
   std::map<size_t, std::vector<ShownMethod>> pictures_;  // by view, all methods
 };
 
@@ -237,6 +261,7 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
   takeThetaPrecision(&options);
   std::vector<std::string> inputs = weightsPaths(request.weights);
   inputs.push_back(request.scene);
+  inputs.insert(inputs.end(), request.grids.begin(), request.grids.end());
   refuseToReplaceInputs(request.out, inputs);
   requireOutputFile(request.out);
   if (options.light == "none") throw UsageError("--light", "solved, integrated or point: a view needs light", "none");
@@ -259,6 +284,8 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
                {"truth_noise", request.truth_noise},
                {"probe_rays", request.probe_rays},
                {"grids_only", request.grids_only}});
+  if (request.cameras) used["cameras"] = true;
+  for (const std::string& path : request.grids) hashes["grid " + std::filesystem::path(path).stem().string()] = fileSha256(path);
   const BakeScene scene(request.scene, options);
   tellNotes("nlg-validate", scene.source);
   if (!scene.source.sha256.empty()) hashes["scene"] = scene.source.sha256;
@@ -290,6 +317,8 @@ int viewsMain(int argc, char** argv) {
   app.add_option("--out", request.out, "the result (.json)")->required();
   app.add_option("--weights", request.weights,
                  "exported generators, each a bake of its own. Several with commas between them: a bake that chooses");
+  app.add_option("--grid", request.grids, "light grids of this scene, as nlg-bake wrote them, beside those that are baked here");
+  app.add_flag("--cameras", request.cameras, "look from the scene's own cameras; none: from where views are found");
   app.add_flag("--grids-only", request.grids_only, "leave out rivals; exact visibility and target functions stay");
   app.add_option("--pictures", request.pictures,
                  "a folder for pictures: of each view a row of truth and methods, and all rows on a sheet. None: no pictures");

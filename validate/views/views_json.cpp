@@ -12,9 +12,16 @@ Json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 Json offJson(const OffShares& off) { return {{"brighter", off.brighter}, {"darker", off.darker}}; }
 
 Json figuresJson(const ViewFigures& f) {
-  return {{"receivers", f.receivers},     {"hyab", f.colour},     {"rmse", f.rmse},
-          {"relative", f.relative},       {"excess", f.excess},   {"off_1.5", offJson(f.off_first)},
-          {"off_2", offJson(f.off_last)}, {"ringing", f.ringing}, {"unlit", f.unlit}};
+  return {{"receivers", f.receivers},
+          {"hyab", f.colour},
+          {"rmse", f.rmse},
+          {"relative", f.relative},
+          {"excess", f.excess},
+          {"off_1.5", offJson(f.off_first)},
+          {"off_2", offJson(f.off_last)},
+          {"ringing", f.ringing},
+          {"dim", f.dim},
+          {"unlit", f.unlit}};
 }
 
 Json byClassJson(const std::string& weights, const std::string& light, const ViewFiguresByClass& figures) {
@@ -58,13 +65,14 @@ Json methodsJson(const std::vector<MeasuredViews>& methods) {
 
 std::string viewsTable(const std::string& scene, const std::vector<MeasuredViews>& methods, double colour_noise) {
   const auto off = [](const ViewFigures& f) { return 100.0 * (f.off_last.brighter + f.off_last.darker); };
-  std::string table = fmt::format("{:<18} {:<32} {:>6} {:>8} {:>12} {:>10}\n", "scene", "method", "HyAB", "> 2x, %",
-                                  "edges > 2x, %", "ringing, %");
+  std::string table = fmt::format("{:<18} {:<32} {:>6} {:>8} {:>12} {:>10} {:>7}\n", "scene", "method", "HyAB", "> 2x, %",
+                                  "edges > 2x, %", "ringing, %", "dim, %");
   for (const MeasuredViews& method : methods) {
     const ViewFiguresByClass mean = meanFigures(method.views);
     const ViewFigures &all = mean[static_cast<size_t>(ViewClass::all)], &edge = mean[static_cast<size_t>(ViewClass::edge)];
-    table += fmt::format("{:<18} {:<32} {:>6.2f} {:>8.2f} {:>13.2f} {:>10.3f}\n", scene, method.weights + ", " + method.light,
-                         all.colour, off(all), off(edge), 100.0 * all.ringing);
+    table +=
+        fmt::format("{:<18} {:<32} {:>6.2f} {:>8.2f} {:>13.2f} {:>10.3f} {:>7.2f}\n", scene, method.weights + ", " + method.light,
+                    all.colour, off(all), off(edge), 100.0 * all.ringing, 100.0 * all.dim);
   }
   return table + fmt::format("{:<18} {:<32} {:>6.2f}\n", scene, "(noise of truth)", colour_noise);
 }

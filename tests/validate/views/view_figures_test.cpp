@@ -51,7 +51,7 @@ TEST(ViewFigures, AreZeroOfTruthItself) {
   const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
   for (const ViewFigures& f : viewFigures(surfaces, truth, light)) {
     for (const double figure : {f.colour, f.rmse, f.relative, f.excess, f.off_first.brighter, f.off_first.darker,
-                                f.off_last.brighter, f.off_last.darker, f.ringing, f.unlit})
+                                f.off_last.brighter, f.off_last.darker, f.ringing, f.dim, f.unlit})
       EXPECT_EQ(figure, 0.0);
   }
 }
@@ -98,6 +98,20 @@ TEST(ViewFigures, DoNotLookIntoTheBlack) {
   EXPECT_EQ(of(viewFigures(surfaces, truth, answer), ViewClass::all).off_first.brighter, 0.0);
   for (size_t i = 0; i < light.size(); i += 3) answer[i].irradiance = glm::vec3(0.011f);
   EXPECT_NEAR(of(viewFigures(surfaces, truth, answer), ViewClass::all).off_first.brighter, 1.0 / 3.0, 1e-3);
+}
+
+// A factor of two below what exact visibility gives, wherever that is no black.
+TEST(ViewFigures, CountAsDimWhatHasLessThanHalfOfExactVisibilitysLight) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f);
+  ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
+  const auto dim = [&](float answer) { return of(viewFigures(surfaces, truth, scaled(light, answer)), ViewClass::all).dim; };
+  EXPECT_EQ(dim(0.0f), 0.0) << "nobody knows what exact visibility gives";
+  truth.exact.assign(surfaces.classes.size(), 0.009f);
+  for (size_t i = 0; i < truth.exact.size(); i += 4) truth.exact[i] = 0.8f;
+  EXPECT_EQ(dim(0.41f), 0.0);
+  EXPECT_EQ(dim(0.39f), 0.25);
+  EXPECT_EQ(dim(0.0f), 0.25) << "a hundredth of the light is black";
 }
 
 // Of a scene whose brightest view has 10: the eye adapts to .01 here, and a hundredth of that is black.
