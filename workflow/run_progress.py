@@ -12,8 +12,8 @@ import time
 
 # Seconds of one job of a rule in the default run on one core, or on both where it takes all: only their relation counts, and only
 # until a job of the rule has shown what it takes here.
-TYPICAL_S = {"datagen": 0.7, "plan_shard": 0.5, "pca": 15, "cache": 10, "train": 150, "export": 5, "validate": 60, "evaluate": 60,
-             "frontier": 20, "training_cases": 20, "stability": 15, "savings": 3, "report": 8, "evaluation_report": 8}
+TYPICAL_S = {"datagen": 1.2, "plan_shard": 0.5, "pca": 10, "cache": 3, "train": 90, "export": 2, "validate": 40, "evaluate": 40,
+             "frontier": 25, "training_cases": 20, "stability": 8, "savings": 4, "validate_light": 20, "report": 10, "evaluation_report": 10}
 
 
 def duration(seconds):

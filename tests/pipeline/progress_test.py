@@ -76,7 +76,7 @@ def check_terminal():
     run.ends(0)
     # two shards of 7 s on two cores, and a training that takes as many times longer as it typically does
     left = run.progress.left_s()
-    check(abs(left - (7 + 7 / 0.7 * 150)) < 1, f"after a shard: {left} s left")
+    check(abs(left - (7 + 7 / 1.2 * 90)) < 1, f"after a shard: {left} s left")
     run.begins(1, "datagen", scene="house_1")
     run.begins(2, "datagen", scene="house_2")
     run.text = ""

@@ -54,12 +54,10 @@ double largestLoss(const TrainOptions& options) {
   return std::pow(std::max(options.loss.dark_weight, std::pow(options.loss.blend_floor, -2.0)), options.error_power);
 }
 
-// Dark points count as much as lit ones at the start, and in equal factors more up to their whole weight at kDarkRampEnd of the steps.
-constexpr double kDarkRampEnd = 0.5;
-
+// Dark points count as much as lit ones at the first step and their whole weight at the last, and grow by equal factors: held against walls
+// from the start, sigmoids shut where light is yet to be learned, and fits start badly there (docs/lab/training.md).
 LossOptions lossAt(const TrainOptions& options, int64_t step) {
-  const double share = std::min(1.0, static_cast<double>(step) / (kDarkRampEnd * options.steps));
-  return {std::pow(options.loss.dark_weight, share), options.loss.blend_floor};
+  return {std::pow(options.loss.dark_weight, static_cast<double>(step) / options.steps), options.loss.blend_floor};
 }
 
 // Of the sigmoid's slope where a point is shut, at the start; it falls to 0 at kLeakEnd of the steps.
@@ -160,8 +158,10 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function takes no theta where the bare tent's blend RMSE is at most this",
             0.0, 1.0);
   table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
-  table.add("dark_weight", &o.loss.dark_weight,
-            "the loss: weight of squared residuals where the function is 0 and the tent is not", 1.0, 1e6);
+  table.add(
+      "dark_weight", &o.loss.dark_weight,
+      "the loss: weight of squared residuals where the function is 0 and the tent is not; training comes to it at its last step",
+      1.0, 1e6);
   table.add(
       "blend_floor", &o.loss.blend_floor,
       "the loss: elsewhere the weight is 1 over the square of the sum of all functions there, which is taken as this at least",
