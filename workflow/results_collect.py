@@ -25,6 +25,7 @@ POPULATIONS = ("all", "theta", "hard")
 FITS = ("direct", "adam_theta0", "lm_theta0", "adam_random", "best_known")
 ERRORS = ("blend_rmse", "rmse")
 SCHEMA_VERSION = 2  # of summary.json and frontier.json
+RESULTS_VERSION = 2  # of docs/results/NAME.json; 1: plain RMSE alone, of before the one loss
 STATISTICS = ("median", "mean", "p95", "p99", "worst")
 DIGITS = 4  # significant: as many as any text shows
 
@@ -262,7 +263,7 @@ def what_stays(earlier, found):
 
 def collect(run, configuration, earlier=None):
     """The results of one run's folder; what it does not hold is taken from earlier results of the same weights."""
-    out = {"schema_version": 1, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
+    out = {"schema_version": RESULTS_VERSION, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
     readers = {"evaluation": ("evaluation/summary.json", summary), "validation": ("validation/summary.json", summary),
                "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}
     files = {}  # of sections that name their weights beside the figures
