@@ -95,8 +95,8 @@ bool solveLastLayer(const Representation& representation, int first, int count, 
 
 bool solveLastLayer(const Representation& representation, int first, int count, const float* phi, const float* mask, float* theta,
                     SymmetricBand* equations, double ridge) {
+  if (!representation.hasLinearOutput()) return false;
   const NetworkShape& shape = representation.shape();
-  if (shape.output != OutputFunction::linear) return false;
   const int feature_count = featureCount(shape), row_count = featureRowCount(shape);
   double products[kMaxFeatureRowCount * kMaxFeatureRowCount] = {};
   HWY_DYNAMIC_DISPATCH(featureProducts)(representation, phi, mask, first, count, theta, products);

@@ -177,7 +177,7 @@ TEST_F(ShardFile, RefusesAMissingFile) {
 
 TEST_F(ShardFile, RefusesWhatBreaksTheContract) {
   const auto refusalOf = [&](const auto& change) {
-    writeByHand(path_, shardOf(4, 16, 8), 1, "nlg-weighting-functions", change);
+    writeByHand(path_, shardOf(4, 16, 8), kShardVersion, "nlg-weighting-functions", change);
     return refusal();
   };
   EXPECT_EQ(refusalOf([](Shard*) {}), "taken");
@@ -216,9 +216,9 @@ TEST_F(ShardFile, RefusesWhatBreaksTheContract) {
 
 TEST_F(ShardFile, RefusesAnotherKindOrVersion) {
   const auto keep = [](Shard*) {};
-  writeByHand(path_, shardOf(1, 8, 0), 2, "nlg-weighting-functions", keep);
-  EXPECT_EQ(refusal(), "attribute schema_version: expected 1, got 2");
-  writeByHand(path_, shardOf(1, 8, 0), 1, "nlg-basis", keep);
+  writeByHand(path_, shardOf(1, 8, 0), 1, "nlg-weighting-functions", keep);
+  EXPECT_EQ(refusal(), "attribute schema_version: expected 2, got 1") << "without sums of the blend";
+  writeByHand(path_, shardOf(1, 8, 0), kShardVersion, "nlg-basis", keep);
   EXPECT_EQ(refusal(), "attribute kind: expected nlg-weighting-functions, got nlg-basis");
   {
     Hdf5Writer file(path_);
