@@ -22,6 +22,7 @@ set(NLG_PUBLIC_HEADERS
   simd/simd_target.h
   support/support_pattern.h
   support/point_order.h
+  support/loss_weights.h
   support/stored_function.h
   support/weighting_function.h
   evaluator/dictionary.h

@@ -70,9 +70,10 @@ TEST(Front, HasAMemberAsGoodAndAsFastAsAnyPointUpToTheTolerances) {
 TEST(FrontSentence, NamesTheFastestMemberAndTheMostAccurate) {
   const std::vector<FrontPoint> points = {{200, 0.001}, {7.25, 0.0042}, {9, 9}, {43500, 0.0009}};
   const std::vector<std::string> names = {"slow", "fast", "bad", "slowest"};
-  EXPECT_EQ(frontSentence("hard functions", points, {true, true, false, true}, names),
-            "Of 4 ways from a function to its θ, 3 are beaten by none in both time and mean blend RMSE over hard functions: from fast "
-            "(7.25 µs, mean blend RMSE 0.0042) to slowest (43.5 ms, 0.0009).");
+  EXPECT_EQ(
+      frontSentence("hard functions", points, {true, true, false, true}, names),
+      "Of 4 ways from a function to its θ, 3 are beaten by none in both time and mean blend RMSE over hard functions: from fast "
+      "(7.25 µs, mean blend RMSE 0.0042) to slowest (43.5 ms, 0.0009).");
   EXPECT_EQ(
       frontSentence("all functions", points, {false, true, false, false}, names),
       "Of 4 ways from a function to its θ, one is beaten by none in both time and mean blend RMSE over all functions: fast (7.25 "
