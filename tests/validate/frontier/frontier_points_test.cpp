@@ -232,7 +232,7 @@ TEST(ChosenFunctions, TakeBareTentsInTheProportionOfEveryScene) {
   every.bare_tent_rmse = 0.0;
   EXPECT_EQ(chooseFunctions(set, 100, every, 0.01).count(Population::theta), 10u);
   PolicyOptions none;
-  none.bare_tent_rmse = 1e3, none.tau_rmse = 1.0, none.tau_blend = 1e3;
+  none.bare_tent_rmse = 1e3, none.tau_rmse = 1.0, none.tau_blend = 1e3, none.tau_leak = 1.0;
   EXPECT_THROW(chooseFunctions(set, 100, none, 0.01), InputError);
 }
 
