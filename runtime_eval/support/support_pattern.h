@@ -4,9 +4,12 @@
 // says that x, y, z is negative. Mirroring a function is therefore a permutation of whole runs of 1024 values (index XOR), and
 // the Walsh–Hadamard transform over m splits any function into 8 parity classes (docs/theory/math.md §2).
 //
-// Inside an octant the points follow a Morton curve: neighbours in memory are neighbours in space. Every eighth of them is again
-// well spread: stratum k holds the points with i % 8 == k of all mirrors, 1024 points. So is every 32nd: a quarter of a stratum,
-// 256 points, is what one minibatch reads.
+// The octant is closed under x → 1 − x on each axis: seen from any probe of a cell of the lattice, the points in that cell are the
+// same 1024 places. On each axis they take 256 evenly spaced values, so that points lie on both sides of any wall along an axis.
+//
+// Inside an octant runs of 16 points fill cells of a quarter of a spacing, along a Morton curve: neighbours in memory are neighbours
+// in space. Every eighth point is again well spread: stratum k holds the points with i % 8 == k of all mirrors, 1024 points, two of
+// each cell and mirror. So is every 32nd: a quarter of a stratum, 256 points, is what one minibatch reads.
 #pragma once
 
 #include <array>
@@ -36,7 +39,7 @@ struct SupportPattern {
   uint64_t hash = 0;               // of the points and their order; travels with every artefact
 };
 
-// The pattern, made once a process (about 0.1 s) by integer arithmetic alone: the same bits on every machine.
+// The pattern: integer arithmetic alone, the same bits on every machine.
 const SupportPattern& supportPattern();
 
 // Points that no fit sees, for judging fits: a low-discrepancy sequence (Roberts 2018, R3) over the whole support.
