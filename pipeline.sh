@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, and runs the whole pipeline: levels → data set → generators → report.
 #
-#   ./pipeline.sh [--plan] [--profile FOLDER] [CONFIG [LEVELS]]
+#   ./pipeline.sh [OPTION ...] [CONFIG] [LEVELS]
 #
-# --plan     only say how many probes, functions, bytes and core-hours the data set will take; its sample stays in the run's folder
-# --profile  a profile of snakemake's that runs the stages elsewhere; configs/profiles/slurm: as jobs of Slurm (docs/guide/scaling.md)
-# CONFIG     pipeline.yaml (the default), configs/smoke.yaml, configs/levels.yaml, configs/openarena.yaml or one of yours
-# LEVELS     a folder of .glb, .gltf or .obj levels, in place of the configuration's scenes.folder
+# CONFIG     a configuration: pipeline.yaml (the default, where no LEVELS are named), configs/levels.yaml (where they are) or another
+# LEVELS     a folder of your levels: .glb, .gltf, .obj, or a game's .pk3. One in six is held out; results go to out/FOLDER'S NAME
+# --plan     only say what the run will take, stage by stage
+# --set SECTION.KEY=VALUE   over the configuration, as often as you like: --set train.steps=8000
+# --bin FOLDER              the tools that are there (or NLG_BIN=FOLDER): nothing is installed or built
+# --profile FOLDER          a profile of snakemake's that runs the stages elsewhere; configs/profiles/slurm: as jobs of Slurm
 # A run that was stopped goes on where it was when it is started again. Exit codes: 2 a configuration or option that cannot be used,
 # or another run at work; 3 a file that cannot be judged; 5 results that cannot be written; 6 the report is there, and a stability case
-# in it does not hold; 1 everything else, a tool that failed among it, whose line says why. NLG_BIN=FOLDER: the tools that are there;
-# nothing is installed or built.
+# in it does not hold; 1 everything else, a tool that failed among it, whose line says why.
 set -euo pipefail
 
 refuse() {
@@ -18,11 +19,21 @@ refuse() {
   exit 2
 }
 
-plan='' profile=''
+plan='' profile='' changes=()
 while [ $# -gt 0 ]; do
   case $1 in
     -h | --help) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 0 ;;
     --plan) plan=yes; shift ;;
+    --set)
+      [ $# -ge 2 ] || refuse "--set: expected SECTION.KEY=VALUE, got nothing"
+      changes+=(--set "$2")
+      shift 2
+      ;;
+    --bin)
+      [ -d "${2:-}" ] || refuse "--bin: expected a folder of tools, got ${2:-none}"
+      NLG_BIN=$2
+      shift 2
+      ;;
     --profile)
       [ -f "${2:-}/config.yaml" ] || refuse "--profile: expected a folder with a config.yaml, got ${2:-none}"
       # from this folder; snakemake does not quote the paths of a profile's scripts
@@ -35,14 +46,22 @@ while [ $# -gt 0 ]; do
     *) break ;;
   esac
 done
-[ $# -le 2 ] || refuse "expected at most a configuration and a folder of levels, got $# arguments"
+[ $# -le 2 ] || refuse "expected at most a configuration and a folder of levels, got $# arguments; options come before them"
 [ -n "${1-pipeline.yaml}" ] || refuse "expected a configuration, got an empty name"
+[ ! -d "${1:-}" ] || set -- "$(dirname "$0")/configs/levels.yaml" "$@"
+[ $# -le 2 ] || refuse "expected at most a configuration and a folder of levels, got two folders"
 config=$(realpath -m -- "${1:-$(dirname "$0")/pipeline.yaml}")
-[ -f "$config" ] || { echo "pipeline.sh: $config: expected a configuration file, got none" >&2; exit 2; }
+[ -f "$config" ] || { echo "pipeline.sh: $config: expected a configuration file or a folder of levels, got neither" >&2; exit 2; }
 if [ $# -ge 2 ]; then
   [ -d "$2" ] || { echo "pipeline.sh: $2: expected a folder of levels, got none" >&2; exit 2; }
-  NLG_LEVELS=$(realpath -- "$2")
-  export NLG_LEVELS
+  changes+=(--levels "$(realpath -- "$2")")
+fi
+if [ -n "${NLG_BIN:-}" ]; then
+  [ -d "$NLG_BIN" ] || refuse "NLG_BIN: expected a folder of tools, got $NLG_BIN"
+  NLG_BIN=$(realpath -- "$NLG_BIN")
+  export NLG_BIN
+  # nothing is installed here: what runs the stages must be there
+  [ -x /usr/bin/snakemake ] || refuse "snakemake: expected at /usr/bin/snakemake, got none; apt-get install snakemake"
 fi
 
 cd "$(dirname "$0")"
@@ -53,16 +72,19 @@ if [ -z "${NLG_BIN:-}" ]; then
   if [ -n "$plan" ]; then install_packages pipeline; else install_packages train pipeline; fi
 fi
 # judged before anything is built, made or moved
-judged=$(/usr/bin/python3 workflow/configuration.py "$config")
-run=${judged%%$'\n'*}
-read -r -a tools <<< "${judged##*$'\n'}"
+judged=$(/usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}")
+mapfile -t judged <<< "$judged"
+run=${judged[0]}
+read -r -a tools <<< "${judged[1]}"
 mkdir -p "$run" 2> /dev/null || { echo "pipeline.sh: $run: cannot be written: no folder can be made there" >&2; exit 5; }
 for lock in "$run/.lock" "$run/.jobs.lock"; do
   # a pipe would keep everybody waiting who asks for it
   if [ -e "$lock" ] && [ ! -f "$lock" ]; then echo "pipeline.sh: $lock: expected a regular file, got something else" >&2; exit 2; fi
 done
 if [ -n "${NLG_BIN:-}" ]; then
-  :
+  for tool in ${plan:+nlg-datagen} $([ -n "$plan" ] || echo "${tools[@]}"); do
+    [ -x "$NLG_BIN/$tool" ] || refuse "NLG_BIN: expected $tool in $NLG_BIN, which the run will need, got none"
+  done
 elif [ -n "$plan" ]; then
   build "" nlg-datagen
 else
@@ -73,6 +95,10 @@ fi
 # still keeps others away.
 exec 9>> "$run/.lock" || exit 5
 flock -n 9 || { echo "pipeline.sh: $run: another run is at work there" >&2; exit 2; }
+if [ ${#changes[@]} -gt 0 ]; then
+  /usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}" --write > /dev/null
+  config=$(realpath -- "${judged[2]}")
+fi
 # what does the work: all cores of this machine, or what a profile says
 where=(--cores "$(nproc)")
 # a plan is too little to send anywhere

@@ -1,12 +1,16 @@
 """What a run's configuration says, judged in one place before anything is built, made or moved.
 
-    configuration.py CONFIG
+    configuration.py CONFIG [--levels FOLDER] [--set SECTION.KEY=VALUE]... [--write]
 
-Prints the run's folder, and in a second line the tools that it needs. A configuration that cannot be used ends with one line on stderr and exit code 2. The Snakefile, pipeline.sh
+Prints the run's folder, the tools that it needs, and the file that holds the configuration: CONFIG, or configuration.yaml of the run's folder where FOLDER or values go over it.
+--write writes that file. A configuration that cannot be used ends with one line on stderr and exit code 2. The Snakefile, pipeline.sh
 and check_artefacts.py take names, scenes and paths from here and from nowhere else; what each setting may be stands in settings.py.
 """
+import argparse
+import copy
 import json
 import os
+import random
 import re
 import shlex
 import sys
@@ -14,11 +18,12 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.atomic_file import write_files
 from tool.errors import UsageError, run
 
 from furniture import find_interiors
 from levels import find_levels, is_texts
-from plain_yaml import ConfigurationError, read, require, require_plain
+from plain_yaml import ConfigurationError, parsed, read, require, require_plain, text_of
 from settings import MAX_SHARDS, OWN, REPRESENTATIONS, TOOL_ROWS, default, judged, rows_of
 
 SECTIONS = sorted({row["section"] for row in OWN + TOOL_ROWS} - {""})
@@ -41,13 +46,18 @@ def flags(options):
     return shlex.join(f"--{key.replace('_', '-')}={text}" for key, text in sorted(texts.items()))
 
 
+def archives_in(folder):
+    """The entry of scenes.archives of a folder's own archives, in a list; nothing where there are none."""
+    return [{"folder": str(folder), "maps": ["*"]}] if folder and any(Path(folder).glob("*.pk3")) else []
+
+
 def find_scenes(options, environment):
     """Name of every scene → (what nlg-datagen is asked for, the files that it reads)."""
     scenes = {f"{family}_{seed}": (f"{family}:{seed}", []) for family in options["families"] for seed in range(options["per_family"])}
-    folder = environment.get("NLG_LEVELS") or options["folder"]
+    folder = options["folder"]
     if folder:
         files = sorted(p for p in Path(folder).glob("*") if p.suffix.lower() in (".glb", ".gltf", ".obj"))
-        require("scenes: folder", "none", files, f".glb, .gltf or .obj files in {folder}")
+        require("scenes: folder", "none", files or archives_in(folder), f".glb, .gltf, .obj or .pk3 files in {folder}")
         for path in files:
             require(path, path.name, not set(path.stem) & set("{}") and path.name.isprintable(), "a name of one line without braces")
             if path.stem in scenes:
@@ -57,7 +67,7 @@ def find_scenes(options, environment):
             beside = sorted(str(p) for p in path.parent.glob(pattern)) if pattern else []
             scenes[path.stem] = (str(path), [str(path), *beside])
     root = environment.get("NLG_ARCHIVE_ROOT", "")
-    for found in (find_levels(options["archives"], root), find_interiors(options["furniture"], root, MAX_SHARDS)):
+    for found in (find_levels([*options["archives"], *archives_in(folder)], root), find_interiors(options["furniture"], root, MAX_SHARDS)):
         for name, scene in found.items():
             if name in scenes:
                 raise ConfigurationError(f"{scene[0]}: expected a name of its own, got one that {scenes[name][0]} has too")
@@ -66,13 +76,21 @@ def find_scenes(options, environment):
     return scenes
 
 
+def listed(names, most=20):
+    names = sorted(names)
+    return ", ".join(names[:most]) + (f" and {len(names) - most} others" if len(names) > most else "")
+
+
 class Run:
     """A configuration that was judged, and what follows from it: scenes, splits, and the paths of all shards."""
 
     def __init__(self, config, environment):
         require_plain("configuration", config)
         config = judged("top level", "", config, beside=SECTIONS)
-        self.name = config["name"]
+        folder = (config.get("scenes") or {}).get("folder") or ""
+        if not config["name"] and not folder:
+            raise ConfigurationError("expected a name, or a folder of levels whose name it is, got missing key 'name'")
+        self.name = config["name"] or re.sub(r"[^\w.-]+", "_", Path(os.path.abspath(folder)).name)
         require("name", self.name, len(self.name) <= 100 and re.fullmatch(r"[\w.-]*\w[\w.-]*", self.name), "a folder's name")
         results = environment.get("NLG_OUT") or "out"
         require("NLG_OUT", results, results.isprintable() and not set(results) & set("{}"), "a folder's name of one line without braces")
@@ -118,6 +136,8 @@ class Run:
         require("scenes", f"{shards}", shards <= MAX_SHARDS, f"at most {MAX_SHARDS} shards")
         self.jitters = options["jitters"]
         self.scenes = find_scenes(options, environment)
+        folder = os.path.join(os.path.abspath(options["folder"]), "") if options["folder"] else None
+        self.own_levels = [scene for scene, (asked, _) in self.scenes.items() if folder and os.path.abspath(asked).startswith(folder)]
         # another seed is another interior; jitter would take furniture apart, which is of many connected components
         self.unjittered = find_interiors(options["furniture"], environment.get("NLG_ARCHIVE_ROOT", ""), MAX_SHARDS)
         self.by_scene = options["by_scene"]
@@ -128,15 +148,27 @@ class Run:
 
     def _take_split(self, split):
         split = judged("split", "split", split)
+        for key in ("held_out", "evaluation"):
+            for pattern in split[key]:
+                # a scene that a wrong name leaves out would be trained on
+                require(f"split: {key}", pattern, matching(self.scenes, [pattern]), "a pattern of some scene out of " + listed(self.scenes))
         self.held_out, self.evaluation = (matching(self.scenes, split[key]) for key in ("held_out", "evaluation"))
+        if split["held_out_share"] > 0:
+            self._draw_held_out(split["held_out_share"], split["seed"])
         kept = {*self.held_out, *self.evaluation}
         self.training = [scene for scene in self.scenes if scene not in kept]
-        require("split: held_out", f"{len(self.held_out)} of {len(self.scenes)}", self.held_out and self.training, "some of the scenes, but not all")
-        for pattern in split["evaluation"]:
-            # a scene that a wrong name leaves out would be trained on
-            require("split: evaluation", pattern, matching(self.scenes, [pattern]), "a pattern of some scene")
+        require("split", f"{len(self.held_out)} of {len(self.scenes)}", self.held_out and self.training,
+                "some of the scenes held out, but not all; held_out names them, held_out_share draws them")
         for scene in sorted({*self.held_out} & {*self.evaluation}):
             raise ConfigurationError(f"split: expected scenes that are held out or for the evaluation, got {scene} in both")
+
+    def _draw_held_out(self, share, seed):
+        """Holds out a share of the scenes of the folder, or of all scenes where there is none; whole scenes, the same ones for the same names and seed."""
+        named = {*self.held_out, *self.evaluation}
+        lot = sorted(scene for scene in (self.own_levels or self.scenes) if scene not in named)
+        require("split: held_out_share", f"{len(lot)}", named or len(lot) >= 2, "two levels at least, one to train on and one to hold out")
+        drawn = {*random.Random(seed).sample(lot, min(max(round(share * len(lot)), 0 if named else 1), len(lot)))}
+        self.held_out = [scene for scene in self.scenes if scene in drawn or scene in self.held_out]
 
     def _take_report(self, report):
         judged_scenes = self.held_out + self.evaluation
@@ -215,7 +247,7 @@ def judge(config, path, environment=os.environ):
     """The run that a configuration describes.
 
     config        what the file holds; path: the file, for the message
-    environment   NLG_OUT, NLG_LEVELS and NLG_ARCHIVE_ROOT stand in for `out`, scenes.folder and the root of archives' folders
+    environment   NLG_OUT and NLG_ARCHIVE_ROOT stand in for `out` and the root of archives' folders
     throws        ConfigurationError
     """
     try:
@@ -240,12 +272,51 @@ def of_snakemake(config, path):
     return judge(content, path)
 
 
+def changed(content, levels, values):
+    """A configuration's content with a folder of levels, and with values for some of its keys.
+
+    values   texts such as "train.steps=8000", each value as YAML writes it
+    """
+    content = copy.deepcopy(content)
+    require_plain("configuration", content)
+    require("configuration", content, isinstance(content, dict), "a map of settings")
+    pairs = [("scenes.folder", os.path.abspath(levels))] if levels else []
+    for text in values:
+        key, equals, value = text.partition("=")
+        require("--set", text, equals and all(key.split(".")), "KEY=VALUE or SECTION.KEY=VALUE")
+        pairs.append((key, parsed(f"--set {key}", value)))
+    for key, value in pairs:
+        place = content
+        *sections, name = key.split(".")
+        for section in sections:
+            if place.get(section) is None:
+                place[section] = {}
+            place = place[section]
+            require(f"--set {key}: {section}", place, isinstance(place, dict), "a section")
+        place[name] = value
+    return content
+
+
 def main():
-    if len(sys.argv) != 2:
-        raise UsageError("configuration.py", "CONFIG", f"{len(sys.argv) - 1} arguments")
-    run_of_file = load(sys.argv[1])
+    parser = argparse.ArgumentParser(prog="pipeline.sh")
+    parser.add_argument("config", nargs="?")
+    parser.add_argument("--levels")
+    parser.add_argument("--set", action="append", default=[])
+    parser.add_argument("--write", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.config is None:
+        raise UsageError("configuration.py", "CONFIG", "no argument")
+    content, path = read(arguments.config), arguments.config
+    if arguments.levels or arguments.set:
+        content = changed(content, arguments.levels, arguments.set)
+        path = None
+    run_of_file = judge(content, arguments.config)
+    path = path or os.path.join(run_of_file.folder, "configuration.yaml")
+    if arguments.write and path != arguments.config:
+        write_files({path: text_of(content).encode()})
     print(run_of_file.folder)
     print(*run_of_file.tools())
+    print(path)
 
 
 if __name__ == "__main__":

@@ -78,6 +78,19 @@ def position(text, index):
     return f"{before.count(newline) + 1}:{index - (before.rfind(newline) + 1) + 1}"
 
 
+def parsed(place, text):
+    """The value that a text of YAML says."""
+    try:
+        return yaml.load(text, Loader)
+    except yaml.YAMLError as error:
+        raise ConfigurationError(f"{place}: expected a value as YAML writes it, got {text!r}: {getattr(error, 'problem', error)}") from None
+
+
+def text_of(content):
+    """A file that reads as this content."""
+    return yaml.safe_dump(content, allow_unicode=True, sort_keys=False, width=130)
+
+
 def read(path):
     """The file's content.
 

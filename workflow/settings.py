@@ -39,18 +39,20 @@ def own(section, name, kind, help_text, **more):
 
 
 OWN = [
-    own("", "name", "text", "results go to `out/NAME`"),
+    own("", "name", "text", "results go to `out/NAME`. `\"\"`: the name of `scenes.folder`", default=""),
     own("", "effort", "text", "how long the run may be: `full` puts what stands in the section `full` over the other sections", one_of=["short", "full"], default="short"),
     own("", "full", "map", "options of the tools' sections, `scenes`, `report` and `validate_light` that `effort: full` puts over these sections. What a short run leaves out so stands in its report", default={}),
     own("", "representations", "any", f"what generators are trained for: a list out of {', '.join(REPRESENTATIONS)}; or a map from each of them to its own options of the section `train`"),
     own("scenes", "families", "texts", "procedural scenes, named `FAMILY_SEED`", one_of=FAMILIES),
     own("scenes", "per_family", "integer", "seeds of each family: 0 … `per_family` − 1", min=0, max=MAX_SHARDS),
-    own("scenes", "folder", "text", "a folder, every `.glb`, `.gltf` and `.obj` of which is a scene too ([scenes](../guide/scenes.md)). `NLG_LEVELS` stands in for it. `\"\"`: none"),
+    own("scenes", "folder", "text", "a folder, every `.glb`, `.gltf` and `.obj` of which is a scene too ([scenes](../guide/scenes.md)), and every map of its `.pk3` archives. `./pipeline.sh FOLDER` sets it. `\"\"`: none", default=""),
     own("scenes", "jitters", "integer", "variants of each training scene, the first of which is the scene as it is. Interiors have no other: another seed is another interior", min=1, max=MAX_SHARDS),
     own("scenes", "archives", "any", "levels in the archives of Quake III-family games ([levels](../guide/levels.md)), a list. Of each entry: `folder` of the `.pk3` files, before which `NLG_ARCHIVE_ROOT` stands when it is absolute; `maps`, patterns of map names in lower case; `without` (optional), patterns of those to leave out; `install` (optional), the command that an error names when the archives are missing. A level that several archives of a folder hold counts once", default=[]),
     own("scenes", "furniture", "any", "furnished interiors ([interiors](../guide/interiors.md)), named `PLAN_SEED_STEM`, STEM being the archive's name in lower case; a list. Of each entry: `archives`, `.sh3f` files, before which `NLG_ARCHIVE_ROOT` stands when they are absolute; `plans` out of `flat`, `townhouse`, `office`, `villa`; `seeds`, how many; `first_seed` (optional, 0); `install` (optional), the command that an error names when an archive is missing", default=[]),
     own("scenes", "by_scene", "map", "patterns of scene names → options of nlg-datagen for these scenes. Later patterns go over earlier ones, and all of them over the section `datagen`", default={}),
-    own("split", "held_out", "texts", "patterns of scene names: whole scenes that are never trained on, for validation while training and for the report"),
+    own("split", "held_out", "texts", "patterns of scene names: whole scenes that are never trained on, for validation while training and for the report", default=[]),
+    own("split", "held_out_share", "number", "the same by lot: this share of the scenes of `scenes.folder`, one at least, beside those of `held_out`. Without a folder the lot is drawn among all scenes", min=0.0, max=0.9, default=0.0),
+    own("split", "seed", "integer", "seed of that lot", min=0, default=1),
     own("split", "evaluation", "texts", "the same; the published figures are of these scenes. One setting was once chosen with the help of those of `configs/openarena.yaml` (commits a41ee66 to 04510fc), so that they are no test", default=[]),
     own("report", "stability", "text", "how many of the stability cases are run. `short` leaves out training", one_of=["short", "full", "long"], default="full"),
     own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights. Of `scenes.by_scene` the bake takes what it knows; its spacing is that of the section `bake`. `[]`: none. Default: the first scene of each split", default=None),

@@ -82,7 +82,9 @@ def check_broken_configurations():
     ends_in_one_line(USAGE_ERROR, "'name'", *snakemake, "--configfile", "configs/smoke.yaml", "--config", "name=other")
     ends_in_one_line(USAGE_ERROR, "pipe.yaml", "/usr/bin/python3", "workflow/configuration.py", os.path.abspath("pipe.yaml"))
     ends_in_one_line(USAGE_ERROR, "CONFIG", "/usr/bin/python3", "workflow/configuration.py")
-    for arguments, words in [(["-x"], "unknown option -x"), (["--plan", "--plam"], "unknown option --plam"), (["a", "b", "c"], "got 3 arguments"),
+    for arguments, words in [(["-x"], "unknown option -x"), (["--plan", "--plam"], "unknown option --plam"), (["a", "b", "c"], "got 3 arguments"), (["--set", "steps"], "SECTION.KEY=VALUE"), (["--set", "train.steps=["], "--set train.steps"), (["--set", "train.step=3"], "did you mean 'steps'?"),
+                             (["--set", "name.first=x"], "--set name.first: name: expected a section"), (["--bin", "none"], "--bin"), (["tests", "docs"], "two folders"),
+                             (["docs"], ".glb, .gltf, .obj or .pk3 files in"),
                              (["none.yaml"], "none.yaml"), (["configs/smoke.yaml", "none"], "none")]:
         ends_in_one_line(USAGE_ERROR, words, "./pipeline.sh", *arguments)
 
@@ -115,7 +117,12 @@ def check_workflow():
     write("homes/Big Shop.sh3f", "")
     homes = basis.replace("jitters: 1", "jitters: 3") + ", furniture: [{archives: [/homes/Big Shop.sh3f], plans: [flat, villa], seeds: 2, first_seed: 5}]"
 
+    os.makedirs("own", exist_ok=True)
+    write("own/hall.obj", "")
+
     accepted = [
+        # by lot, of the folder's own scenes: the maps of its archives; whole scenes
+        (basis.replace("''", os.path.abspath("game")), "held_out_share: 0.17, seed: 4", ["/game:", "dataset/held_out/", "dataset/training/house_2.0.h5"]),
         (homes, held_out + ", evaluation: ['villa_*_big-shop']",
          ["/homes/Big Shop.sh3f:flat:5", "dataset/training/flat_6_big-shop.0.h5", "dataset/training/house_0.2.h5", "dataset/evaluation/villa_6_big-shop.0.h5"]),
         (basis, held_out, ["--scene house:0"]),
@@ -200,7 +207,13 @@ def check_workflow():
         (basis + ", colour: red", held_out, "unknown key 'colour'"),
         (basis, held_out + ", tests: []", "unknown key 'tests'"),
         (basis, held_out + ", test: []", "unknown key 'test'"),
-        (basis, held_out + ", evaluation: [castle_*]", "expected a pattern of some scene, got 'castle_*'"),
+        (basis, held_out + ", evaluation: [castle_*]", "expected a pattern of some scene out of house_0, house_1, house_2, got 'castle_*'"),
+        # a slip of the pen would be trained on
+        (basis, "held_out: [house_2, house_9]", "held_out: expected a pattern of some scene out of house_0, house_1, house_2, got 'house_9'"),
+        (basis, "held_out: []", "some of the scenes held out, but not all"), (basis, "held_out: ['*']", "got '3 of 3'"),
+        (basis, "held_out_share: 1", "a number from 0 to 0.9"),
+        (basis.replace("''", os.path.abspath("own")), "held_out_share: 0.5", "two levels at least, one to train on and one to hold out, got '1'"),
+        (basis.replace("''", os.path.abspath("homes")), held_out, "/homes, got 'none'"),
         (basis, held_out + ", evaluation: [house_2]", "house_2 in both"),
         (basis, held_out + ", evaluation: house_1", "a list of texts"),
         (basis.replace("per_family: 3", "per_family: 200000, jitters: 200").replace(", jitters: 1", ""), held_out, "at most 1000000 shards"),
@@ -236,7 +249,7 @@ def check_workflow():
 def main():
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        os.environ.update({"NLG_OUT": os.path.join(folder, "out"), "NLG_LEVELS": "", "NLG_ARCHIVE_ROOT": folder})
+        os.environ.update({"NLG_OUT": os.path.join(folder, "out"), "NLG_ARCHIVE_ROOT": folder})
         os.mkfifo("pipe.yaml")
         check_workflow()
         check_broken_configurations()
