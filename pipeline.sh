@@ -76,11 +76,6 @@ judged=$(/usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}")
 mapfile -t judged <<< "$judged"
 run=${judged[0]}
 read -r -a tools <<< "${judged[1]}"
-mkdir -p "$run" 2> /dev/null || { echo "pipeline.sh: $run: cannot be written: no folder can be made there" >&2; exit 5; }
-for lock in "$run/.lock" "$run/.jobs.lock"; do
-  # a pipe would keep everybody waiting who asks for it
-  if [ -e "$lock" ] && [ ! -f "$lock" ]; then echo "pipeline.sh: $lock: expected a regular file, got something else" >&2; exit 2; fi
-done
 if [ -n "${NLG_BIN:-}" ]; then
   for tool in ${plan:+nlg-datagen} $([ -n "$plan" ] || echo "${tools[@]}"); do
     [ -x "$NLG_BIN/$tool" ] || refuse "NLG_BIN: expected $tool in $NLG_BIN, which the run will need, got none"
@@ -90,6 +85,14 @@ elif [ -n "$plan" ]; then
 else
   build train "${tools[@]}"
 fi
+if [ -n "$plan" ]; then
+  exec /usr/bin/python3 workflow/plan.py "$config" "${changes[@]}" --bin "${NLG_BIN:-build/release/bin}"
+fi
+mkdir -p "$run" 2> /dev/null || { echo "pipeline.sh: $run: cannot be written: no folder can be made there" >&2; exit 5; }
+for lock in "$run/.lock" "$run/.jobs.lock"; do
+  # a pipe would keep everybody waiting who asks for it
+  if [ -e "$lock" ] && [ ! -f "$lock" ]; then echo "pipeline.sh: $lock: expected a regular file, got something else" >&2; exit 2; fi
+done
 # Our own locks instead of snakemake's, which outlives a killed run. They belong to the results, whatever checkout works on them: one is
 # held by the run, the other by every job for as long as it lives (workflow/Snakefile), so that a tool which outlives its killed run
 # still keeps others away.
@@ -101,8 +104,7 @@ if [ ${#changes[@]} -gt 0 ]; then
 fi
 # what does the work: all cores of this machine, or what a profile says
 where=(--cores "$(nproc)")
-# a plan is too little to send anywhere
-if [ -n "$profile" ] && [ -z "$plan" ]; then
+if [ -n "$profile" ]; then
   where=(--profile "$profile")
   [ ! -x "$profile/before.sh" ] || "$profile/before.sh" "$run"
 fi
@@ -112,10 +114,6 @@ workflow() {
   /usr/bin/snakemake "$@" -s workflow/Snakefile --configfile "$config" "${where[@]}" --rerun-incomplete --nolock \
     --rerun-triggers mtime params input --log-handler-script workflow/run_progress.py
 }
-if [ -n "$plan" ]; then
-  workflow plan
-  exit
-fi
 # damaged files are put aside, and asked for by name: what nothing out of date needs, snakemake would not miss
 damaged=$(/usr/bin/python3 workflow/check_artefacts.py "$config" "${NLG_BIN:-build/release/bin}")
 mapfile -t again <<<"$damaged"

@@ -7,6 +7,7 @@
 
 #include "bake/policy_options.h"
 #include "datagen/weighting/weighting_builder.h"
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/theta_policy.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "scene/light_options.h"
@@ -42,14 +43,15 @@ struct BakeOptions {
   double light_pull = 0.1;
   double light_dark_share = 0.03;
   double light_outlier = 1.0;
-  double thin_error = 0.0;                               // of thinning.h; 0: nothing is left out
-  double refine_seconds = 0.0;                           // 0: as long as it takes
-  double max_seconds = 0.0;                              // of the whole bake (bake_in_time.h); 0: as long as it takes
-  std::string theta_precision = kDefaultThetaPrecision;  // becomes the policy's by takeThetaPrecision
-  double light_error = kLightError;                      // that the file's form of light may add (packed_light.h)
-  double max_bytes = 0.0;                                // of the file; 0: as many as it takes
-  std::string simd;                                      // empty: the best
-  int threads = 0;                                       // 0: as many as the machine runs at once
+  double thin_error = 0.0;      // of thinning.h; 0: nothing is left out
+  double refine_seconds = 0.0;  // 0: as long as it takes
+  double max_seconds = 0.0;     // of the whole bake (bake_in_time.h); 0: as long as it takes
+  std::string theta_precision =
+      thetaPrecisionName(PolicyOptions{}.theta_precision);  // becomes the policy's by takeThetaPrecision
+  double light_error = kLightError;                         // that the file's form of light may add (packed_light.h)
+  double max_bytes = 0.0;                                   // of the file; 0: as many as it takes
+  std::string simd;                                         // empty: the best
+  int threads = 0;                                          // 0: as many as the machine runs at once
   uint64_t seed = 1;
 };
 

@@ -11,12 +11,6 @@ void describePolicy(PolicyOptions& options, OptionTable& table) {
 #include "runtime_eval/fit/policy_options.def"
 }
 
-PolicyOptions defaultBakePolicy() {
-  PolicyOptions options;
-  options.theta_precision = thetaPrecisionFromName(kDefaultThetaPrecision);
-  return options;
-}
-
 ThetaPrecision thetaPrecisionFromName(const std::string& name) {
   if (name == "float32") return ThetaPrecision::float32;
   if (name == "float16") return ThetaPrecision::float16;

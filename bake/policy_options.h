@@ -11,12 +11,6 @@ namespace nlg {
 // Every option of the policy but theta_precision, which only those take who store theta.
 void describePolicy(PolicyOptions& options, OptionTable& table);
 
-// What theta is stored in unless an option says otherwise: by a bake, and so by what measures bakes.
-inline constexpr const char* kDefaultThetaPrecision = "int8";
-
-// The policy of a bake that is told nothing.
-PolicyOptions defaultBakePolicy();
-
 // "float32", "float16" or "int8", as the option theta_precision takes them.
 // throws   UsageError on any other name
 ThetaPrecision thetaPrecisionFromName(const std::string& name);

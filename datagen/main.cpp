@@ -57,13 +57,15 @@ int planMain(int argc, char** argv) {
   ShardRequest request;
   DatagenOptions options;
   bool json = false;
+  int sample = 1000;
   OptionTable table("datagen");
   describe(options, table);
   table.common(kCommonOptions);
   addRequest(app, request);
   app.add_flag("--json", json, "one line of JSON");
+  app.add_option("--sample", sample, "functions that are made to find out, duplicates included")->check(CLI::Range(16, 1000000))->capture_default_str();
   return runTool(argc, argv, app, table,
-                 [&] { printPlan(request, planShard(request, options, table), json ? PlanFormat::json : PlanFormat::text); });
+                 [&] { printPlan(request, planShard(request, options, table, sample), json ? PlanFormat::json : PlanFormat::text); });
 }
 
 int sceneInfoMain(int argc, char** argv) {

@@ -15,7 +15,6 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kSampleFunctions = 1000;              // made, duplicates included
 constexpr uint64_t kSampleProbes = 20000;                // at most: most probes of a sparse scene cost next to nothing
 constexpr double kFileBytes = 7.4e3;                     // attributes and HDF5's own bookkeeping
 constexpr double kIndexBytes = 200.0 / kChunkFunctions;  // HDF5's bookkeeping a chunk, nine arrays
@@ -35,7 +34,8 @@ struct Sample {
   uint64_t made() const { return counts.functions + counts.duplicates; }
 };
 
-Sample takeSample(const ShardJob& job) {
+// functions   how many are made, duplicates included
+Sample takeSample(const ShardJob& job, uint64_t functions) {
   Sample sample;
   FunctionCollector collector(job.header(), job.limits(), temporaryFolder());
   const FunctionPipeline pipeline = job.pipeline();
@@ -46,7 +46,7 @@ Sample takeSample(const ShardJob& job) {
     for (const auto& array : encodeFunctions(chunk, 0, chunk.functionCount()).arrays)
       sample.bytes += static_cast<double>(array.size());
   };
-  while (sample.made() < kSampleFunctions && sample.counts.visited_probes < kSampleProbes) {
+  while (sample.made() < functions && sample.counts.visited_probes < kSampleProbes) {
     const std::vector<uint64_t> probes = pipeline.nextProbes();
     sample.whole = probes.empty() || collector.full();
     if (sample.whole) break;
@@ -54,7 +54,7 @@ Sample takeSample(const ShardJob& job) {
     generate(probes, &block);
     for (const FunctionRows& chunk : collector.add(block)) encode(chunk);
     sample.counts = collector.counts();
-    if (sample.made() <= kSampleFunctions / 2) {
+    if (sample.made() <= functions / 2) {
       sample.half_made = sample.made();
       sample.half_kept = sample.counts.functions;
     }
@@ -100,11 +100,11 @@ void extrapolate(const Sample& sample, const CollectorLimits& limits, ShardPlan*
 
 }  // namespace
 
-ShardPlan planShard(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table) {
+ShardPlan planShard(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table, int sample_functions) {
   const double start = threadSeconds();
   const ShardJob job(request, options, table);
   const double prepared = threadSeconds();
-  const Sample sample = takeSample(job);
+  const Sample sample = takeSample(job, static_cast<uint64_t>(sample_functions));
   ShardPlan plan;
   plan.grid_probes = job.probeCount();
   plan.sampled_probes = sample.counts.visited_probes;

@@ -15,11 +15,11 @@ struct ShardPlan {
   double uncertainty = 0;
 };
 
-// Generates the first probes of the visiting order, a fair sample, until some hundred functions have been made, and extrapolates;
+// Generates the first probes of the visiting order, a fair sample, until so many functions have been made, and extrapolates;
 // exact when the shard is smaller than the sample. The number of distinct functions among n is taken to grow as n^b (Heaps' law),
 // b measured over the second half of the sample.
 // throws   as ShardJob
-ShardPlan planShard(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table);
+ShardPlan planShard(const ShardRequest& request, const DatagenOptions& options, const OptionTable& table, int sample_functions);
 
 // Prints the plan on stdout: one line of JSON, or text for people.
 enum class PlanFormat { text, json };

@@ -42,7 +42,8 @@ int main(int argc, char** argv) {
   printf("at the first support point: %.4f, stored %.4f\n", phi[0] / 255.0, values[0]);
   printf("network:   RMSE %.5f\n", made.network.rmse);
   printf("corrected: RMSE %.5f\n", made.corrected.rmse);
-  printf("fitted:    RMSE %.5f, %s\n", made.fitted.rmse, made.fitted.passes ? "accepted" : "still failing");
+  printf("fitted:    RMSE %.5f\n", made.fitted.rmse);
+  printf("stored:    RMSE %.5f, %s\n", made.stored.rmse, made.stored.passes ? "accepted" : "still failing");
   free(theta);
   nlg_scratch_free(scratch);
   nlg_generator_free(generator);

@@ -25,7 +25,7 @@ def sha256_of(path):
 
 
 def names_its_digest(relative_path):
-    return relative_path.startswith(("dataset" + os.sep, "plan" + os.sep)) or relative_path.endswith(".cache")
+    return relative_path.startswith("dataset" + os.sep) or relative_path.endswith(".cache")
 
 
 def state_of(path):

@@ -177,6 +177,7 @@ class Run:
         for pattern in report["savings"]:
             require("report: savings", pattern, matching(judged_scenes, [pattern]), "a pattern of some scene that is held out or for the evaluation")
         self.report = report
+        self.savings = matching(judged_scenes, report["savings"])
 
     def _take_light(self, light):
         """Scenes whose light is measured, by file name, and the flags of nlg-validate light."""
@@ -209,7 +210,7 @@ class Run:
                       f"weights/{name}.safetensors", f"weights/{name}.json"]
         names += [f"{split}/{file}" for split in judged for file in ("summary.json", "functions.csv", "slices.json", "frontier.json")]
         names += [*([] if self.report["stability"] == "short" else ["training_cases.json"]), "stability.json"]
-        names += [f"savings/{scene}.json" for scene in matching(self.held_out + self.evaluation, self.report["savings"])]
+        names += [f"savings/{scene}.json" for scene in self.savings]
         names += [f"light/{scene}.json" for scene in self.light_scenes]
         names += [f"{split}{file}" for split in ("", *(f"{name}/" for name in judged[1:])) for file in ("report.html", "slices.png", "verdict.txt")]
         return [f"{self.folder}/{name}" for name in names]
@@ -297,22 +298,31 @@ def changed(content, levels, values):
     return content
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="pipeline.sh")
+def add_arguments(parser):
+    """What pipeline.sh is told: the file, and what goes over it."""
     parser.add_argument("config", nargs="?")
     parser.add_argument("--levels")
     parser.add_argument("--set", action="append", default=[])
-    parser.add_argument("--write", action="store_true")
-    arguments = parser.parse_args()
+
+
+def content_of(arguments):
+    """What a run is made by: the file's content, with what goes over it."""
     if arguments.config is None:
         raise UsageError("configuration.py", "CONFIG", "no argument")
-    content, path = read(arguments.config), arguments.config
-    if arguments.levels or arguments.set:
-        content = changed(content, arguments.levels, arguments.set)
-        path = None
+    content = read(arguments.config)
+    return changed(content, arguments.levels, arguments.set) if arguments.levels or arguments.set else content
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="pipeline.sh")
+    add_arguments(parser)
+    parser.add_argument("--write", action="store_true")
+    arguments = parser.parse_args()
+    content = content_of(arguments)
     run_of_file = judge(content, arguments.config)
-    path = path or os.path.join(run_of_file.folder, "configuration.yaml")
-    if arguments.write and path != arguments.config:
+    is_changed = bool(arguments.levels or arguments.set)
+    path = os.path.join(run_of_file.folder, "configuration.yaml") if is_changed else arguments.config
+    if arguments.write and is_changed:
         write_files({path: text_of(content).encode()})
     print(run_of_file.folder)
     print(*run_of_file.tools())

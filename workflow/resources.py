@@ -1,20 +1,15 @@
 """What a job of each rule takes: processes, cores, memory and time. Batch systems are told; a run on one machine does not look at it.
 
-Memory and time are those of cores like the ones of docs/lab/scaling.md with room to spare, since a job that asks for too little is
+Time is that of costs.py, and memory of docs/lab/scaling.md, with room to spare, since a job that asks for too little is
 killed: three times the time, twice the memory. One that is killed all the same is tried again with twice of both.
 """
 import math
 
-from settings import default
+from costs import FUNCTION_S, READ_S, SHARD_S, Costs
 
 ROOM_S, ROOM_MB = 3, 2
 
-# Seconds of one core. A shard: process, scene and trees, and a function kept, with the duplicates that were made on the way to it.
-SHARD_S, FUNCTION_S = 2, 2e-3
-# of a function that is read: its moments for the basis; its coefficients for the cache, or once more for a figure
-MOMENTS_S, READ_S = 1e-3, 0.2e-3
-BASIS_S = 30
-START_S, SAMPLE_S = 300, 0.4e-3  # theta0, validations and the export; a function in a batch, forth and back
+START_S = 300  # of a training and an export: theta0, validations
 # Stages that measure fit functions for long, which a dozen settings decide: `effort: full` takes some of them half an hour on two cores.
 MEASURE_S = 4800
 
@@ -30,29 +25,25 @@ class Resources:
 
     def __init__(self, run):
         self.run = run
-        self.functions_a_shard = max(self._setting("datagen", "max_functions", own) for own in [{}, *run.by_scene.values()])
+        costs = Costs(run, {})
+        self.functions_a_shard = max(costs.setting("datagen", "max_functions", own) for own in [{}, *run.by_scene.values()])
         self.functions = {split: len(run.shards(split)) * self.functions_a_shard for split in ("training", "held_out", "evaluation")}
-
-    def _setting(self, section, key, own):
-        """A number of a section, or what a scene or a representation has for itself."""
-        return int({**self.run.sections[section], **own}.get(key, default(section, key)))
+        self.costs = Costs(run, self.functions)
 
     def shard(self):
         return job(SHARD_MB, SHARD_S + self.functions_a_shard * FUNCTION_S)
 
     def basis(self):
-        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], BASIS_S + MOMENTS_S * self.functions["training"])
+        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], self.costs.basis())
 
     def cache(self):
-        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], BASIS_S + READ_S * self.functions["training"])
+        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], self.costs.cache())
 
     def train(self):
         def seconds(wildcards):
             processes, threads = self.run.training_cores[wildcards.representation]
-            own = self.run.representations[wildcards.representation]
-            samples = self._setting("train", "steps", own) * self._setting("train", "batch", own)
             # two threads are all that a batch of up to 512 keeps busy (train/generator/trainer.cpp)
-            return START_S + SAMPLE_S * samples / (processes * min(threads, 2))
+            return START_S + self.costs.train(wildcards.representation) / (processes * min(threads, 2))
 
         def megabytes(wildcards):
             processes, _ = self.run.training_cores[wildcards.representation]

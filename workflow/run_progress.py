@@ -12,7 +12,7 @@ import time
 
 # Seconds of one job of a rule in the default run on one core, or on both where it takes all: only their relation counts, and only
 # until a job of the rule has shown what it takes here.
-TYPICAL_S = {"datagen": 1.2, "plan_shard": 0.5, "pca": 10, "cache": 3, "train": 90, "export": 2, "validate": 40, "evaluate": 40,
+TYPICAL_S = {"datagen": 1.2, "pca": 10, "cache": 3, "train": 90, "export": 2, "validate": 40, "evaluate": 40,
              "frontier": 25, "training_cases": 20, "stability": 8, "savings": 4, "validate_light": 20, "report": 10, "evaluation_report": 10}
 
 

@@ -3,11 +3,21 @@
 #include "datagen/dataset/chunk_codec.h"
 #include "datagen/dataset/shard_check.h"
 #include "datagen/dataset/shard_fields.h"
+#include "runtime_eval/support/support_pattern.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
+
+// What every array and attribute with a unit is in, for readers that have no other source.
+constexpr char kUnits[] =
+    R"({"phi": "1/255", "blend_sum": "1/255", "phi_test": "1/255", "validity, seen": "bit i % 8 of byte i / 8 is of point i", )"
+    R"("points": "probe spacings, relative to the probe", "probe_position_m": "m", "spacing_m": "m", "duplicate_rms": "phi"})";
+
+void writePoints(const char* name, const std::vector<LocalPoint>& points, Hdf5Writer* file) {
+  if (!points.empty()) file->write(name, {points.size(), 3}, points.front().data());
+}
 
 template <class Values>
 using ElementOf = typename std::remove_reference_t<Values>::value_type;
@@ -67,6 +77,11 @@ ShardWriter::ShardWriter(const std::string& path, const Shard& header) : file_(p
   file_.writeAttribute("duplicate_rms", header.duplicate_rule.rms);
   file_.writeAttribute("duplicate_validity_points", header.duplicate_rule.validity_points);
   file_.writeAttribute("provenance_json", header.provenance_json);
+  file_.writeAttribute("units", std::string(kUnits));
+  // where the functions are known; for other readers, ours go by the hashes
+  if (header.pattern_hash == supportPattern().hash) writePoints("points", supportPattern().points, &file_);
+  const std::vector<LocalPoint> test = testPoints(header.test_point_count);
+  if (header.test_pattern_hash == hashPoints(test)) writePoints("points_test", test, &file_);
   forEachArray(
       [&](const char* name, const std::vector<uint64_t>& columns, const auto& values) {
         if (!isEmptyRow(columns)) file_.makeGrowing<ElementOf<decltype(values)>>(name, columns, kChunkFunctions);

@@ -132,13 +132,13 @@ theta: (n, D) float32)")
       .def("make_theta", &makeTheta, py::arg("phi"), py::arg("validity"), py::arg("blend_sum") = py::none(),
            R"(make_theta(phi, validity, blend_sum=None) -> theta, has_theta, rmse
 
-The whole policy of a bake, with its defaults: network, check, exact last layer, fits and refinement of what fails.
+The whole policy of a bake, with its defaults: network, check, exact last layer, fits, refinement of what fails, rounding.
 
 phi:       (n, P) uint8: functions at support_points(), round(255 phi); 0 at points inside solid
 validity:  (n, P / 8) uint8: 1 outside solid, a bit a point: numpy.packbits(valid, axis=1, bitorder="little")
 blend_sum: (n, P) uint8: round(255 min(1, S)), S the sum of the functions of all probes of the cell there; None: 1 everywhere, and
            places that one probe alone sees may turn black
-theta:     (n, D) float32
+theta:     (n, D) float32, rounded as a light grid holds them
 has_theta: (n,) bool: False where the bare tent is enough, and theta is all 0
 rmse:      (n,) float64: of what stands for the function, over valid points
 

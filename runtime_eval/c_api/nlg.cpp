@@ -37,6 +37,9 @@ NLG_SAME(NLG_PATTERN_UNKNOWN, pattern_unknown);
 NLG_SAME(NLG_SIMD_UNAVAILABLE, simd_unavailable);
 NLG_SAME(NLG_DIGEST_MISMATCH, digest_mismatch);
 #undef NLG_SAME
+static_assert(NLG_THETA_FLOAT32 == static_cast<int>(nlg::ThetaPrecision::float32));
+static_assert(NLG_THETA_FLOAT16 == static_cast<int>(nlg::ThetaPrecision::float16));
+static_assert(NLG_THETA_INT8 == static_cast<int>(nlg::ThetaPrecision::int8));
 static_assert(NLG_LIT == static_cast<int>(nlg::LightStatus::lit));
 static_assert(NLG_FAINT == static_cast<int>(nlg::LightStatus::faint));
 static_assert(NLG_UNLIT == static_cast<int>(nlg::LightStatus::unlit));
@@ -125,6 +128,7 @@ nlg::PolicyOptions optionsOf(const nlg_policy_options& options) {
 #define NLG_CHOICE_OPTION(type, name, value, low, high, help)
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) result.name = options.name;
 #include "runtime_eval/fit/policy_options.def"
+  result.theta_precision = static_cast<nlg::ThetaPrecision>(options.theta_precision);
   return result;
 }
 
@@ -140,6 +144,7 @@ nlg_made madeOf(const nlg::MadeTheta& made, const nlg::CheckOptions& options) {
           checkOf(record.at(nlg::ThetaWord::network), options),
           checkOf(record.at(nlg::ThetaWord::corrected), options),
           checkOf(record.at(nlg::ThetaWord::fitted), options),
+          checkOf(record.at(nlg::ThetaWord::stored), options),
           record.elapsedUs(nlg::ThetaWord::stored)};
 }
 
@@ -230,11 +235,14 @@ nlg_policy_options nlg_default_policy(void) {
 #define NLG_CHOICE_OPTION(type, name, value, low, high, help)
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) options.name = value;
 #include "runtime_eval/fit/policy_options.def"
+  options.theta_precision = static_cast<nlg_theta_precision>(nlg::PolicyOptions{}.theta_precision);
   return options;
 }
 
 const char* nlg_policy_out_of_range(const nlg_policy_options* options) {
-  return options != nullptr ? nlg::outOfRange(optionsOf(*options)) : nullptr;
+  if (options == nullptr) return nullptr;
+  if (options->theta_precision < NLG_THETA_FLOAT32 || options->theta_precision > NLG_THETA_INT8) return "theta_precision";
+  return nlg::outOfRange(optionsOf(*options));
 }
 
 nlg_status nlg_scratch_create(const nlg_generator* generator, const nlg_policy_options* options, nlg_scratch** scratch) {

@@ -89,13 +89,21 @@ const float* nlg_theta0(const nlg_generator* generator);
  * returns       NLG_OK or NLG_OUT_OF_MEMORY; cannot fail any more once a generator has been loaded */
 nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash);
 
+/* What stored theta are rounded to: nlg_make_theta hands out the floats that a light grid of this precision holds. */
+typedef enum nlg_theta_precision NLG_OF_INT {
+  NLG_THETA_FLOAT32 = 0,
+  NLG_THETA_FLOAT16 = 1,
+  NLG_THETA_INT8 = 2
+} nlg_theta_precision;
+
 /* The policy from a function to the theta that is stored: runtime_eval/fit/theta_policy.h says what its stages do, and
  * runtime_eval/fit/policy_options.def what each option is, its default and its range; none may be a NaN. A scratch has one generator,
  * so that there are no options of the choice among several. */
 typedef struct nlg_policy_options {
 #define NLG_CHOICE_OPTION(type, name, value, low, high, help)
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) type name;
-#include "../fit/policy_options.def" /* from here: engines include this header by whatever path */
+#include "../fit/policy_options.def"   /* from here: engines include this header by whatever path */
+  nlg_theta_precision theta_precision; /* NLG_THETA_INT8 */
 } nlg_policy_options;
 
 /* The defaults: those of nlg-bake. */
@@ -152,10 +160,11 @@ typedef struct nlg_made {
   nlg_check network;   /* of one pass of the network */
   nlg_check corrected; /* after the exact last layer */
   nlg_check fitted;    /* after every fit, the refinement included */
+  nlg_check stored;    /* after rounding: of the theta that is handed out */
   double elapsed_us;   /* of this function, by a steady clock */
 } nlg_made;
 
-/* The whole policy: bare tent, network, check, exact last layer, short fits, refinement of what fails. Takes tens of microseconds for most
+/* The whole policy: bare tent, network, check, exact last layer, short fits, refinement of what fails, rounding. Takes tens of microseconds for most
  * functions and milliseconds for the hardest; docs/reference/results.md has the times. Every function has the same theta whatever
  * stands beside it in the call.
  *

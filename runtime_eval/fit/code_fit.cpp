@@ -26,9 +26,15 @@ constexpr float kWrong = 0.01f, kMoving = 0.02f, kLeastSlope = 1e-3f;
 
 constexpr int kCellsASum = 64;
 
+// What the sigmoid may be off, weighed, in a cell that a pass leaves out.
+constexpr float kSettledError = 0.005f;
+// phi is stored in steps of a 255th: a point is open where it is within this of the tent.
+constexpr float kOpenMargin = 2.5f / 255;
+
 struct PassInput {
   const PointOrder& order;
   const float *phi, *mask, *logits;
+  const CellLimits* limits;  // by cell; null: no cell is left out
   float dark_root, kappa;
   float moving, least_slope;  // kMoving and kLeastSlope, or what leaves no point out
 };
@@ -46,6 +52,40 @@ HWY_BEFORE_NAMESPACE();
 namespace nlg {
 namespace HWY_NAMESPACE {
 
+// A cell whose points are all open, or all shut, is settled where the sigmoid agrees: at its corners, and so between them.
+void findCellLimits(const PointOrder& order, const float* HWY_RESTRICT phi, const float* HWY_RESTRICT mask, CellLimits* limits) {
+  const FloatTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d)), cell_count = static_cast<int>(order.cell_begin.size()) - 1;
+  constexpr float kNever = std::numeric_limits<float>::infinity();
+  for (int c = 0; c < cell_count; ++c) {
+    Floats weights = hn::Zero(d), below_tent = hn::Zero(d), light = hn::Zero(d);
+    for (int place = order.cell_begin[c]; place < order.cell_begin[c + 1]; place += lanes) {
+      const Floats weight = hn::Load(d, mask + place), value = hn::Load(d, phi + place);
+      const auto is_valid = hn::Gt(weight, hn::Zero(d));
+      weights = hn::Max(weights, weight);
+      below_tent = hn::Max(below_tent, hn::IfThenElseZero(is_valid, hn::Sub(hn::Load(d, &order.points.tent[place]), value)));
+      light = hn::Max(light, hn::IfThenElseZero(is_valid, value));
+    }
+    const float weight = hn::GetLane(hn::MaxOfLanes(d, weights));
+    const bool is_open = hn::GetLane(hn::MaxOfLanes(d, below_tent)) <= kOpenMargin;
+    const bool is_shut = hn::GetLane(hn::MaxOfLanes(d, light)) == 0.0f;
+    // of a sigmoid that is nearly 1 or 0, exp(-|logit|) is what is missing; a cell without valid points is settled anyhow
+    const float settled = weight > 0.0f ? std::log(weight / kSettledError) : -kNever;
+    limits[c] = {is_open ? settled : kNever, is_shut ? -settled : -kNever};
+  }
+}
+
+bool isSettled(const CellLimits& limits, int resolution, const float* corner) {
+  if (std::isinf(limits.open) && std::isinf(limits.shut)) return limits.open < 0.0f;
+  float lowest = corner[0], highest = corner[0];
+  for (int u = 1; u < 8; ++u) {
+    const float logit = corner[(u & 1) + resolution * ((u >> 1 & 1) + resolution * (u >> 2))];
+    lowest = std::min(lowest, logit);
+    highest = std::max(highest, logit);
+  }
+  return lowest > limits.open || highest < limits.shut;
+}
+
 void passVectors(const PassInput& in, PassOutput& out) {
   const FloatTag d;
   const hn::RebindToSigned<FloatTag> di;
@@ -61,7 +101,9 @@ void passVectors(const PassInput& in, PassOutput& out) {
   Floats lit_square = hn::Zero(d), dark_square = hn::Zero(d);
   for (int c = 0; c < cell_count; ++c) {
     const Cell cell = cellAt(order.resolution, c);
-    for (int place = order.cell_begin[c]; place < order.cell_begin[c + 1]; place += lanes) {
+    const bool is_left_out = in.limits != nullptr && isSettled(in.limits[c], order.resolution, in.logits + cell.first_node);
+    const int cell_end = order.cell_begin[c + 1];
+    for (int place = is_left_out ? cell_end : order.cell_begin[c]; place < cell_end; place += lanes) {
       const Floats logit = cellLogit(d, polynomials, c, cellPosition(d, order, cell, scale, place));
       const Sigmoid s = sigmoid(d, logit);
       const Floats mask = hn::Load(d, in.mask + place), tents = hn::Load(d, &order.points.tent[place]);
@@ -131,20 +173,40 @@ void addRowProducts(const float* HWY_RESTRICT rows, int row_count, int count, fl
 }
 
 // The rows of active points, times their slopes: J. And J^T r.
-void makeRows(const float* HWY_RESTRICT at_places, size_t stride, const int* place, const float* slope, const float* residual,
-              int row_count, int count, float* HWY_RESTRICT rows, float* HWY_RESTRICT gradient) {
+// cell_of   by place; null: a row a point. Two neighbours in one cell else become one row at their weighed mean, with the sum of their
+//           squares: half of the rows, and steps no worse (docs/lab/training.md)
+// returns   how many rows
+int makeRows(const float* HWY_RESTRICT at_places, size_t stride, const int* place, const float* slope, const float* residual,
+             int point_count, const uint16_t* cell_of, int count, float* HWY_RESTRICT rows, float* HWY_RESTRICT gradient) {
   const hn::CappedTag<float, 8> d;
   const int lanes = static_cast<int>(hn::Lanes(d));
-  for (int i = 0; i < row_count; ++i) {
+  int row_count = 0;
+  for (int i = 0; i < point_count; ++row_count) {
     const float* from = at_places + static_cast<size_t>(place[i]) * stride;
-    float* row = rows + static_cast<ptrdiff_t>(i) * count;
+    float* row = rows + static_cast<ptrdiff_t>(row_count) * count;
+    const bool is_pair = cell_of != nullptr && i + 1 < point_count && cell_of[place[i]] == cell_of[place[i + 1]];
+    if (is_pair) {
+      const float* other = at_places + static_cast<size_t>(place[i + 1]) * stride;
+      const float a = slope[i] * slope[i], b = slope[i + 1] * slope[i + 1], over = 1.0f / std::sqrt(a + b);
+      const auto share = hn::Set(d, a * over), other_share = hn::Set(d, b * over);
+      const auto pull = hn::Set(d, slope[i] * residual[i]), other_pull = hn::Set(d, slope[i + 1] * residual[i + 1]);
+      for (int k = 0; k < count; k += lanes) {
+        const auto value = hn::LoadU(d, from + k), other_value = hn::LoadU(d, other + k);
+        hn::StoreU(hn::MulAdd(share, value, hn::Mul(other_share, other_value)), d, row + k);
+        hn::StoreU(hn::MulAdd(pull, value, hn::MulAdd(other_pull, other_value, hn::LoadU(d, gradient + k))), d, gradient + k);
+      }
+      i += 2;
+      continue;
+    }
     const auto factor = hn::Set(d, slope[i]), wrong = hn::Set(d, residual[i]);
     for (int k = 0; k < count; k += lanes) {
       const auto value = hn::Mul(factor, hn::LoadU(d, from + k));
       hn::StoreU(value, d, row + k);
       hn::StoreU(hn::MulAdd(wrong, value, hn::LoadU(d, gradient + k)), d, gradient + k);
     }
+    ++i;
   }
+  return row_count;
 }
 
 // Cholesky in place on the upper triangle; false where a pivot is none.
@@ -182,6 +244,7 @@ HWY_AFTER_NAMESPACE();
 namespace nlg {
 namespace {
 
+HWY_EXPORT(findCellLimits);
 HWY_EXPORT(passVectors);
 HWY_EXPORT(addRowProducts);
 HWY_EXPORT(makeRows);
@@ -213,7 +276,12 @@ void CodeFit::prepare(const Representation& representation) {
   logits_.assign(dictionary_->nodeStride(), 0.0f);
   for (AlignedFloats* square : {&matrix_, &factor_}) square->assign(K * K, 0.0f);
   gradient_.assign(K, 0.0f);
-  rows_.assign(kRowsAtOnce * K, 0.0f);
+  rows_.assign(2 * kRowsAtOnce * K, 0.0f);
+  limits_.assign(order_->cell_begin.size() - 1, {});
+  cell_of_.assign(static_cast<size_t>(order_->placeCount()), 0);
+  for (size_t c = 0; c < limits_.size(); ++c) {
+    std::fill(cell_of_.begin() + order_->cell_begin[c], cell_of_.begin() + order_->cell_begin[c + 1], static_cast<uint16_t>(c));
+  }
   trial_.assign(K, 0.0f);
   start_.assign(K, 0.0f);
   for (Pass* pass : {&best_, &other_}) {
@@ -229,6 +297,7 @@ void CodeFit::runPass(const WeightingFunction& function, int count, const float*
                      function.phi.data(),
                      function.mask.data(),
                      logits_.data(),
+                     all_points_ ? nullptr : limits_.data(),
                      dark_root,
                      kappa,
                      all_points_ ? -1.0f : kMoving,
@@ -251,16 +320,19 @@ double CodeFit::priorCost(const CodeFitOptions& options, int count, const float*
   return options.prior * sum;
 }
 
-void CodeFit::addEquations(const Pass& pass, int count, float kappa) {
+void CodeFit::addEquations(const Pass& pass, int count, float kappa, RowsOf rows) {
   const Dictionary::FitTables& tables = dictionary_->fitTables();
   const auto K = static_cast<size_t>(dictionary_->codeCount());
   std::fill_n(matrix_.begin(), count * count, 0.0f);
   std::fill_n(gradient_.begin(), count, 0.0f);
-  for (int first = 0; first < pass.active_count; first += kRowsAtOnce) {
-    const int row_count = std::min(kRowsAtOnce, pass.active_count - first);
-    HWY_DYNAMIC_DISPATCH(makeRows)
-    (tables.at_places.data(), K, &pass.place[first], &pass.slope[first], &pass.residual[first], row_count, count, rows_.data(),
-     gradient_.data());
+  const bool is_merged = rows == RowsOf::pairs;
+  const int points_at_once = is_merged ? 2 * kRowsAtOnce : kRowsAtOnce;
+  for (int first = 0; first < pass.active_count;) {
+    const int point_count = std::min(points_at_once, pass.active_count - first);
+    const int row_count =
+        HWY_DYNAMIC_DISPATCH(makeRows)(tables.at_places.data(), K, &pass.place[first], &pass.slope[first], &pass.residual[first],
+                                       point_count, is_merged ? cell_of_.data() : nullptr, count, rows_.data(), gradient_.data());
+    first += point_count;
     HWY_DYNAMIC_DISPATCH(addRowProducts)(rows_.data(), row_count, count, matrix_.data());
   }
   if (kappa == 0.0f) return;
@@ -311,6 +383,7 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
   std::copy_n(z, K, start_.begin());
   std::fill(trial_.begin(), trial_.end(), 0.0f);
   const float full_root = function.dark_root;
+  if (!all_points_) HWY_DYNAMIC_DISPATCH(findCellLimits)(*order_, function.phi.data(), function.mask.data(), limits_.data());
   const auto squareOf = [&](const Pass& pass, float root) { return pass.lit_square + double{root} * root * pass.dark_square; };
   const auto rootAt = [&](int step) { return darkRoot(options, step, full_root); };
   runPass(function, count, z, rootAt(0), kappaOf(options, 0), &best_);
@@ -330,7 +403,7 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
       runPass(function, count, z, root, kappa, &best_);
       is_current = false;
     }
-    if (!is_current) addEquations(best_, count, kappa);
+    if (!is_current) addEquations(best_, count, kappa, all_points_ ? RowsOf::points : RowsOf::pairs);
     is_current = true;
     ++result.steps;
     double trial_prior = 0.0;
@@ -379,9 +452,10 @@ void CodeFit::equationsAt(const Representation& representation, const WeightingF
                           const float* z, CodeEquations* equations) {
   prepare(representation);
   all_points_ = options.all_points;
+  if (!all_points_) HWY_DYNAMIC_DISPATCH(findCellLimits)(*order_, function.phi.data(), function.mask.data(), limits_.data());
   const int K = dictionary_->codeCount();
   runPass(function, K, z, function.dark_root, 0.0f, &other_);
-  addEquations(other_, K, 0.0f);
+  addEquations(other_, K, 0.0f, RowsOf::points);
   equations->count = K;
   equations->matrix.resize(matrix_.size());
   for (int i = 0; i < K; ++i) {

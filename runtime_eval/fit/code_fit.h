@@ -3,12 +3,15 @@
 // What is minimised is the sum of squared weighed residuals and a prior that pulls every number towards 0, the mean code. The logits are
 // not rounded meanwhile (dictionary.h); what rounding makes of a code is measured when the fit has ended.
 //
-// Three things make few steps do (docs/theory/math.md §9):
+// Four things make few steps, and cheap ones, do (docs/theory/math.md §9):
 // - Only *active* points have a row in the normal equations: those that are wrong or that the sigmoid still moves, some 500 of 8192.
 // - Where the sigmoid has shut a point that is wrong, its slope is taken as kappa at least, which falls to 0 over the first steps.
 // - The weight of dark points rises to what the function's mask says over the first steps.
+// - Cells whose points are all open, or all shut, are left out of a pass once the sigmoid agrees; two neighbouring active points of a cell
+//   share a row.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "runtime_eval/evaluator/representation.h"
@@ -35,6 +38,11 @@ struct CodeEquations {
 
   // The matrix becomes U, upper triangular, U^T U what it was; the numbers below the diagonal are any. False where it has none.
   bool factor();
+};
+
+// Of a cell: a pass leaves it out where the logits at all of its corners are above `open`, or below `shut`.
+struct CellLimits {
+  float open, shut;
 };
 
 // One of these a thread: it keeps its workspace.
@@ -66,13 +74,16 @@ class CodeFit {
   void prepare(const Representation& representation);
   void runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa, Pass* pass);
   double priorCost(const CodeFitOptions& options, int count, const float* z) const;
+  enum class RowsOf { points, pairs };
   // J^T J and J^T r of a pass, and kappa's share of it.
-  void addEquations(const Pass& pass, int count, float kappa);
+  void addEquations(const Pass& pass, int count, float kappa, RowsOf rows);
   bool solveStep(const CodeFitOptions& options, int count, double damping, const float* z, float* trial);
 
   SharedDictionary dictionary_;  // that all below is made for
   const PointOrder* order_ = nullptr;
-  bool all_points_ = false;  // CodeFitOptions::all_points of the present call
+  bool all_points_ = false;         // CodeFitOptions::all_points of the present call
+  std::vector<CellLimits> limits_;  // of the present function
+  std::vector<uint16_t> cell_of_;   // by place
   AlignedFloats logits_, matrix_, factor_, gradient_, rows_;
   std::vector<float> trial_, start_;
   Pass best_, other_;

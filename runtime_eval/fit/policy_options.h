@@ -47,7 +47,7 @@ struct ChoiceOptions {
 #undef NLG_FIELD
 
 struct PolicyOptions : StageOptions, CodeOptions, CheckOptions, RefinementOptions, ChoiceOptions {
-  ThetaPrecision theta_precision = ThetaPrecision::float32;
+  ThetaPrecision theta_precision = ThetaPrecision::int8;  // what stored theta are rounded to, as a light grid holds them
 
   const CheckOptions& check() const { return *this; }
   CheckOptions& check() { return *this; }

@@ -52,7 +52,7 @@ for representation in mlp tent_mlp pf5; do
   stored=$(sed -n 's/^stored: RMSE \([0-9.]*\),.*/\1/p' <<< "$output")
   awk -v n="$network" -v s="$stored" 'BEGIN { exit !(n > 0.02 && s > 0 && s < n) }' || fail "the policy: '$network' to '$stored'"
   # C and C++ sum the same numbers in another order
-  in_c=$("$work/build/bake_minimal_c" "$work/weights.safetensors" | sed -n 's/^fitted: *RMSE \([0-9.]*\),.*/\1/p')
+  in_c=$("$work/build/bake_minimal_c" "$work/weights.safetensors" | sed -n 's/^stored: *RMSE \([0-9.]*\),.*/\1/p')
   awk -v s="$stored" -v c="$in_c" 'BEGIN { exit !(c > 0 && s - c < 2e-5 && c - s < 2e-5) }' || fail "C: '$in_c', C++: '$stored'"
 done
 

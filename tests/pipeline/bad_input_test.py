@@ -92,8 +92,7 @@ def check_broken_configurations():
 def check_tables_of_scripts():
     """JSON and CSV that the workflow's scripts read: one line that names the file. tests/tool/scripts_test.py has what may be wrong in them."""
     path = os.path.abspath(write("many_digits.json", b'{"cases": [{"ran": ' + b"9" * 400 + b"}]}"))
-    for script in (["workflow/failed_cases.py", path], ["workflow/plan.py", "--training", "1", path, "--held-out", "1", path],
-                   ["workflow/training_curve.py", "--log", path, "--title", "x", "--out", os.path.abspath("bad.png")]):
+    for script in (["workflow/failed_cases.py", path], ["workflow/training_curve.py", "--log", path, "--title", "x", "--out", os.path.abspath("bad.png")]):
         ends_in_one_line(INPUT_ERROR, "many_digits.json", "/usr/bin/python3", *script)
     if os.path.exists("bad.png"):
         failures.append("a refused curve left a picture")

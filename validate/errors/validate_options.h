@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bake/policy_options.h"
+#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/direct.h"
 #include "runtime_eval/fit/theta_policy.h"
 #include "tool/options.h"
@@ -12,10 +13,11 @@
 namespace nlg {
 
 struct ValidateOptions {
-  PolicyOptions policy;                                  // the bake's
-  std::string theta_precision = kDefaultThetaPrecision;  // becomes the policy's when a validation begins
-  double hard_tent_rmse = 0.01;                          // functions whose bare tent is at least so wrong are hard
-  int direct_functions = 300;                            // the sample: functions that take a theta, on which long fits run
+  PolicyOptions policy;  // the bake's
+  std::string theta_precision =
+      thetaPrecisionName(PolicyOptions{}.theta_precision);  // becomes the policy's when a validation begins
+  double hard_tent_rmse = 0.01;                             // functions whose bare tent is at least so wrong are hard
+  int direct_functions = 300;                               // the sample: functions that take a theta, on which long fits run
   DirectOptions direct;
   int convergence_functions = 20;  // hard ones of the sample, on which direct fits are given more than they need; 0: not shown
   int threads = 0;                 // 0: as many as the machine runs at once

@@ -10,6 +10,7 @@
 #include "datagen/dataset/hdf5_file.h"
 #include "datagen/dataset/shard_reader.h"
 #include "datagen/dataset/shard_writer.h"
+#include "runtime_eval/support/support_pattern.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -282,6 +283,22 @@ TEST_F(ShardFile, IsTheSameWrittenPieceByPiece) {
 
 TEST_F(ShardFile, LeavesTheOldShardWhenTheNewOneCannotBeWritten) {
   EXPECT_THROW(writeShard("/proc/nlg/x.h5", shardOf(1, 8, 0)), OutputError);
+}
+
+TEST_F(ShardFile, SaysWhereItsPointsAre) {
+  Shard shard = shardOf(2, kSupportPointCount, 24);
+  shard.pattern_hash = supportPattern().hash;
+  shard.test_pattern_hash = hashPoints(testPoints(24));
+  writeShard(path_, shard);
+  const auto flat = [](const std::vector<LocalPoint>& points) {
+    std::vector<float> values;
+    for (const LocalPoint& point : points) values.insert(values.end(), point.begin(), point.end());
+    return values;
+  };
+  const Hdf5Reader file(path_);
+  EXPECT_EQ(file.read<float>("points", {kSupportPointCount, 3}), flat(supportPattern().points));
+  EXPECT_EQ(file.read<float>("points_test", {24, 3}), flat(testPoints(24)));
+  EXPECT_NE(file.readTextAttribute("units").find("\"spacing_m\": \"m\""), std::string::npos);
 }
 
 TEST(ShardDeathTest, StopsAWriterThatBreaksTheContract) {

@@ -260,6 +260,10 @@ TEST(CApi, RefusesEveryOptionOutOfItsRangeByItsName) {
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) \
   refuses(#name, &nlg_policy_options::name, static_cast<type>(low), static_cast<type>(high));
 #include "runtime_eval/fit/policy_options.def"
+  nlg_policy_options other = nlg_default_policy();
+  EXPECT_EQ(other.theta_precision, NLG_THETA_INT8);
+  other.theta_precision = static_cast<nlg_theta_precision>(3);
+  EXPECT_STREQ(nlg_policy_out_of_range(&other), "theta_precision");
   EXPECT_EQ(nlg_policy_out_of_range(nullptr), nullptr) << "the defaults";
 }
 
@@ -329,6 +333,7 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
   nlg_policy_options options = nlg_default_policy();
   PolicyOptions same;
   set(options), set(same);
+  options.theta_precision = NLG_THETA_FLOAT16, same.theta_precision = ThetaPrecision::float16;
   for (const GeneratorData* data : {&exactData(), &fieldData()}) {
     const Loaded loaded(*data, &options);
     const Generator generator(*data);
@@ -354,14 +359,15 @@ TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
         EXPECT_EQ(made[n].network.rmse, one.record.at(ThetaWord::network).rmse) << n;
         EXPECT_EQ(made[n].corrected.leak_share, one.record.at(ThetaWord::corrected).leak_share) << n;
         EXPECT_EQ(made[n].fitted.rmse, one.record.at(ThetaWord::fitted).rmse) << n;
-        EXPECT_EQ(made[n].fitted.passes, one.check().passes(same.check())) << n;
+        EXPECT_EQ(made[n].stored.rmse, one.check().rmse) << n;
+        EXPECT_EQ(made[n].stored.passes, one.check().passes(same.check())) << n;
         if (made[n].has_theta == 0) continue;
         const nlg_check check =
             nlg_check_theta(loaded.generator, &functions.phi[n * kSupportPointCount], &functions.validity[n * kValidityByteCount],
                             &functions.blend_sum[n * kSupportPointCount], of_c.data(), loaded.scratch);
-        EXPECT_EQ(check.rmse, made[n].fitted.rmse) << n;
-        EXPECT_EQ(check.blend_rmse, made[n].fitted.blend_rmse) << n;
-        EXPECT_EQ(check.leak_mean, made[n].fitted.leak_mean) << n;
+        EXPECT_EQ(check.rmse, made[n].stored.rmse) << n;
+        EXPECT_EQ(check.blend_rmse, made[n].stored.blend_rmse) << n;
+        EXPECT_EQ(check.leak_mean, made[n].stored.leak_mean) << n;
       }
     }
   }

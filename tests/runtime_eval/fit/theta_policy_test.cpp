@@ -40,6 +40,7 @@ Generator solvedGenerator(const Representation& representation, uint64_t seed = 
 // Short, and with limits that some functions pass and others do not.
 PolicyOptions shortOptions() {
   PolicyOptions options;
+  options.theta_precision = ThetaPrecision::float32;
   options.adam_steps = 40;
   options.tau_rmse = 0.05;
   options.refine_rounds = 1;

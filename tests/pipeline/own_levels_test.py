@@ -1,0 +1,84 @@
+#!/usr/bin/python3
+"""README's line for own levels, on a folder that nothing has seen: six small rooms to weights, a report and a bake with them.
+
+    own_levels_test.py BIN_FOLDER          (from the source folder)
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BIN = Path(sys.argv[1]).resolve()
+# as little as the stages take; what a user would leave alone
+SMALL = ["scenes.families=[house]", "scenes.per_family=1", "scenes.jitters=1", "datagen.max_functions=120", "datagen.test_points=512", "basis.components=64",
+         "train.steps=40", "train.batch=32", "train.start_candidates=16", "representations={tent_mlp4: {}}", "validate.direct_functions=4",
+         "validate.direct_adam_steps=300", "validate.direct_lm_iterations=4", "validate.direct_restarts=1", "validate.convergence_functions=1",
+         "frontier.functions=4", "frontier.repeats=2", "frontier.direct_adam_steps=[250]", "bake.spacing_m=1.5"]
+
+
+def box(low, high, is_room):
+    """Twelve triangles of a box, which face inward for a room and outward for what stands in it."""
+    corners = [[(low, high)[bits >> axis & 1][axis] for axis in range(3)] for bits in range(8)]
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return corners, [tuple(reversed(face)) if is_room else face for face in faces]
+
+
+def room(seed):
+    """A room with a wall that leaves a door, as an OBJ file."""
+    width, depth = 4 + seed % 3, 5 + seed % 2
+    lines, first = [], 1
+    for low, high, is_room in [((0, 0, 0), (width, 2.6, depth), True), ((0, 0, 2 + 0.1 * seed), (width - 1.1, 2.6, 2.2 + 0.1 * seed), False)]:
+        corners, faces = box(low, high, is_room)
+        lines += [f"v {x} {y} {z}" for x, y, z in corners]
+        lines += ["f " + " ".join(str(first + i) for i in face) for face in faces]
+        first += 8
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        levels = folder / "six rooms"
+        levels.mkdir()
+        for seed in range(6):
+            (levels / f"room{seed}.obj").write_text(room(seed))
+        environment = {**os.environ, "NLG_OUT": str(folder / "out")}
+        pipeline = ["./pipeline.sh", "--bin", str(BIN), *(word for setting in SMALL for word in ("--set", setting))]
+
+        def run(*command, code=0):
+            done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+            assert done.returncode == code, f"{command}: {done.returncode}, expected {code}\n{done.stdout}\n{done.stderr}"
+            return done
+
+        refused = run(*pipeline, "--set", "split.held_out=[room1, room7]", str(levels), code=2).stderr
+        assert "room7" in refused and "room0, room1" in refused, refused
+        plan = run(*pipeline, "--plan", str(levels)).stdout
+        for words in ("six_rooms", "held out", "data set", "basis", "train tent_mlp4", "validate", "frontier", "report", "functions"):
+            assert words in plan, f"the plan lacks '{words}':\n{plan}"
+        assert not (folder / "out/six_rooms/dataset").exists(), "a plan that makes data"
+
+        said = run(*pipeline, str(levels))
+        out = folder / "out/six_rooms"
+        held_out = [path.name.split(".")[0] for path in (out / "dataset/held_out").glob("*.h5")]
+        trained = {path.name.split(".")[0] for path in (out / "dataset/training").glob("*.h5")}
+        assert len(held_out) == 1 and held_out[0].startswith("room") and held_out[0] in plan, f"{held_out}\n{plan}"
+        assert len(trained) == 6 and not trained & set(held_out), trained
+        assert "tent_mlp4" in said.stdout and str(out / "report.html") in said.stdout, said.stdout
+        assert held_out[0] in (out / "report.html").read_text(), "a report without the held-out level"
+        assert "room" in (out / "configuration.yaml").read_text() or str(levels) in (out / "configuration.yaml").read_text()
+
+        weights = out / "weights/tent_mlp4.safetensors"
+        run(str(BIN / "nlg-bake"), str(levels / "room0.obj"), "--weights", str(weights), "--spacing-m", "1.5", "--light", "none",
+            "--out", str(folder / "room0.safetensors"), "--json", str(folder / "room0.json"))
+        assert json.loads((folder / "room0.json").read_text())["functions"], "a bake without functions"
+        # what is there is not made again
+        again = run(*pipeline, str(levels)).stderr
+        assert "nothing to be done" in again, again
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,80 @@
+"""What the stages of a run take on one core: for the plan (plan.py), and with room to spare for batch systems (resources.py).
+
+Measured on two cores of a shared machine (docs/lab/scaling.md); each within a factor of 1.5 there.
+"""
+from settings import default
+
+# Seconds. A shard: process, scene and trees, and a function that is kept, with the duplicates that were made on the way to it.
+SHARD_S, FUNCTION_S = 0.6, 3e-3
+# of a function that is read: its moments for the basis; its coefficients for the cache, or once more for a figure
+MOMENTS_S, READ_S = 0.6e-3, 0.25e-3
+BASIS_S, CACHE_S, EXPORT_S, REPORT_S = 10, 3, 8, 12
+TRAIN_S = 20                      # theta0 and validations while training
+STABILITY_S = {"short": 10, "full": 120, "long": 900}
+
+# By representation. A function in a batch of a training, forth and back; a function with a theta through the whole policy; a function of the
+# validation's sample and of the frontier, at the tools' own numbers of steps.
+SAMPLE_S = {"mlp": 0.25e-3, "tent_mlp": 0.15e-3, "tent_mlp44": 0.21e-3, "tent_mlp4": 0.16e-3, "pf3": 0.12e-3, "pf5": 0.16e-3, "pf7": 0.23e-3,
+            "pf9": 0.38e-3, "code": 0.17e-3}
+POLICY_S = {"mlp": 15e-3, "tent_mlp": 9e-3, "tent_mlp44": 4.5e-3, "tent_mlp4": 3e-3, "pf3": 3e-3, "pf5": 8e-3, "pf7": 20e-3, "pf9": 40e-3, "code": 1.5e-3}
+DIRECT_S = {"mlp": 1.2, "tent_mlp": 1.2, "tent_mlp44": 0.7, "tent_mlp4": 0.5, "pf3": 0.3, "pf5": 1.0, "pf7": 3.0, "pf9": 7.0, "code": 0.6}
+FRONTIER_S = {"mlp": 1.0, "tent_mlp": 1.0, "tent_mlp44": 0.6, "tent_mlp4": 0.4, "pf3": 0.3, "pf5": 0.8, "pf7": 2.0, "pf9": 4.0, "code": 0.5}
+WITH_THETA = 0.6                  # of all functions, those that the bare tent is not enough for
+LIGHT_S = 25                      # of a scene, at a spacing, with the tools' own numbers of places and rays
+SAVINGS_S = 20                    # of a scene that is baked, and a representation
+
+
+def of(table, representation):
+    return table.get(representation, table["code"])
+
+
+class Costs:
+    """Seconds of one core that the stages of a run (configuration.py) take.
+
+    functions   of each split
+    """
+
+    def __init__(self, run, functions):
+        self.run, self.functions = run, functions
+
+    def setting(self, section, key, own=None):
+        """A number of a section, or what a scene or a representation has for itself."""
+        return int({**self.run.sections[section], **(own or {})}.get(key, default(section, key)))
+
+    def basis(self):
+        return BASIS_S + MOMENTS_S * (self.functions["training"] + self.functions["held_out"])
+
+    def cache(self):
+        return CACHE_S + READ_S * self.functions["training"]
+
+    def train(self, representation):
+        own = self.run.representations[representation]
+        return TRAIN_S + of(SAMPLE_S, representation) * self.setting("train", "steps", own) * self.setting("train", "batch", own)
+
+    def export(self):
+        return EXPORT_S
+
+    def validate(self, split):
+        """Every function through the policy; long fits of a sample, and of some of it four times over to show that they have converged."""
+        sample = min(self.setting("validate", "direct_functions"), self.functions[split])
+        starts = (1 + self.setting("validate", "direct_restarts")) / (1 + default("validate", "direct_restarts"))
+        length = self.setting("validate", "direct_adam_steps") / default("validate", "direct_adam_steps")
+        long_fits = sample + 4 * self.setting("validate", "convergence_functions")
+        return sum(READ_S * self.functions["training"] + WITH_THETA * of(POLICY_S, name) * self.functions[split] + of(DIRECT_S, name) * long_fits * starts * length
+                   for name in self.run.representations)
+
+    def frontier(self, split):
+        sample = min(self.setting("frontier", "functions"), self.functions[split])
+        return sum(of(FRONTIER_S, name) * sample for name in self.run.representations)
+
+    def stability(self):
+        return STABILITY_S[self.run.report["stability"]]
+
+    def savings(self):
+        return SAVINGS_S * len(self.run.savings) * len(self.run.representations)
+
+    def light(self):
+        return LIGHT_S * len(self.run.light_scenes) * len(self.run.light_spacings)
+
+    def report(self):
+        return REPORT_S
