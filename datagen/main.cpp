@@ -63,9 +63,12 @@ int planMain(int argc, char** argv) {
   table.common(kCommonOptions);
   addRequest(app, request);
   app.add_flag("--json", json, "one line of JSON");
-  app.add_option("--sample", sample, "functions that are made to find out, duplicates included")->check(CLI::Range(16, 1000000))->capture_default_str();
-  return runTool(argc, argv, app, table,
-                 [&] { printPlan(request, planShard(request, options, table, sample), json ? PlanFormat::json : PlanFormat::text); });
+  app.add_option("--sample", sample, "functions that are made to find out, duplicates included")
+      ->check(CLI::Range(16, 1000000))
+      ->capture_default_str();
+  return runTool(argc, argv, app, table, [&] {
+    printPlan(request, planShard(request, options, table, sample), json ? PlanFormat::json : PlanFormat::text);
+  });
 }
 
 int sceneInfoMain(int argc, char** argv) {

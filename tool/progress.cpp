@@ -74,7 +74,7 @@ void Progress::update(int64_t done, const std::string& note) {
   if (!due()) return;
   const auto now = std::chrono::steady_clock::now();
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
-  const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
+  const double rate = elapsed_s > 0 ? static_cast<double>(done - done_before_) / elapsed_s : 0;
   std::string line = fmt::format("{}: {}: {} of {}", program_invocation_short_name, what_, done, total_);
   if (total_ > 0) line += fmt::format(" ({:.1f} %)", 100.0 * static_cast<double>(done) / static_cast<double>(total_));
   if (rate > 0) {

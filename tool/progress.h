@@ -25,6 +25,8 @@ class Progress {
 
   // The total as it is known by now, where it is only an estimate at first.
   void setTotal(int64_t total) { total_ = total; }
+  // So many were done before this stage began, which its rate must not count.
+  void setDoneBefore(int64_t done) { done_before_ = done; }
   // Whether update would print now: lets a fast loop save the making of its note.
   bool due() const;
   // Says how many are done; prints at most ten times a second: count, share, rate, time left, and note. One thread at a time.
@@ -39,7 +41,7 @@ class Progress {
   void print(const std::string& line);
 
   std::string what_;
-  int64_t total_;
+  int64_t total_, done_before_ = 0;
   Form form_;
   bool printed_ = false;
   int exceptions_;  // that were on their way when the stage began

@@ -18,19 +18,28 @@ bool isDamage(FileStatus status) {
          status == FileStatus::tensor_malformed || status == FileStatus::digest_mismatch;
 }
 
-// Whether a file is whole all the same: a safetensors file whose digest holds, of other tensors than were looked for, or an HDF5 file.
-bool isOfAnotherKind(const std::string& path) {
+// What a file is that is whole all the same, in words; empty where it is nothing that is known.
+std::string otherKind(const std::string& path) {
   ByteSource source;
-  if (!openByteSource(path, &source).ok()) return false;
-  constexpr std::string_view kHdf5Begins = "\x89HDF\r\n\x1a\n";
+  if (!openByteSource(path, &source).ok()) return "";
+  constexpr std::string_view kHdf5Begins = "\x89HDF\r\n\x1a\n", kOnnxBegins = "\x08";
   std::string begins(kHdf5Begins.size(), '\0');
-  if (source.size >= begins.size() && source.read(0, begins.data(), begins.size()) && begins == kHdf5Begins) return true;
+  if (source.size >= begins.size() && source.read(0, begins.data(), begins.size())) {
+    if (begins == kHdf5Begins) return "an HDF5 file, a shard or a basis";
+    // the field ir_version of a model
+    if (begins.starts_with(kOnnxBegins) && path.ends_with(".onnx"))
+      return "an ONNX model, for other runtimes; its weights file is read here";
+  }
   const auto known = [](const std::string&, const std::string& dtype) {
     return std::string(dtypeBytes(dtype) > 0 ? "" : "an unknown dtype");
   };
   WeightsHeader header;
   uint64_t data_offset = 0;
-  return readLayout(source, TensorAlignment::element, known, &header, &data_offset).ok() && header.digest_offset != 0;
+  if (!readLayout(source, TensorAlignment::element, known, &header, &data_offset).ok() || header.digest_offset == 0) return "";
+  const auto kind = header.metadata.find("kind");
+  if (kind != header.metadata.end() && kind->second.starts_with("nlg-checkpoint"))
+    return "a checkpoint of nlg-train, of which nlg-export makes weights";
+  return "a whole file of other tensors";
 }
 
 }  // namespace
@@ -42,8 +51,11 @@ void requireRead(const std::string& path, const FileResult& result, const std::s
   // the library's own lines begin with the path, as an error does
   const std::string prefix = path + ": ";
   const std::string got = result.detail.rfind(prefix, 0) == 0 ? result.detail.substr(prefix.size()) : result.detail;
-  if (isDamage(result.status) && !isOfAnotherKind(path)) throw DamageError(path, status, expected, got);
-  if (!result.ok()) throw InputError(path, status, expected, got);
+  if (!result.ok()) {
+    const std::string kind = otherKind(path);
+    if (isDamage(result.status) && kind.empty()) throw DamageError(path, status, expected, got);
+    throw InputError(path, status, expected, kind.empty() ? got : kind + ": " + got);
+  }
   if (!result.detail.empty()) sayUnchecked(result.detail);
 }
 

@@ -1,6 +1,7 @@
 // nlg-train: trains the generator of one representation; a killed run goes on where its last checkpoint stood.
 
 #include <torch/cuda.h>
+#include <csignal>
 #include <cstring>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +15,7 @@
 #include "tool/file_info.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
+#include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "train/generator/code_ordering.h"
@@ -93,7 +95,22 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis, co
   return TrainingData(std::move(cache), basis.basis.data, used);
 }
 
-// Goes on from the run's newest whole checkpoint when there is one of this very run.
+// Set by Ctrl-C and its kin.
+volatile std::sig_atomic_t stopped_by = 0;
+
+// Whether a run is the one that is asked for but for its number of steps, of which more are asked for.
+bool isExtended(const RunIdentity& found, const RunIdentity& asked) {
+  nlohmann::ordered_json a = nlohmann::ordered_json::parse(found.options_json, nullptr, false),
+                         b = nlohmann::ordered_json::parse(asked.options_json, nullptr, false);
+  if (!a.is_object() || !b.is_object() || !a.contains("steps") || !b.contains("steps") || !(a["steps"] < b["steps"]))
+    return false;
+  a.erase("steps"), b.erase("steps");
+  RunIdentity same = found;
+  same.options_json = asked.options_json;
+  return a == b && same == asked;
+}
+
+// Goes on from the run's newest whole checkpoint when there is one of this very run, or of a shorter one.
 void resume(const Request& request, const RunIdentity& identity, const RunFolder& folder, TrainingState* state) {
   const std::vector<std::string> paths = folder.newestFirst();
   for (const std::string& path : paths) {
@@ -110,7 +127,10 @@ void resume(const Request& request, const RunIdentity& identity, const RunFolder
       std::cerr << "nlg-train: starting afresh: " << path << " is of another run\n";
       break;
     }
-    readCheckpoint(*file, identity, state);
+    const bool is_extended = isExtended(file->identity(), identity);
+    readCheckpoint(*file, is_extended ? file->identity() : identity, state);
+    if (is_extended)
+      std::cerr << "nlg-train: an extended run: its rate rises anew, and it ends otherwise than one of so many steps\n";
     std::cerr << "nlg-train: going on from step " << state->step << " of " << path << '\n';
     if (request.processes.rank == 0) folder.settle(path, *state);
     return;
@@ -152,6 +172,7 @@ void printReport(const Request& request, const TrainingData& training, const Tra
                                          {"steps", state.step},
                                          {"held_out_network_blend_rmse", report.held_out.network},
                                          {"held_out_blend_rmse", report.held_out.final},
+                                         {"bare_tent_blend_rmse", report.held_out.tent},
                                          {"rollbacks", state.rollbacks},
                                          {"elapsed_s", report.elapsed_s},
                                          {"samples_per_s", report.samples_per_s}};
@@ -190,9 +211,13 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
 
   const RunIdentity identity{request.representation, runOptions(table).dump(), fileSha256(request.basis), training.sha256()};
   const RunFolder folder(request.run);
+  const auto lock = request.processes.rank == 0 ? folder.lock() : nullptr;
   TrainingState state = makeState(options, Theta(representation.thetaCount()));
   resume(request, identity, folder, &state);
-  if (state.step == 0) state = makeState(options, fitTheta0(representation, basis, options.start));
+  if (state.step == 0) {
+    const Progress progress("theta0, where all functions begin");
+    state = makeState(options, fitTheta0(representation, basis, options.start));
+  }
   const auto save = [&] {
     folder.writeOrigin(table.toJson(),
                        provenance("nlg-train", table.toJson(),
@@ -202,8 +227,22 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   };
   const ProcessGroup processes(request.processes);
   requireSameRun(processes, identity);
-  const TrainReport report = train(options, representation, training, held_out, &state, save, processes);
+  // several processes have to end together, and go on from their last checkpoint
+  if (processes.count() == 1) {
+    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stopped_by = number; });
+  }
+  const TrainReport report =
+      train(options, representation, training, held_out, &state, save, processes, [] { return stopped_by != 0; });
+  if (report.is_stopped) {
+    std::cerr << "nlg-train: stopped at step " << state.step << " of " << options.steps << "; the same command goes on\n";
+    std::signal(stopped_by, SIG_DFL);
+    std::raise(stopped_by);
+  }
   if (processes.rank() != 0) return;
+  if (report.held_out.final >= report.held_out.tent) {
+    std::cerr << "nlg-train: a generator that is worse than the bare tent on held-out functions: " << report.held_out.final
+              << ", " << report.held_out.tent << "; try a smaller learning_rate or more steps\n";
+  }
   if (representation.isCode()) {
     orderCodes(training, used, {.tent_rmse = options.bare_tent_rmse, .loss = options.loss, .threads = options.threads},
                &state.average);

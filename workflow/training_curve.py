@@ -14,7 +14,7 @@ from tool.atomic_file import write_atomically
 from tool.errors import run
 from tool.input_file import parse_number, read_columns
 
-COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network_blend_rmse", "held_out_blend_rmse", "rollbacks")
+COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network_blend_rmse", "held_out_blend_rmse", "bare_tent_blend_rmse", "rollbacks")
 
 
 def main():
@@ -31,6 +31,7 @@ def main():
     if network != corrected:
         axes.plot(steps, network, marker="o", markersize=2.5, color="#56B4E9", label="held-out blend RMSE, network alone")
     axes.plot(steps, corrected, marker="o", markersize=3, color="#0072B2", label="held-out blend RMSE")
+    axes.axhline(rows[-1]["bare_tent_blend_rmse"], color="#D55E00", linewidth=1, linestyle="-.", label="the bare tent")
     for before, row in zip([{"rollbacks": 0.0}, *rows], rows):
         if row["rollbacks"] > before["rollbacks"]:
             axes.axvline(row["step"], color="0.6", linewidth=0.8, linestyle=":")

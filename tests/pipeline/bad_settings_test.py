@@ -42,6 +42,7 @@ CALLS_REFUSED = [
     *((USAGE_ERROR, "scene: ", ["nlg-datagen", "--scene", f"house:{seed}", "--out", "bad.h5"]) for seed in ("", "x", "-1", "1.5", "9" * 30)),
     (USAGE_ERROR, ".onnx", "nlg-export onnx --weights weights.safetensors --out bad.bin"),
     (INPUT_ERROR, "basis.h5", "nlg-export onnx --weights basis.h5 --out bad.onnx"),
+    (INPUT_ERROR, ["run.ckpt", "a checkpoint of nlg-train, of which nlg-export makes weights"], "nlg-bake house:1 --weights run.ckpt --out bad.safetensors"),
     (USAGE_ERROR, ["--representation", "pf4"], call("nlg-train", by={"tent_mlp": "pf4"})),
     (USAGE_ERROR, ["representation", "'pf4'"], "nlg-bake house:1 --representation pf4 --out bad.safetensors"),
     (USAGE_ERROR, [], "nlg-datagen plan"), (USAGE_ERROR, [], "nlg-datagen info"),

@@ -6,6 +6,7 @@
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -17,11 +18,11 @@ from training_cases import poisoned_cache  # noqa: E402
 
 BIN = os.path.abspath(sys.argv[1])
 TIMEOUT_FACTOR = float(os.environ.get("NLG_TEST_TIMEOUT_FACTOR", "1"))  # of sanitizers, which slow everything down
-INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
+USAGE_ERROR, INPUT_ERROR, NUMERICAL_ERROR = 2, 3, 4  # tool/error.h
 failures = []
 
 OPTIONS = ["--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1", "--width", "24", "--layers", "2",
-           "--learning-rate", "0.003", "--theta-share", "0.25"]
+           "--theta-share", "0.25"]
 INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
 CACHE = ["--cache", "functions.cache"]
 
@@ -44,8 +45,8 @@ def end(process, expected=0):
     return out, err
 
 
-def train(name, *more, data=CACHE, steps=120):
-    return start("nlg-train", *INPUTS, *OPTIONS, *data, "--steps", str(steps), "--out", f"{name}.ckpt", "--run", f"{name}_run", "--log", f"{name}.csv", *more)
+def train(name, *more, data=CACHE, steps=120, learning_rate="0.003"):
+    return start("nlg-train", *INPUTS, *OPTIONS, *data, "--steps", str(steps), "--learning-rate", learning_rate, "--out", f"{name}.ckpt", "--run", f"{name}_run", "--log", f"{name}.csv", *more)
 
 
 def read(path):
@@ -67,7 +68,7 @@ def check_cache():
     check(all(abs(a - b) < 2e-5 for a, b in zip(memory, disk)), f"training from memory and from the disk differ: {memory}, {disk}")
     check(len(disk) == 12 and disk[-1] < disk[0], f"the held-out error did not fall: {disk}")
     left = sorted(os.listdir("disk_run"))
-    check(left == ["config.json", "latest", "log.csv", "provenance.json", "step-000000110.ckpt", "step-000000120.ckpt"], f"the run left {left}")
+    check(left == [".lock", "config.json", "latest", "log.csv", "provenance.json", "step-000000110.ckpt", "step-000000120.ckpt"], f"the run left {left}")
     check(os.readlink("disk_run/latest") == "step-000000120.ckpt", "latest is not the last checkpoint")
     check(read("disk_run/log.csv") == read("disk.csv"), "the run's curve is not the one asked for")
     check(json.load(open("disk_run/config.json"))["steps"] == 120, "config.json does not hold the options")
@@ -116,6 +117,35 @@ def check_damaged_checkpoint():
             with open(os.path.join("damaged_run", name), "r+b") as file:
                 file.truncate(1000)
     end(train("damaged", steps=60), INPUT_ERROR)
+
+
+def check_stops():
+    """Ctrl-C: a checkpoint, the line that goes on, and the same bytes in the end. A second trainer, other options: refused in words."""
+    process = train("stopped", steps=400)
+    while process.poll() is None and not os.path.exists("stopped_run/latest"):
+        time.sleep(0.01)
+    end(train("stopped", steps=400), USAGE_ERROR)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate()
+    check(process.returncode == -signal.SIGINT and "stopped at step" in err and "goes on" in err, f"Ctrl-C: {process.returncode}, {err!r}")
+    stopped_at = int(re.search(r"stopped at step (\d+)", err)[1])
+    _, err = end(train("stopped", steps=400))
+    check(f"step {stopped_at} " in err, f"stopped at {stopped_at}, went on as {err!r}")
+    end(train("unstopped", steps=400))
+    check(columns("stopped.csv")["held_out_blend_rmse"] == columns("unstopped.csv")["held_out_blend_rmse"], "a stopped run ends otherwise")
+    _, err = end(train("stopped", steps=400, learning_rate="0.01"), INPUT_ERROR)
+    check("learning_rate: 0.003, asked 0.01" in err and "--restart-on-change" in err, f"other options: {err!r}")
+    _, err = end(train("stopped", steps=200), INPUT_ERROR)
+    check("steps: 400, asked 200" in err, f"fewer steps: {err!r}")
+    _, err = end(train("stopped", steps=440))
+    check("an extended run" in err and json.load(open("stopped_run/config.json"))["steps"] == 440, f"more steps: {err!r}")
+
+
+def check_bare_tent():
+    """A learning rate that learns nothing is said."""
+    _, err = end(train("wild", "--divergence-ratio", "1e9", steps=30, learning_rate="10"))
+    log = columns("wild.csv")
+    check("worse than the bare tent" in err and log["held_out_blend_rmse"][-1] > log["bare_tent_blend_rmse"][-1] > 0, f"a learning rate of 10: {err!r}, {log}")
 
 
 def check_left_behind():
@@ -211,6 +241,8 @@ def main():
         check_processes()
         check_lost_process()
         check_rollbacks()
+        check_stops()
+        check_bare_tent()
         os.chdir("/")
     for failure in failures:
         print("FAILED:", failure)

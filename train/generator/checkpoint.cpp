@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
-
-void requireSame(const CheckpointFile& file, const char* what, const std::string& expected, const std::string& got) {
-  if (expected != got) throw InputError(file.path(), what, expected, got);
-}
 
 std::vector<float> numbersOf(const torch::Tensor& tensor) {
   const torch::Tensor values = tensor.detach().cpu().contiguous();
@@ -67,11 +65,33 @@ void writeCheckpoint(const std::string& path, const RunIdentity& identity, const
   writeCheckpointFile(path, identity, state, numbers);
 }
 
+std::string differences(const RunIdentity& found, const RunIdentity& asked) {
+  std::string text;
+  const auto compare = [&](const std::string& what, const std::string& of_found, const std::string& of_asked) {
+    if (of_found != of_asked) text += (text.empty() ? "" : "; ") + what + ": " + of_found + ", asked " + of_asked;
+  };
+  compare("representation", found.representation, asked.representation);
+  const nlohmann::json a = nlohmann::json::parse(found.options_json, nullptr, false),
+                       b = nlohmann::json::parse(asked.options_json, nullptr, false);
+  if (!a.is_object() || !b.is_object()) {
+    compare("options", found.options_json, asked.options_json);
+  } else {
+    for (const auto& [key, value] : b.items()) compare(key, a.contains(key) ? a[key].dump() : "none", value.dump());
+    for (const auto& [key, value] : a.items()) {
+      if (!b.contains(key)) compare(key, value.dump(), "none");
+    }
+  }
+  compare("basis", found.basis_sha256, asked.basis_sha256);
+  compare("training set", found.training_set_sha256, asked.training_set_sha256);
+  return text;
+}
+
 void readCheckpoint(const CheckpointFile& file, const RunIdentity& identity, TrainingState* state) {
-  requireSame(file, "representation", identity.representation, file.identity().representation);
-  requireSame(file, "options", identity.options_json, file.identity().options_json);
-  requireSame(file, "basis", identity.basis_sha256, file.identity().basis_sha256);
-  requireSame(file, "training set", identity.training_set_sha256, file.identity().training_set_sha256);
+  const std::string other = differences(file.identity(), identity);
+  if (!other.empty()) {
+    throw InputError(file.path(), "the run",
+                     "that which is asked for; --restart-on-change starts afresh, another --run keeps both", other);
+  }
   loadNetwork(file, kNetwork, state->network);
   loadNetwork(file, kAverage, state->average);
   if (file.progress().step > 0) loadMoments(file, state);

@@ -17,6 +17,9 @@ struct TrainingState : RunProgress {
 // throws OutputError
 void writeCheckpoint(const std::string& path, const RunIdentity& identity, const TrainingState& state);
 
+// What two runs differ in: "learning_rate: 0.003, asked 0.01; steps: 60, asked 120"; empty where they are the same.
+std::string differences(const RunIdentity& found, const RunIdentity& asked);
+
 // Loads into a state whose networks and moments have been made for the same shape. What it throws for leaves the state half loaded.
 // throws InputError when the file is of another run, naming what differs, or holds other numbers than such a state has
 void readCheckpoint(const CheckpointFile& file, const RunIdentity& identity, TrainingState* state);

@@ -1,5 +1,7 @@
 #include "train/generator/run_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -56,6 +58,18 @@ void pointTo(const fs::path& link, const std::string& target) {
 }
 
 }  // namespace
+
+std::shared_ptr<void> RunFolder::lock() const {
+  std::error_code error;
+  fs::create_directories(path_, error);
+  const std::string path = (fs::path(path_) / ".lock").string();
+  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+  if (file < 0) throw OutputError(path, std::generic_category().message(errno));
+  // held by the open file: gone with the process, however it ends
+  std::shared_ptr<void> held(nullptr, [file](void*) { ::close(file); });
+  if (::flock(file, LOCK_EX | LOCK_NB) != 0) throw UsageError("--run", "a folder in which no other nlg-train is at work", path_);
+  return held;
+}
 
 std::vector<std::string> RunFolder::newestFirst() const {
   std::vector<std::string> paths;

@@ -1,6 +1,7 @@
 // The folder of one training run: where its checkpoints lie, and what says how they came about (docs/guide/training.md).
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ namespace nlg {
 class RunFolder {
  public:
   explicit RunFolder(std::string path) : path_(std::move(path)) {}
+
+  // Keeps other trainers away for as long as it lives. throws UsageError where one is at work there
+  std::shared_ptr<void> lock() const;
 
   // The checkpoints that there are, newest first: the first one that is whole is to go on from.
   std::vector<std::string> newestFirst() const;

@@ -39,10 +39,11 @@ HeldOutError heldOutError(GeneratorNetwork& network, const Representation& repre
     const ThetaStages stages = runStages(network, representation, data, samples, loss);
     const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
     sums[part] = {stages.mean_squares.front().sqrt().sum().item<double>(), least.sqrt().sum().item<double>()};
+    for (const Sample& sample : samples) sums[part].tent += tentRmse(data.function(sample.function));
   });
   HeldOutError error;
-  for (const HeldOutError& sum : sums) error.network += sum.network, error.final += sum.final;
-  error.network /= static_cast<double>(count), error.final /= static_cast<double>(count);
+  for (const HeldOutError& sum : sums) error.network += sum.network, error.final += sum.final, error.tent += sum.tent;
+  for (double* value : {&error.network, &error.final, &error.tent}) *value /= static_cast<double>(count);
   return error;
 }
 

@@ -22,6 +22,7 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
 struct HeldOutError {
   double network = 0.0;  // mean blend RMSE of one pass of the network alone
   double final = 0.0;    // … and of each function's best stage
+  double tent = 0.0;     // … and of the bare tent, which a generator must beat
 };
 
 // Over all valid support points, for at most `limit` functions, taken at equal distances from those whose bare tent has a blend RMSE

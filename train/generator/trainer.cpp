@@ -122,7 +122,8 @@ std::string logLine(const TrainOptions& options, const TrainingState& state, dou
     return std::string(digits);
   };
   return std::to_string(state.step) + ',' + text(scheduledRate(options, state, state.step - 1)) + ',' + text(loss) + ',' +
-         text(held_out.network) + ',' + text(held_out.final) + ',' + std::to_string(state.rollbacks) + '\n';
+         text(held_out.network) + ',' + text(held_out.final) + ',' + text(held_out.tent) + ',' + std::to_string(state.rollbacks) +
+         '\n';
 }
 
 SampleOrder sampleOrder(const TrainOptions& options, const Representation& representation, const TrainingData& training) {
@@ -217,7 +218,8 @@ TrainingState makeState(const TrainOptions& options, const Theta& theta0) {
   state.network->to(options.device);
   state.average->to(options.device);
   state.moments = zeroMoments(state.network);
-  state.log_csv = "step,learning_rate,training_loss,held_out_network_blend_rmse,held_out_blend_rmse,rollbacks\n";
+  state.log_csv =
+      "step,learning_rate,training_loss,held_out_network_blend_rmse,held_out_blend_rmse,bare_tent_blend_rmse,rollbacks\n";
   return state;
 }
 
@@ -255,11 +257,12 @@ void TrainStep::apply(TrainingState& state, double rate) {
 
 TrainReport train(const TrainOptions& options, const Representation& representation, const TrainingData& training,
                   const TrainingData& held_out, TrainingState* state, const std::function<void()>& save,
-                  const ProcessGroup& processes) {
+                  const ProcessGroup& processes, const std::function<bool()>& stop) {
   agree(*state, processes);
   TrainStep step(options, representation, training, *state, processes);
   LossGuard guard(*state, options.divergence_ratio);
   Progress progress("steps", options.steps);
+  progress.setDoneBefore(state->step);
   TrainReport report;
   const Clock::time_point start = Clock::now();
   const int64_t first_step = state->step, first_draw = state->draw;
@@ -274,6 +277,11 @@ TrainReport train(const TrainOptions& options, const Representation& representat
                         options.bare_tent_rmse, options.threads);
   };
   while (state->step < options.steps) {
+    if (stop && stop()) {
+      report.is_stopped = true;
+      if (guard.keep(*state)) save();
+      break;
+    }
     const Clock::time_point step_start = Clock::now();
     const TrainStep::Result result = step.computeGradient(*state);
     training_s += secondsSince(step_start);

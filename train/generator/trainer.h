@@ -63,7 +63,8 @@ Theta fitTheta0(const Representation& representation, const BasisFile& basis, co
 TrainingState makeState(const TrainOptions& options, const Theta& theta0);
 
 struct TrainReport {
-  HeldOutError held_out;  // averaged weights
+  bool is_stopped = false;  // before its last step, because it was asked to
+  HeldOutError held_out;    // averaged weights
   double elapsed_s = 0.0;
   double samples_per_s = 0.0;
 };
@@ -73,11 +74,12 @@ struct TrainReport {
 //
 // processes   those that train together, each calling this with the same state and data: every batch is split among them, and all
 //             of them take the same steps. Validation and save() are the first one's.
+// stop        asked before every step; true: a checkpoint is saved, and training ends. Null: nobody asks
 // throws      NumericalError when going back does not help; the last checkpoint stays. InputError when another process is gone or
 //             the training set's cache is damaged
 TrainReport train(const TrainOptions& options, const Representation& representation, const TrainingData& training,
                   const TrainingData& held_out, TrainingState* state, const std::function<void()>& save,
-                  const ProcessGroup& processes = ProcessGroup());
+                  const ProcessGroup& processes = ProcessGroup(), const std::function<bool()>& stop = nullptr);
 
 // One step at a given rate, without validation: what train() is made of.
 class TrainStep {

@@ -121,7 +121,7 @@ def read_functions(path, representations):
     return {key: Samples(*(np.array(column) for column in zip(*rows))) for key, rows in groups.items()}
 
 
-LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network_blend_rmse", "held_out_blend_rmse", "rollbacks")
+LOG_COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network_blend_rmse", "held_out_blend_rmse", "bare_tent_blend_rmse", "rollbacks")
 
 
 def read_log(path):

@@ -237,8 +237,8 @@ def write_all(folder):
     write_json(path("slices.json"), slices())
     write_json(path("basis.json"), {"functions": 140, "components": 64, "spectrum": [1.0 / (i + 1) for i in range(90)], "held_out_variance_kept": {"16": .8, "64": .95}})
     for name in REPRESENTATIONS:
-        write_csv(path(f"{name}.csv"), "step,learning_rate,training_loss,held_out_network_blend_rmse,held_out_blend_rmse,rollbacks".split(","),
-                  [(i, .001, .02 / i, .03 / i, .01 / i, 0) for i in range(1, 6)])
+        write_csv(path(f"{name}.csv"), "step,learning_rate,training_loss,held_out_network_blend_rmse,held_out_blend_rmse,bare_tent_blend_rmse,rollbacks".split(","),
+                  [(i, .001, .02 / i, .03 / i, .01 / i, .02, 0) for i in range(1, 6)])
     write_json(path("frontier.json"), frontier())
     write_json(path("stability.json"), stability())
     for index, scene in enumerate(SCENES[:2]):
