@@ -1,6 +1,8 @@
 // nlg-pca: the PCA basis of a training set, and how much of held-out functions it keeps.
 
 #include <fmt/format.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstring>
@@ -104,7 +106,8 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   std::vector<double> spectrum = wide.spectrum;
   std::sort(spectrum.begin(), spectrum.end(), std::greater<>());
   spectrum.resize(2048);
-  result["spectrum"] = spectrum;
+  // programs draw it; people need not read 2,048 numbers
+  if (::isatty(STDOUT_FILENO) != 1) result["spectrum"] = spectrum;
   std::cout << result.dump() << '\n';
 }
 

@@ -59,7 +59,7 @@ void StageRunner::makeBatch(const StoredFunction* functions, int count, float* t
   };
   const FlushSubnormals flush;
   const Clock::time_point start = Clock::now();
-  batch_.generate(functions, count, theta);
+  batch_.generate(functions, count, theta, options_.use_generator != 0 ? ThetaBatch::Begin::network : ThetaBatch::Begin::theta0);
   const float network_us = microsecondsSince(start) / static_cast<float>(count);
   for (int i = 0; i < count; ++i) {
     records[i] = {};

@@ -38,12 +38,17 @@ ThetaBatch::ThetaBatch(const Generator& generator, const LossOptions& loss)
   function_.valid_count.resize(order.batchCount());
 }
 
-void ThetaBatch::generate(const StoredFunction* functions, int count, float* theta) {
+void ThetaBatch::generate(const StoredFunction* functions, int count, float* theta, Begin begin) {
   functions_ = functions;
   count_ = count;
   theta_ = theta;
   function_idx_ = -1;
   std::fill(mean_square_.begin(), mean_square_.end(), kNotMeasured);
+  if (begin == Begin::theta0) {
+    for (int i = 0; i < count; ++i)
+      std::copy_n(generator_->theta0(), theta_count_, theta + static_cast<size_t>(i) * theta_count_);
+    return;
+  }
   // the generator reads functions without gaps
   for (int i = 0; i < count; ++i) std::memcpy(&phi_[size_t(i) * kSupportPointCount], functions[i].phi, kSupportPointCount);
   generator_->generate(phi_.data(), count, theta, &scratch_);
