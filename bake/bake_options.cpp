@@ -74,10 +74,6 @@ void describe(BakeOptions& o, OptionTable& table) {
             16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
             "such functions may differ in validity at no more than so many support points", 0, 8192);
-  table.add("share_rmse", &o.share_rmse,
-            "a function has no theta of its own where that of another passes the check for it, or is in no more trouble than its "
-            "own, and has no larger an RMSE, dark points weighed as in fits, than this or than its own has. 0: every one has",
-            0.0, 1.0);
   describePolicy(o.policy, table);
   table.group("Machine");
   table.add(
@@ -85,11 +81,6 @@ void describe(BakeOptions& o, OptionTable& table) {
       "time for all refinement, seconds, spent on the worst functions first. 0: as long as it takes; with any other value the "
       "result depends on the machine's speed",
       0.0, 1e9);
-  table.add("max_seconds", &o.max_seconds,
-            "seconds by the clock that the whole bake aims at: refinement, short fits and rays are left out as that takes, and "
-            "then probes stand further apart than spacing_m. The result then depends on the machine's speed. 0: as long "
-            "as it takes",
-            0.0, 1e9);
   table.group("Light grid's file");
   table.add("theta_precision", &o.theta_precision, "how the file holds theta: float32, float16 or int8");
   table.add("light_error", &o.light_error,

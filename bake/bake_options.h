@@ -29,7 +29,6 @@ struct BakeOptions {
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
-  double share_rmse = 0.0;  // of function_sharing.h; 0: every function has a theta of its own
   PolicyOptions policy;
   LightOptions scene_light;            // sky and sun
   std::vector<std::string> light_set;  // each a light of its own for the same level (light_sets.h)
@@ -45,7 +44,6 @@ struct BakeOptions {
   double light_outlier = 1.0;
   double thin_error = 0.0;      // of thinning.h; 0: nothing is left out
   double refine_seconds = 0.0;  // 0: as long as it takes
-  double max_seconds = 0.0;     // of the whole bake (bake_in_time.h); 0: as long as it takes
   std::string theta_precision =
       thetaPrecisionName(PolicyOptions{}.theta_precision);  // becomes the policy's by takeThetaPrecision
   double light_error = kLightError;                         // that the file's form of light may add (packed_light.h)

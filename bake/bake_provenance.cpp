@@ -33,7 +33,6 @@ nlohmann::ordered_json bakedOptions(const OptionTable& table) {
   options.erase("threads");
   options.erase("max_probes");
   options.erase("representation");
-  options.erase("max_seconds");  // of what it left out the other settings tell
   options["simd"] = chosenSimdTarget();
   return options;
 }

@@ -49,21 +49,6 @@ nlohmann::ordered_json keptJson(const BakeStatistics& s) {
           {"thread_seconds", s.function_times.kept_s}};
 }
 
-nlohmann::ordered_json timeJson(const std::optional<TimeReport>& time) {
-  if (!time) return nullptr;
-  return {{"aimed_seconds", time->aimed_s},
-          {"took_seconds", time->took_s},
-          {"left_out", time->left_out},
-          {"too_little", time->isTooLittle()}};
-}
-
-std::string timeSummary(const std::optional<TimeReport>& time) {
-  if (!time) return {};
-  return fmt::format("in {} of {:g} s{}: {}\n", durationText(time->took_s), time->aimed_s,
-                     time->isTooLittle() ? ", too little even for the coarsest bake" : "",
-                     time->left_out.empty() ? "all that was asked for" : "with " + time->left_out);
-}
-
 nlohmann::ordered_json thinnedJson(const LightStatistics& light) {
   if (light.thin_error == 0.0) return nullptr;
   const Thinned& thinned = light.thinned;
@@ -205,7 +190,6 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"empty", counts.empty},
           {"duplicates", counts.duplicates},
           {"functions", counts.functions},
-          {"shared_thetas", s.shared_thetas},
           {"air",
            {{"cells", s.air.cells},
             {"airless_cells", s.air.airless_cells},
@@ -222,12 +206,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
             {"duplicates", s.function_times.duplicates_s},
             {"stages", stage_seconds}}},
           {"wall_seconds",
-           {{"load", s.load_wall_s},
-            {"functions", s.functions_wall_s},
-            {"sharing", s.sharing_wall_s},
-            {"refinement", s.refinement_wall_s},
-            {"all", s.wall_s}}},
-          {"in_time", timeJson(report.time)},
+           {{"load", s.load_wall_s}, {"functions", s.functions_wall_s}, {"refinement", s.refinement_wall_s}, {"all", s.wall_s}}},
           {"threads", report.threads},
           {"simd", report.simd},
           {"tau_rmse", report.policy.check().tau_rmse},
@@ -253,15 +232,12 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
 std::string toSummary(const BakeReport& report, const std::string& path) {
   const BakeStatistics& s = report.statistics;
   std::string text = firstLine(path, s.counts.grid_probes, report.file_bytes, s.load_wall_s + s.wall_s, report.peak_memory_bytes);
-  text += timeSummary(report.time);
   if (s.is_keeping) {
     text += fmt::format("{} of {} seen anew, {} of {} made anew\n", countText(s.function_times.seen_probes),
                         countText(s.counts.grid_probes, "probe"), countText(s.counts.functions - s.kept_thetas),
                         countText(s.counts.functions, "function"));
   }
-  text += countText(s.counts.functions, "function");
-  if (s.shared_thetas > 0) text += fmt::format(", {}", countText(s.counts.functions - s.shared_thetas));
-  text += " stored";
+  text += countText(s.counts.functions, "function").append(" stored");
   if (s.counts.functions > 0) {
     const nlohmann::ordered_json errors = errorsJson(report, ThetaWord::stored);
     text += fmt::format("; RMSE {:.4f} on average, {:.4f} or more of 1 in 20", errors.at("mean").get<double>(),
@@ -279,13 +255,12 @@ nlohmann::ordered_json toJson(const RelightReport& report) {
           {"probes", report.probes},
           {"light", lightJson(report.light)},
           {"wall_seconds", {{"all", report.wall_s}}},
-          {"in_time", timeJson(report.time)},
           {"bytes", report.file_bytes},
           {"peak_memory_bytes", report.peak_memory_bytes}};
 }
 
 std::string toSummary(const RelightReport& report, const std::string& path) {
-  return firstLine(path, report.probes, report.file_bytes, report.wall_s, report.peak_memory_bytes) + timeSummary(report.time) +
+  return firstLine(path, report.probes, report.file_bytes, report.wall_s, report.peak_memory_bytes) +
          fmt::format("functions as in {}\n", report.grid) + lightSummary(report.light) + unreadSummary(report.unread);
 }
 

@@ -1,7 +1,6 @@
 // What a bake says of itself: a few lines for everybody, the talk's table for who asks, one line of JSON for programs.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -17,21 +16,11 @@ struct WeightsUsed {
   uint64_t bytes = 0;
 };
 
-// Of a bake that was to end in time.
-struct TimeReport {
-  bool isTooLittle() const { return is_coarsest && took_s > aimed_s; }
-
-  double aimed_s = 0.0, took_s = 0.0;
-  std::string left_out;  // in words; empty: nothing
-  bool is_coarsest = false;
-};
-
 struct BakeReport {
   std::string scene;
   size_t unread = 0;                 // notes about what the scene's file holds and is not read: told when it was
   std::vector<WeightsUsed> weights;  // by rising number of parameters
   BakeStatistics statistics;
-  std::optional<TimeReport> time;
   std::vector<Saving> savings;
   PolicyOptions policy;
   uint64_t file_bytes = 0, theta_bytes = 0;
@@ -47,7 +36,6 @@ struct RelightReport {
   double wall_s = 0.0;
   size_t unread = 0;
   LightStatistics light;
-  std::optional<TimeReport> time;
 };
 nlohmann::ordered_json toJson(const RelightReport& report);
 std::string toSummary(const RelightReport& report, const std::string& path);

@@ -9,9 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <memory>
 
-#include "bake/bake_in_time.h"
 #include "bake/bake_plan.h"
 #include "bake/bake_provenance.h"
 #include "bake/bake_report.h"
@@ -135,25 +133,13 @@ void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, R
     throw UsageError("--keep", "another file than the light grid", request->kept);
 }
 
-std::unique_ptr<BakeScene> readScene(const Request& request, const BakeOptions& options, int threads,
-                                     const KnownAir& known = {}) {
+BakeScene readScene(const Request& request, const BakeOptions& options, int threads, const KnownAir& known = {}) {
   SceneSource source = loadLitScene(request.scene, options);
   std::cerr << toText(planBake(source, options, threads), threads);
   for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
   tellNotes("nlg-bake", source);
   for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
-  return std::make_unique<BakeScene>(std::move(source), options, known);
-}
-
-// Settings that a bake in a given time has come to, as a grid has them on record.
-struct ChosenSettings {
-  explicit ChosenSettings(const BakeOptions& chosen) : options(chosen), table("bake") { describe(options, table); }
-  BakeOptions options;
-  OptionTable table;
-};
-
-TimeReport timeReport(const BakeOptions& asked, const ChosenInTime& chosen) {
-  return {asked.max_seconds, 0.0, leftOutText(asked, chosen.options), chosen.is_coarsest};
+  return {std::move(source), options, known};
 }
 
 std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const GridMetadata& metadata) {
@@ -204,25 +190,16 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   if (!request.kept.empty()) throw UsageError("--relight", "no --keep: functions stay what they are", request.kept);
   if (options.light == "none") throw UsageError("--relight", "light to be made", "--light none");
   if (!request.out_is_given) throw UsageError("--relight", "--out, another file than the grid", "none");
-  if (options.max_seconds > 0.0) requireKnownTimes(options);
   const auto start = std::chrono::steady_clock::now();
   BakedGrid baked = readBakedGrid(request.relit);
   const int threads = threadsOf(options);
-  const KnownAir known = knownAir(request.relit, baked);
-  std::unique_ptr<BakeScene> ready = readScene(request, options, threads, known);
-  requireFunctionsOf(*ready, table, options.representation, request.relit, baked);
-  RelightReport report;
-  ChosenInTime chosen{options};
-  if (options.max_seconds > 0.0) {
-    chosen = chooseLightInTime(&ready, known, baked.grid, options, [&] { return options.max_seconds - secondsSince(start); });
-    report.time = timeReport(options, chosen);
-  }
-  const ChosenSettings settings(chosen.options);
-  const BakeScene& scene = *ready;
+  const BakeScene scene = readScene(request, options, threads, knownAir(request.relit, baked));
+  requireFunctionsOf(scene, table, options.representation, request.relit, baked);
   if (!baked.grid.groups.empty() && lightGroupNames(scene.source).empty())
     std::cerr << "light: the grid's " << baked.grid.groups.size()
               << " groups of light become one; --light-groups keeps them apart\n";
-  report.light = relight(scene, settings.options, settings.table, &baked);
+  RelightReport report;
+  report.light = relight(scene, options, table, &baked);
   const std::string bytes = fileBytes(baked.grid, options, baked.metadata);
   writeFileAtomically(request.out, bytes);
   warnOfDarkness(scene, options, report.light);
@@ -233,7 +210,6 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   report.peak_memory_bytes = peakMemoryBytes();
   report.unread = unreadKinds(scene.source);
   report.wall_s = secondsSince(start);
-  if (report.time) report.time->took_s = report.wall_s;
   std::cerr << toSummary(report, request.out);
   writeJson(request.json, toJson(report));
 }
@@ -254,10 +230,8 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
   inputs.insert(inputs.end(), {request.scene, request.config});
   checkOutputs(request, inputs);
-  if (!request.kept.empty() && (options.refine_seconds > 0.0 || options.max_seconds > 0.0))
-    throw UsageError("--keep", "refine_seconds and max_seconds 0: what a limit of time left is not what a bake makes",
-                     "a limit of time");
-  if (options.max_seconds > 0.0) requireKnownTimes(options);
+  if (!request.kept.empty() && options.refine_seconds > 0.0)
+    throw UsageError("--keep", "refine_seconds 0: what a limit of time left is not what a bake makes", "a limit of time");
   if (options.light == "none" && !options.light_set.empty()) throw UsageError("--light-set", "light to be made", "--light none");
   if (options.light == "none" && (options.thin_error > 0.0 || options.max_bytes > 0.0))
     throw UsageError(options.thin_error > 0.0 ? "thin_error" : "max_bytes", "0, since thinning goes by light", "--light none");
@@ -281,48 +255,34 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
     origin = functionOrigin(table, weights_sha256);
     kept = readKept(request.kept, origin, representationsOf(generators), &told);
   }
-  std::unique_ptr<BakeScene> scene = readScene(request, options, threads);
+  const BakeScene scene = readScene(request, options, threads);
   if (!told.empty()) std::cerr << "kept: " << told << '\n';
   const double load_s = secondsSince(start);
-  chooseOut(*scene, inputs, &request);
-  const auto metadataOf = [&](const OptionTable& of) { return bakeMetadata(*scene, bakedOptions(of), weights_sha256); };
-  GridMetadata metadata;
-  BakeReport report;
-  report.policy = options.policy;
-  Bake bake;
-  if (options.max_seconds > 0.0) {
-    BakedInTime baked =
-        bakeInTime(&scene, generators, options, temporaryFolder(), [&] { return options.max_seconds - secondsSince(start); });
-    bake = std::move(baked.bake);
-    report.time = timeReport(options, baked.chosen);
-    const ChosenSettings settings(baked.chosen.options);
-    report.policy = settings.options.policy;
-    metadata = metadataOf(settings.table);
-  } else {
-    metadata = metadataOf(table);
-    bake = bakeScene(*scene, generators, options, temporaryFolder(), metadata, is_keeping ? &kept : nullptr);
-  }
+  chooseOut(scene, inputs, &request);
+  const GridMetadata metadata = bakeMetadata(scene, bakedOptions(table), weights_sha256);
+  Bake bake = bakeScene(scene, generators, options, temporaryFolder(), metadata, is_keeping ? &kept : nullptr);
 
   const std::string bytes = fileBytes(bake.grid, options, metadata);
   writeFileAtomically(request.out, bytes);
   if (is_keeping) writeFileAtomically(request.kept, keptBytes(kept, origin));
 
-  report.scene = scene->source.id;
-  report.unread = unreadKinds(scene->source);
+  BakeReport report;
+  report.scene = scene.source.id;
+  report.unread = unreadKinds(scene.source);
   report.weights = weights;
   std::vector<uint64_t> weights_bytes;
   weights_bytes.reserve(weights.size());
   for (const WeightsUsed& used : weights) weights_bytes.push_back(used.bytes);
   report.threads = threads;
-  report.savings = savingsOf(bake, generators, report.policy, stored, weights_bytes, report.threads);
+  report.savings = savingsOf(bake, generators, options.policy, stored, weights_bytes, report.threads);
   report.statistics = std::move(bake.statistics);
   report.statistics.load_wall_s = load_s;
+  report.policy = options.policy;
   report.file_bytes = bytes.size();
   report.theta_bytes = lightGridBytes(bake.grid, {stored.theta, {}}).theta;  // light would be coded for nothing
   report.peak_memory_bytes = peakMemoryBytes();
   report.simd = chosenSimdTarget();
-  warnOfNothing(*scene, options, report.statistics);
-  if (report.time) report.time->took_s = secondsSince(start);
+  warnOfNothing(scene, options, report.statistics);
   if (request.is_verbose) std::cerr << toTable(report);
   std::cerr << toSummary(report, request.out);
   writeJson(request.json, toJson(report));

@@ -155,12 +155,6 @@ class SavingsCount {
     add("functions that are all but the bare tent", tents, tents + counts_.duplicates + counts_.functions,
         sum(times(tents, unit_.theta_s), -spent.bare_tent_s), thetas(tents),
         "bare_tent_rmse: no theta, and nothing to evaluate in the look-up; less what it took to find out");
-    if (statistics_.shared_thetas > 0) {
-      const auto names = static_cast<int64_t>(statistics_.shared_thetas * (grid_.functionCount() <= 65536 ? 2 : 4));
-      add("functions that the theta of another stands for", statistics_.shared_thetas, counts_.functions,
-          -statistics_.sharing_wall_s * threads_, thetas(statistics_.shared_thetas) - names,
-          "share_rmse: less the bytes of a probe that say whose; seconds: what it took to find out");
-    }
   }
 
   void addGeometry() {

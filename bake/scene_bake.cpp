@@ -6,11 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include <fmt/format.h>
-
-#include "bake/function_sharing.h"
 #include "runtime_eval/support/weighting_function.h"
-#include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 #include "tool/wall_time.h"
@@ -30,15 +26,14 @@ struct BakeThread {
 class SceneBake {
  public:
   SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-            const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept, const BakeInTime* in_time)
+            const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept)
       : scene_(scene),
         generators_(generators),
         options_(options),
         thread_count_(threadsOf(options)),
         functions_(scene, options, thread_count_, spool_folder),
         metadata_(metadata),
-        kept_(kept),
-        in_time_(in_time) {
+        kept_(kept) {
     if (kept_ != nullptr) functions_.keep(known_.emplace(*kept_));
     std::vector<const Generator*> pointers;
     for (const Generator& generator : generators_) pointers.push_back(&generator);
@@ -49,49 +44,24 @@ class SceneBake {
     const Clock::time_point start = Clock::now();
     BlendTargets targets(scene_, options_.seed, thread_count_);
     functions_.tellTargets(&targets);
-    makeFunctions(1);
+    functions_.makeAll([this](int thread) {
+      return [this, thread](const FunctionRows& chunk) { return makeTheta(chunk, threads_[thread]->policy); };
+    });
     statistics_.functions_wall_s = secondsSince(start);
     const Clock::time_point refinement_start = Clock::now();
-    if (in_time_ != nullptr) options_.refine_seconds = in_time_->refine_seconds();
     refineWorstFirst();
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     roundAll();
-    share();
     finishStatistics();
     if (kept_ != nullptr) keepAll();
     LightGrid grid = makeGrid();
-    if (in_time_ != nullptr) options_.light_rays = in_time_->light_rays();
     statistics_.light = bakeLight(scene_, options_, &grid, metadata_);
     statistics_.blend = blendErrors(targets, grid);
     statistics_.wall_s = secondsSince(start);
     return {std::move(grid), std::move(statistics_)};
   }
 
-  // By a sample of probes (SceneFunctions::makeAll). Threads' own seconds: a sample may be too short for all of them to be at work.
-  FunctionCosts costsOf(uint64_t every) {
-    makeFunctions(every);
-    roundAll();
-    finishStatistics();
-    const FunctionTimes& times = statistics_.function_times;
-    FunctionCosts costs{times.visibility_s + times.functions_s + times.bare_tent_s + times.duplicates_s, 0.0};
-    for (int s = 0; s < kThetaStageCount; ++s) {
-      const auto stage = static_cast<ThetaStage>(s);
-      const bool is_refinement = stage == ThetaStage::refinement || stage == ThetaStage::larger;
-      if (!is_refinement) (isFit(stage) ? costs.short_fits_s : costs.rest_s) += statistics_.stageSeconds(stage);
-    }
-    const double share = static_cast<double>(every) / thread_count_;
-    return {share * costs.rest_s, share * costs.short_fits_s};
-  }
-
  private:
-  void makeFunctions(uint64_t every) {
-    functions_.makeAll(
-        [this](int thread) {
-          return [this, thread](const FunctionRows& chunk) { return makeTheta(chunk, threads_[thread]->policy); };
-        },
-        every);
-  }
-
   std::function<void()> makeTheta(const FunctionRows& chunk, ThetaPolicy& policy) {
     std::vector<KeptKey> keys;
     std::vector<std::shared_ptr<KeptFunction>> known(chunk.functionCount());  // null: to be made
@@ -145,19 +115,6 @@ class SceneBake {
     });
   }
 
-  void share() {
-    if (!(options_.share_rmse > 0.0)) return;
-    const Clock::time_point start = Clock::now();
-    SharedThetas shared = shareThetas(
-        made_, generators_,
-        [this](uint64_t function, std::vector<uint8_t>* samples) { return functions_.read(function, samples); },
-        options_.policy.check(), options_.share_rmse, thread_count_);
-    whose_ = std::move(shared.whose);
-    statistics_.shared_thetas = shared.count;
-    statistics_.sharing_wall_s = secondsSince(start);
-    shared_check_ = std::move(shared.check);
-  }
-
   void finishStatistics() {
     statistics_.air.cells = scene_.air.cells.size();
     statistics_.air.airless_cells = scene_.full_tree.cellCount() - scene_.tree.cellCount();
@@ -172,7 +129,6 @@ class SceneBake {
     statistics_.bare_tents = functions_.bareTents();
     for (size_t i = 0; i < made_.size(); ++i) {
       statistics_.records.push_back(made_[i].record);
-      if (!whose_.empty()) statistics_.records.back().at(ThetaWord::stored) = shared_check_[i];
       statistics_.generator.push_back(made_[i].generator);
       statistics_.larger_ran.push_back(made_[i].larger_ran);
       statistics_.raised.push_back(made_[i].generator != chosen_first_[i]);
@@ -210,11 +166,6 @@ class SceneBake {
       grid.representations.push_back(generators_[g].representation());
     }
     for (const MadeTheta& made : made_) grid.addFunction(index_of_generator[made.generator], made.theta.data());
-    if (whose_.empty()) return grid;
-    for (uint32_t& function : grid.probe_function) {
-      if (function < whose_.size()) function = whose_[function];
-    }
-    grid.dropUnusedFunctions();
     return grid;
   }
 
@@ -225,13 +176,10 @@ class SceneBake {
   SceneFunctions functions_;
   const GridMetadata& metadata_;
   std::vector<std::unique_ptr<BakeThread>> threads_;
-  std::vector<MadeTheta> made_;              // by function
-  std::vector<uint8_t> chosen_first_;        // by function: the generator before refinement
-  std::vector<bool> is_final_;               // by function: whether an earlier bake has made its theta, to the end
-  std::vector<uint32_t> whose_;              // by function: whose theta the grid has for it; empty: each its own
-  std::vector<FunctionCheck> shared_check_;  // by function: of that theta
+  std::vector<MadeTheta> made_;        // by function
+  std::vector<uint8_t> chosen_first_;  // by function: the generator before refinement
+  std::vector<bool> is_final_;         // by function: whether an earlier bake has made its theta, to the end
   KeptProbes* kept_;
-  const BakeInTime* in_time_;
   std::optional<KeptIndex> known_;  // of kept_, where somebody asks
   std::vector<KeptKey> keys_;       // by function, then
   BakeStatistics statistics_;
@@ -279,17 +227,8 @@ std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
 }
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept, const BakeInTime* in_time) {
-  if (options.max_seconds > 0.0)
-    throw UsageError("max_seconds", "0: nlg-bake alone ends in time", fmt::format("{:g}", options.max_seconds));
-  return SceneBake(scene, generators, options, spool_folder, metadata, kept, in_time).run();
-}
-
-FunctionCosts functionCosts(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-                            const std::string& spool_folder) {
-  constexpr uint64_t kSampled = 512, kShare = 16;  // of probes, but of few no more than one in so many
-  const uint64_t every = std::max<uint64_t>(kShare, scene.tree.probeCount() / kSampled);
-  return SceneBake(scene, generators, options, spool_folder, {}, nullptr, nullptr).costsOf(every);
+               const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept) {
+  return SceneBake(scene, generators, options, spool_folder, metadata, kept).run();
 }
 
 }  // namespace nlg

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,8 +38,6 @@ struct BakeStatistics {
   std::vector<uint8_t> generator;    // by function: the representation that was chosen
   std::vector<uint8_t> larger_ran;   // by function: whether more than the smallest representation was tried
   std::vector<uint8_t> raised;       // by function: whether refinement took a larger representation than the choice
-  uint64_t shared_thetas = 0;        // functions that the theta of another stands for
-  double sharing_wall_s = 0.0;       // to find these
   bool is_keeping = false;           // whether functions of an earlier bake were taken where they are known again
   uint64_t kept_thetas = 0;          // functions whose theta is of one
   BlendErrors blend;                 // of the grid as it is
@@ -57,18 +54,6 @@ struct BakeStatistics {
   std::vector<uint64_t> chosen(size_t generator_count) const;
 };
 
-// Of a bake that is to end in time: settings that go by the time that is left when their work begins.
-struct BakeInTime {
-  std::function<double()> refine_seconds;  // > 0
-  std::function<int()> light_rays;
-};
-
-// What functions are going to take but for their refinement, seconds by the clock.
-struct FunctionCosts {
-  double rest_s = 0.0;
-  double short_fits_s = 0.0;
-};
-
 struct Bake {
   LightGrid grid;
   BakeStatistics statistics;
@@ -78,14 +63,8 @@ struct Bake {
 // metadata     that the file is going to have: max_bytes counts it
 // kept         what an earlier bake kept with these generators and settings of functions, perhaps nothing; then what this one keeps.
 //              The grid is the same with and without. Null: nobody asks. refine_seconds must be 0
-// in_time      asked instead of options; null: nobody is, and max_seconds must be 0
-// throws       UsageError on max_seconds; as SceneFunctions does
+// throws       as SceneFunctions does
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const GridMetadata& metadata = {}, KeptProbes* kept = nullptr,
-               const BakeInTime* in_time = nullptr);
-
-// By a sample of the probes.
-FunctionCosts functionCosts(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-                            const std::string& spool_folder);
+               const std::string& spool_folder, const GridMetadata& metadata = {}, KeptProbes* kept = nullptr);
 
 }  // namespace nlg

@@ -26,7 +26,6 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kBlockProbes = 64;  // long against what handing a block on costs
-constexpr uint64_t kSampledRun = 16;  // of probes that follow one another: neighbours find in caches what the one before has read
 
 using Clock = std::chrono::steady_clock;
 double secondsBetween(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double>(to - from).count(); }
@@ -337,15 +336,13 @@ KeptProbes SceneFunctions::takeKept() {
   return probes;
 }
 
-void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher, uint64_t every) {
+void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher) {
   const uint64_t probe_count = scene_.tree.probeCount();
-  Progress progress(every == 1 ? "probes" : "probes of a sample", static_cast<int64_t>(probe_count / every));
+  Progress progress("probes", static_cast<int64_t>(probe_count));
   FunctionPipeline pipeline;
-  pipeline.nextProbes = [next = uint64_t{0}, probe_count, every]() mutable {
+  pipeline.nextProbes = [next = uint64_t{0}, probe_count]() mutable {
     std::vector<uint64_t> probes;
-    for (; probes.size() < kBlockProbes && next < probe_count; ++next) {
-      if (next / kSampledRun % every == 0) probes.push_back(next);
-    }
+    while (probes.size() < kBlockProbes && next < probe_count) probes.push_back(next++);
     return probes;
   };
   pipeline.makeGenerator = [this](int thread) {

@@ -71,8 +71,7 @@ class SceneFunctions {
 
   // Makes the functions of all probes, and hands them to finishers (FunctionPipeline) in chunks of kBatchCount, the last of fewer.
   // The same functions in the same order for any number of threads. throws OutputError when the spool's disk refuses
-  // every   1; or only every n-th run of some probes, for who wants to know what they take
-  void makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher, uint64_t every = 1);
+  void makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher);
 
   // From now on notes what probes come to. Those that are known again are not seen anew.
   // known   must outlive this object

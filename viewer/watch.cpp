@@ -201,7 +201,7 @@ class Watch {
       if (std::find(words.begin(), words.end(), "--relight") == words.end()) {
         const Words given = weights();
         words.insert(words.end(), given.begin(), given.end());
-        if (options_.refine_seconds == 0.0 && options_.max_seconds == 0.0) words.insert(words.end(), {"--keep", kept_});
+        if (options_.refine_seconds == 0.0) words.insert(words.end(), {"--keep", kept_});
       }
       words.insert(words.end(), {"--out", bake.grid});
       Ran baked = runBake(words);
@@ -239,8 +239,6 @@ class Watch {
 std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, const std::string& grid, const std::string& preview,
                                  const BakeOptions& options) {
   if (changes == "") return {};
-  // in time there is one bake
-  if (options.max_seconds > 0.0) return {{{}, grid, "final"}};
   const bool is_thinned = options.thin_error > 0.0 || options.max_bytes > 0.0;  // then only a grid that is not can be lit anew
   const auto isAll = [&](const char* change) { return changes == grid + ": " + change + '\n'; };
   const bool stay = !is_thinned && (isAll(kLightChanged) || isAll(kGroupsChanged));

@@ -222,38 +222,5 @@ TEST(Savings, WhatIsAllButTheBareTentHasNoThetaAndIsNoFurtherOff) {
   }
 }
 
-TEST(Savings, FunctionsThatTheThetaOfAnotherStandsForAreNoFurtherOffThanWasAskedFor) {
-  const std::vector<Generator> one = generators({"tent_mlp4"});
-  BakeOptions options = houseCornerOptions();
-  options.light = "none";
-  const Bake without = bakeHouse(one, options);
-  EXPECT_EQ(find(savingsOf(without, one, options), "functions that the theta of another stands for"), nullptr);
-  options.share_rmse = 0.03;
-  const Bake with = bakeHouse(one, options);
-  const BakeStatistics& s = with.statistics;
-  ASSERT_GT(s.shared_thetas, 0u);
-  EXPECT_EQ(with.grid.functionCount() + s.shared_thetas, without.grid.functionCount());
-  EXPECT_TRUE(checkLightGrid(with.grid).ok());
-  const CheckOptions& check = options.policy.check();
-  for (size_t f = 0; f < s.records.size(); ++f) {
-    const FunctionCheck &now = s.records[f].at(ThetaWord::stored), &own = without.statistics.records[f].at(ThetaWord::stored);
-    EXPECT_LE(now.blend_rmse, std::max(options.share_rmse, own.blend_rmse)) << "function " << f;
-    EXPECT_LE(now.trouble(check), std::max(1.0, own.trouble(check))) << "function " << f;
-  }
-  for (size_t p = 0; p < with.grid.probe_function.size(); ++p) {
-    const uint32_t a = with.grid.probe_function[p], b = without.grid.probe_function[p];
-    EXPECT_TRUE(a == b || (a < with.grid.functionCount() && b < without.grid.functionCount())) << "probe " << p;
-  }
-  const std::vector<Saving> savings = savingsOf(with, one, options);
-  const Saving& line = lineOf(savings, "functions that the theta of another stands for");
-  EXPECT_EQ(line.count, s.shared_thetas);
-  const GridPrecision stored = {ThetaPrecision::float32, {}};
-  const int64_t saved =
-      static_cast<int64_t>(lightGridBytes(without.grid, stored).theta - lightGridBytes(with.grid, stored).theta);
-  EXPECT_GT(saved, 0);
-  // less the names of those that have another's
-  EXPECT_NEAR(static_cast<double>(*line.bytes), static_cast<double>(saved), 4.0 * static_cast<double>(s.shared_thetas));
-}
-
 }  // namespace
 }  // namespace nlg
