@@ -2,7 +2,7 @@
  * game: a light grid in, irradiance at any position out.
  *
  * C11. No exception leaves these functions and none of them keeps state, but for the support pattern, which the first of them
- * that needs it makes once (about 0.1 s; safe from any thread). Words and formats are those of docs/reference/formats.md.
+ * that needs it makes once (safe from any thread). Words and formats are those of docs/reference/formats.md.
  *
  * Threads   A generator and a light grid are only read once they are loaded: any number of threads may share them. A scratch
  *           serves one thread at a time.
