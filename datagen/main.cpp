@@ -3,10 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "datagen/data_card.h"
 #include "datagen/generate.h"
 #include "datagen/info.h"
 #include "datagen/plan.h"
@@ -35,6 +37,7 @@ int generateMain(int argc, char** argv) {
       "Generates the weighting functions of one scene under one jitter and writes them as one shard.\n"
       "nlg-datagen plan --scene SCENE: what a shard will take.\n"
       "nlg-datagen info FILE ...: what shards are, verified.\n"
+      "nlg-datagen info FOLDER: what a data set holds.\n"
       "nlg-datagen info SCENE ...: what scenes hold, and what was not read.\n"
       "nlg-datagen view SHARD: pictures of one.",
       "nlg-datagen"};
@@ -91,10 +94,28 @@ int sceneInfoMain(int argc, char** argv) {
   });
 }
 
+int dataCardMain(int argc, char** argv) {
+  CLI::App app{
+      "Says what a folder of shards holds: probes and functions of every scene, what was left out and why, and how hard "
+      "functions are.",
+      "nlg-datagen info"};
+  std::string folder;
+  bool json = false;
+  OptionTable table("datagen");
+  app.add_option("folder", folder, "a folder of shards (.h5), or of folders of them")->required();
+  app.add_flag("--json", json, "one line of JSON");
+  return runTool(argc, argv, app, table, [&] {
+    const nlohmann::ordered_json card = dataCard(folder);
+    std::cout << (json ? card.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n' : dataCardText(card));
+  });
+}
+
 int infoMain(int argc, char** argv) {
-  // of scenes, where the first argument is one
+  // of scenes or a folder, where the first argument is one
   const auto is_name = [](const char* argument) { return argument[0] != '-'; };
   char** const first = std::find_if(argv + 1, argv + argc, is_name);
+  std::error_code error;
+  if (first != argv + argc && std::filesystem::is_directory(*first, error)) return dataCardMain(argc, argv);
   if (first != argv + argc && !isShardRequest(*first)) return sceneInfoMain(argc, argv);
   return fileInfoMain(argc, argv, {"nlg-datagen info", "shards (.h5)", "datagen", describeShard});
 }

@@ -7,7 +7,6 @@
 #include "tool/tool_main.h"
 #include "validate/errors/validation.h"
 #include "validate/frontier/frontier_command.h"
-#include "validate/light/closure_command.h"
 #include "validate/light/light_command.h"
 #include "validate/light/noise_command.h"
 #include "validate/look_up/look_up_command.h"
@@ -25,7 +24,6 @@ int validateMain(int argc, char** argv) {
       "nlg-validate look-up SCENE: what a viewer sees of a level's light grid, at random places in its air.\n"
       "nlg-validate light SCENE: what every method makes of a scene's light, against ground truth.\n"
       "nlg-validate views SCENE: pictures of a scene by every method, against ground truth.\n"
-      "nlg-validate light-closure SCENE: whether a level's light explains its lightmaps.\n"
       "nlg-validate light-noise SCENE: how noisy baked light is, and how fast it is baked.",
       "nlg-validate"};
   ValidationRequest request;
@@ -47,9 +45,8 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {
-    {"stability", stabilityMain},        {"frontier", frontierMain},      {"look-up", lookUpMain}, {"light", lightMain},
-    {"light-closure", lightClosureMain}, {"light-noise", lightNoiseMain}, {"views", viewsMain}};
+constexpr Command kCommands[] = {{"stability", stabilityMain}, {"frontier", frontierMain},      {"look-up", lookUpMain},
+                                 {"light", lightMain},         {"light-noise", lightNoiseMain}, {"views", viewsMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -70,6 +70,11 @@ def main():
         assert held_out[0] in (out / "report.html").read_text(), "a report without the held-out level"
         assert "room" in (out / "configuration.yaml").read_text() or str(levels) in (out / "configuration.yaml").read_text()
 
+        card = run(str(BIN / "nlg-datagen"), "info", str(out / "dataset")).stdout
+        assert "7 shards" in card and held_out[0] in card and "bare tent" in card and "above 0.080" in card, card
+        counted = json.loads(run(str(BIN / "nlg-datagen"), "info", str(out / "dataset"), "--json").stdout)
+        assert counted["all"]["functions"] == sum(row["functions"] for row in counted["scenes"]) == sum(b["functions"] for b in counted["all"]["tent_blend_rmse"]) > 0
+
         weights = out / "weights/tent_mlp4.safetensors"
         run(str(BIN / "nlg-bake"), str(levels / "room0.obj"), "--weights", str(weights), "--spacing-m", "1.5", "--light", "none",
             "--out", str(folder / "room0.safetensors"), "--json", str(folder / "room0.json"))
