@@ -96,6 +96,8 @@ class Decision:
         result = []
         for j in self.judgements:
             said = []
+            if 0 < j.functions < verdict.FEWEST_FUNCTIONS:
+                said.append(f"{plural(j.functions, 'function')} that take a θ decide nothing, so it stays undecided: hold out more scenes")
             if j.failing.value is None:
                 said.append("no function takes a θ, so it stays undecided")
             elif not j.failing.passes:
@@ -111,6 +113,22 @@ class Decision:
             if said:
                 result.append((j.representation, "; ".join(said) + "."))
         return result
+
+    def next_steps(self):
+        """What to do about it, a sentence each; by the reader's own figures (docs/guide/training.md)."""
+        steps = []
+        ships = [j.representation for j in self.judgements if j.verdict == verdict.SHIPS]
+        if ships:
+            steps.append(f"Use weights/{ships[0]}.safetensors: nlg bake LEVEL --weights …; --use-generator 0 shows a level without it.")
+        if any(j.functions < verdict.FEWEST_FUNCTIONS for j in self.judgements):
+            steps.append("Hold out more scenes: so few functions decide nothing.")
+        if any(j.failing.value is not None and not j.failing.passes for j in self.judgements):
+            steps.append("Where functions fail, a larger representation or longer fits help (refine_rounds, refine_first_steps); training longer does not.")
+        if any(j.hard.value is not None and not j.hard.passes for j in self.judgements):
+            steps.append("Where hard functions are far above the best known, look at them below; scenes like those that hold them are what the training lacks.")
+        if any(j.speedup.value is not None and not j.speedup.passes for j in self.judgements):
+            steps.append("Where a fit from scratch is as fast, train longer (train.steps), or do without a generator.")
+        return steps
 
     def cards(self):
         lead = next(j for j in self.judgements if j.representation == self.leader)

@@ -137,6 +137,12 @@ class Findings:
                     f"and {percent(node['theta']['share_failing_check']['value'].number())} fail the check as they are stored")
         return self.each(text)
 
+    def bytes_text(self, node):
+        """Of one theta; a code takes as many numbers as its function needs."""
+        if "stored_bytes_mean" in node.value:
+            return f"{node['stored_bytes_mean'].number():.0f} bytes in the mean"
+        return f"{grouped(node['theta_bytes'][self.precision].count())} bytes"
+
     def generators(self):
         """One group of rows a representation: its four words over every population; the bare tent last."""
         groups = []
@@ -144,7 +150,7 @@ class Findings:
             node = self.summary_of(name)
             rows = [figures_row(word, node[word][population], population, self.limits) | {"first": word == WORDS[0], "main": population == POPULATIONS[0]}
                     for population in POPULATIONS for word in WORDS]
-            groups.append({"name": name, "note": f"{grouped(node['parameters'].count())} parameters, {grouped(node['theta_bytes'][self.precision].count())} bytes a function in {self.precision}. The generator: "
+            groups.append({"name": name, "note": f"{grouped(node['parameters'].count())} parameters, {self.bytes_text(node)} a function in {self.precision}. The generator: "
                            f"{grouped(round(node['weights_bytes'].count() / 1000))} kB.", "rows": rows})
         tent = self.inputs.summary["tent"]
         groups.append({"name": "bare tent", "note": "No network at all and the same for every probe: this is what a generator has to beat.",

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 DIRECT = ("lm_from_theta0", "lm_from_random", "adam_from_theta0", "adam_from_random")  # families of the frontier; each may stand with a gate as well
 SHIPS, FAILS, UNDECIDED = "may ship", "may not ship", "undecided"
+FEWEST_FUNCTIONS = 20  # that take a theta: fewer decide nothing
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,8 @@ def rule(limits, tau_rmse, tau_blend):
         f"Stored functions: of those that take a θ, at most {100 * limits.share_failing:g} % fail the check. A function fails it when its RMSE is above {short(tau_rmse)} or its blend RMSE above {short(tau_blend)}.",
         f"Hard functions: what is stored has at most {limits.error_hard:g} times the best known blend RMSE, the lowest that any long fit found (median over the sample).",
         f"Time: the fastest fit without a generator takes at least {limits.speedup:g} times as long as the bake does up to *fitted*, to the same mean blend RMSE.",
-        "Stability: every case of the suite that fails has an explanation."]
+        "Stability: every case of the suite that fails has an explanation.",
+        f"Fewer than {FEWEST_FUNCTIONS} functions that take a θ, or a figure that could not be measured, leave a generator undecided."]
 
 
 @dataclass
@@ -47,6 +49,7 @@ class Judgement:
     hard: Figure      # stored blend RMSE over the best known, median over hard functions of the sample
     equal: object     # EqualError, or None
     speedup: Figure   # its ratio: time of the fastest direct fit to exactly the mean blend RMSE that is fitted, over that of the policy
+    functions: int = FEWEST_FUNCTIONS  # that take a theta and were judged
 
     @property
     def figures(self):
@@ -54,7 +57,7 @@ class Judgement:
 
     @property
     def verdict(self):
-        if any(figure.value is None for figure in self.figures):
+        if self.functions < FEWEST_FUNCTIONS or any(figure.value is None for figure in self.figures):
             return UNDECIDED
         return SHIPS if all(figure.passes for figure in self.figures) else FAILS
 
@@ -145,7 +148,8 @@ def judge_one(name, node, speed, limits):
     equal = at_equal_error(speed)
     return Judgement(name, at_most(share_of(node["stored"]["theta"], "share_failing_check"), limits.share_failing),
                      at_most(estimate(node["sample"]["ratios"]["stored"]["to_best_known"]["median_hard"]), limits.error_hard), equal,
-                     Figure(equal and equal.ratio, bool(equal and equal.ratio and equal.ratio >= limits.speedup), equal and equal.interval))
+                     Figure(equal and equal.ratio, bool(equal and equal.ratio and equal.ratio >= limits.speedup), equal and equal.interval),
+                     node["stored"]["theta"]["functions"].count())
 
 
 def judge(inputs, limits, frontier=None):
