@@ -1,10 +1,14 @@
 """Model cards of the weights that ship: weights/README.md.
 
     workflow/model_card.py RUN CONFIG REPRESENTATION ...
+    workflow/model_card.py --may-ship RUN CONFIG REPRESENTATION ...
 
-writes down in docs/results/weights.json how the weights of a run came about that now lie in weights/: scenes, time, rounding. Called by
+The first writes down in docs/results/weights.json how the weights of a run came about that now lie in weights/: scenes, time, rounding. Called by
 workflow/ship_weights.sh. The cards themselves are written by workflow/results.py, from that file, from the headers of the weights, and from the figures
 that all of the documentation quotes (docs/results/openarena.json).
+
+The second says what stands against shipping them, before anything is copied: weights of a revision with changes that nobody can look up, and
+stored errors that are beyond the intervals of what lies in weights/ now. Exit code 6 where something does.
 
 RUN     the run's result folder (out/NAME): dataset/, training/, weights/
 CONFIG  the configuration that the run was made by
@@ -20,6 +24,7 @@ from results_collect import STAGES, dump, fail, read_json
 from results_page import judgements, ratio, share, table
 from results_quotes import MAIN, microseconds, number, percent
 from tool.atomic_file import write_atomically
+from tool.errors import CHECK_FAILED
 from tool.errors import run as run_script
 from tool.input_file import as_documented, read_bytes
 from tool.input_file import sha256 as hash_of
@@ -28,7 +33,14 @@ ROOT = Path(__file__).resolve().parents[1]
 WEIGHTS = ROOT / "weights"
 FACTS = ROOT / "docs" / "results" / "weights.json"
 
-INTRODUCTION = """# Weights that ship
+FRONT_MATTER = """---
+license: mit
+tags: [light-probes, light-grid, hypernetwork, global-illumination, game-development]
+metrics: [rmse]
+---
+"""  # what model hubs read
+
+INTRODUCTION = FRONT_MATTER + """# Weights that ship
 
 *`workflow/results.py write` writes this page; change nothing here by hand.*
 
@@ -167,12 +179,35 @@ def page(all_results):
     return text + training_section(cards) + "\n## Files\n" + table(["", "SHA-256"], [[f"`{card['name']}.safetensors`", f"`{card['sha256']}`"] for card in cards])
 
 
+def objections(run, names):
+    """What stands against shipping a run's weights, a line each."""
+    measured = read_json(run / "evaluation/summary.json")["representations"]
+    shipped = read_json(ROOT / f"docs/results/{MAIN}.json").get("evaluation", {}).get("representations", {})
+    for name in names:
+        revision = json.loads(read_header(run / "weights" / f"{name}.safetensors")[0]["provenance"])["revision"]
+        if revision.endswith("-dirty"):
+            yield f"{name}: of revision {revision}, which nobody can look up: train from a clean checkout"
+        if name not in measured:
+            yield f"{name}: not measured by this run"
+        elif name in shipped and "blend_rmse" in shipped[name]["stored"]["theta"]:
+            now, before = (source[name]["stored"]["theta"]["blend_rmse"] for source in (measured, shipped))
+            if now["interval"]["mean"][0] > before["interval"]["mean"][1]:
+                yield f"{name}: stored mean blend RMSE {now['mean']:.4f}, of the weights that ship {before['mean']:.4f}, beyond both intervals"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run", type=Path)
     parser.add_argument("config")
     parser.add_argument("representations", nargs="+")
+    parser.add_argument("--may-ship", action="store_true")
     arguments = parser.parse_args()
+    if arguments.may_ship:
+        with as_documented(arguments.run):
+            found = list(objections(arguments.run, arguments.representations))
+        for line in found:
+            print(f"ship_weights: {line}", file=sys.stderr)
+        return CHECK_FAILED if found else 0
     facts = read_json(FACTS) if FACTS.exists() else {}
     for name in arguments.representations:
         with as_documented(arguments.run):

@@ -1,14 +1,17 @@
 #!/usr/bin/env bash
 # Puts a run's exported weights into weights/, with a model card each, and takes what the run measured as the figures of all documentation.
 #
-#   workflow/ship_weights.sh RUN CONFIG REPRESENTATION ...
+#   workflow/ship_weights.sh [--force] RUN CONFIG REPRESENTATION ...
 #
+# --force  ship what is worse than what lies there, or of a revision with uncommitted changes; without it such weights are refused
 # RUN      the result folder of a finished run, out/NAME
 # CONFIG   the configuration that it was made by: the cards name it
 # Files of other representations stay; their cards keep figures only where this run measured them too. The test suite then checks what
 # lies there: it loads, all of it is float16, and together it takes at most 32 MB.
 set -euo pipefail
-[ $# -ge 3 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+force=''
+[ "${1:-}" != --force ] || { force=yes; shift; }
+[ $# -ge 3 ] || { sed -n '2,10s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 run=$(realpath "$1") config=$2
 shift 2
 cd "$(dirname "$0")/.."
@@ -16,6 +19,9 @@ cd "$(dirname "$0")/.."
 for name in "$@"; do
   [ -f "$run/weights/$name.safetensors" ] || { echo "ship_weights: $run/weights/$name.safetensors: expected weights, got none" >&2; exit 3; }
 done
+/usr/bin/python3 workflow/model_card.py --may-ship "$run" "$config" "$@" || {
+  [ -n "$force" ] || { echo "ship_weights: nothing was copied; --force ships all the same" >&2; exit 6; }
+}
 for name in "$@"; do
   install -m 644 "$run/weights/$name.safetensors" "weights/$name.safetensors"
 done
