@@ -96,6 +96,13 @@ const PointSet& patternPoints() {
   return points;
 }
 
+// Of the cell order that fills most places up.
+int mostPlaces() {
+  int most = 0;
+  for (const int resolution : kFieldResolutions) most = std::max(most, cellOrder(resolution).placeCount());
+  return most;
+}
+
 }  // namespace
 
 HWY_EXPORT(compareVectors);
@@ -107,7 +114,7 @@ double FunctionCheck::trouble(const CheckOptions& options) const {
 
 FunctionChecker::FunctionChecker()
     : values_(patternPoints().padded_count),
-      cell_values_(cellOrder(kFieldResolutions[3]).placeCount()),
+      cell_values_(mostPlaces()),
       tent_(patternPoints().padded_count),
       tent_byte_(kSupportPointCount) {
   for (int p = 0; p < kSupportPointCount; ++p) {
