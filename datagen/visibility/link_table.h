@@ -29,7 +29,7 @@ struct LinkTable {
   };
 
   std::vector<LocalPoint> points;         // P + U, local coordinates
-  std::vector<Link> links;                // 143,812 for the support points alone; a link's index is its place in link_packets
+  std::vector<Link> links;                // 142,308 for the support points alone; a link's index is its place in link_packets
   std::vector<Edge> nearest;              // (P + U) x 32, nearest first; ties go to the lower index of the mirrored pair
   std::vector<float> distance;            // (P + U) x 32, local units
   std::vector<uint32_t> first_edge;       // P + U + 1: edges of point p are [first_edge[p], first_edge[p + 1]), and among them
