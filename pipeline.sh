@@ -4,7 +4,8 @@
 #   ./pipeline.sh [OPTION ...] [CONFIG] [LEVELS]
 #
 # CONFIG     a configuration: pipeline.yaml (the default, where no LEVELS are named), configs/levels.yaml (where they are) or another
-# LEVELS     a folder of your levels: .glb, .gltf, .obj, or a game's .pk3. One in six is held out; results go to out/FOLDER'S NAME
+# LEVELS     a folder of your levels: .glb, .gltf, .obj, or a game's .pk3. By configs/levels.yaml one in six is held out, and results
+#            go to out/NAME, the folder's name
 # --plan     only say what the run will take, stage by stage
 # --set SECTION.KEY=VALUE   over the configuration, as often as you like: --set train.steps=8000
 # --bin FOLDER              the tools that are there (or NLG_BIN=FOLDER): nothing is installed or built
@@ -22,11 +23,11 @@ refuse() {
 plan='' profile='' changes=()
 while [ $# -gt 0 ]; do
   case $1 in
-    -h | --help) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,16s/^# \{0,1\}//p' "$0"; exit 0 ;;
     --plan) plan=yes; shift ;;
     --set)
       [ $# -ge 2 ] || refuse "--set: expected SECTION.KEY=VALUE, got nothing"
-      changes+=(--set "$2")
+      changes+=("--set=$2")
       shift 2
       ;;
     --bin)
@@ -61,7 +62,7 @@ if [ -n "${NLG_BIN:-}" ]; then
   NLG_BIN=$(realpath -- "$NLG_BIN")
   export NLG_BIN
   # nothing is installed here: what runs the stages must be there
-  [ -x /usr/bin/snakemake ] || refuse "snakemake: expected at /usr/bin/snakemake, got none; apt-get install snakemake"
+  [ -n "$plan" ] || [ -x /usr/bin/snakemake ] || refuse "snakemake: expected at /usr/bin/snakemake, got none; apt-get install snakemake"
 fi
 
 cd "$(dirname "$0")"

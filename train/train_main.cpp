@@ -228,14 +228,21 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   const ProcessGroup processes(request.processes);
   requireSameRun(processes, identity);
   // several processes have to end together, and go on from their last checkpoint
+  using Handler = void (*)(int);
+  constexpr int kStopping[] = {SIGINT, SIGTERM};
+  std::vector<Handler> before;
   if (processes.count() == 1) {
-    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int number) { stopped_by = number; });
+    for (const int signal : kStopping)
+      before.push_back(std::signal(signal, [](int number) {
+        stopped_by = number;
+        std::signal(number, SIG_DFL);  // a second one ends the process at once
+      }));
   }
   const TrainReport report =
       train(options, representation, training, held_out, &state, save, processes, [] { return stopped_by != 0; });
+  for (size_t i = 0; i < before.size(); ++i) std::signal(kStopping[i], before[i]);
   if (report.is_stopped) {
     std::cerr << "nlg-train: stopped at step " << state.step << " of " << options.steps << "; the same command goes on\n";
-    std::signal(stopped_by, SIG_DFL);
     std::raise(stopped_by);
   }
   if (processes.rank() != 0) return;

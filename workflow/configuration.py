@@ -36,7 +36,8 @@ BAKE_TOO = {row["name"] for row in rows_of("datagen")} & {row["name"] for row in
 
 
 def matching(scenes, patterns):
-    return [scene for scene in scenes if any(fnmatch(scene, pattern) for pattern in patterns)]
+    # a name may hold what patterns are made of
+    return [scene for scene in scenes if any(scene == pattern or fnmatch(scene, pattern) for pattern in patterns)]
 
 
 def flags(options):
@@ -48,7 +49,7 @@ def flags(options):
 
 def archives_in(folder):
     """The entry of scenes.archives of a folder's own archives, in a list; nothing where there are none."""
-    return [{"folder": str(folder), "maps": ["*"]}] if folder and any(Path(folder).glob("*.pk3")) else []
+    return [{"folder": os.path.abspath(folder), "maps": ["*"]}] if folder and any(Path(folder).glob("*.pk3")) else []
 
 
 def find_scenes(options, environment):
@@ -56,7 +57,7 @@ def find_scenes(options, environment):
     scenes = {f"{family}_{seed}": (f"{family}:{seed}", []) for family in options["families"] for seed in range(options["per_family"])}
     folder = options["folder"]
     if folder:
-        files = sorted(p for p in Path(folder).glob("*") if p.suffix.lower() in (".glb", ".gltf", ".obj"))
+        files = sorted(p for p in Path(folder).glob("[!.]*") if p.suffix.lower() in (".glb", ".gltf", ".obj") and p.is_file())
         require("scenes: folder", "none", files or archives_in(folder), f".glb, .gltf, .obj or .pk3 files in {folder}")
         for path in files:
             require(path, path.name, not set(path.stem) & set("{}") and path.name.isprintable(), "a name of one line without braces")
@@ -67,7 +68,7 @@ def find_scenes(options, environment):
             beside = sorted(str(p) for p in path.parent.glob(pattern)) if pattern else []
             scenes[path.stem] = (str(path), [str(path), *beside])
     root = environment.get("NLG_ARCHIVE_ROOT", "")
-    for found in (find_levels([*options["archives"], *archives_in(folder)], root), find_interiors(options["furniture"], root, MAX_SHARDS)):
+    for found in (find_levels(options["archives"], root), find_levels(archives_in(folder)), find_interiors(options["furniture"], root, MAX_SHARDS)):
         for name, scene in found.items():
             if name in scenes:
                 raise ConfigurationError(f"{scene[0]}: expected a name of its own, got one that {scenes[name][0]} has too")
@@ -76,8 +77,8 @@ def find_scenes(options, environment):
     return scenes
 
 
-def listed(names, most=20):
-    names = sorted(names)
+def listed(names, most=20, first=()):
+    names = [*sorted(first), *sorted({*names} - {*first})]
     return ", ".join(names[:most]) + (f" and {len(names) - most} others" if len(names) > most else "")
 
 
@@ -137,7 +138,7 @@ class Run:
         self.jitters = options["jitters"]
         self.scenes = find_scenes(options, environment)
         folder = os.path.join(os.path.abspath(options["folder"]), "") if options["folder"] else None
-        self.own_levels = [scene for scene, (asked, _) in self.scenes.items() if folder and os.path.abspath(asked).startswith(folder)]
+        self.own_levels = [scene for scene, (_, files) in self.scenes.items() if folder and any(os.path.abspath(file).startswith(folder) for file in files)]
         # another seed is another interior; jitter would take furniture apart, which is of many connected components
         self.unjittered = find_interiors(options["furniture"], environment.get("NLG_ARCHIVE_ROOT", ""), MAX_SHARDS)
         self.by_scene = options["by_scene"]
@@ -151,7 +152,7 @@ class Run:
         for key in ("held_out", "evaluation"):
             for pattern in split[key]:
                 # a scene that a wrong name leaves out would be trained on
-                require(f"split: {key}", pattern, matching(self.scenes, [pattern]), "a pattern of some scene out of " + listed(self.scenes))
+                require(f"split: {key}", pattern, matching(self.scenes, [pattern]), "a pattern of some scene out of " + listed(self.scenes, first=self.own_levels))
         self.held_out, self.evaluation = (matching(self.scenes, split[key]) for key in ("held_out", "evaluation"))
         if split["held_out_share"] > 0:
             self._draw_held_out(split["held_out_share"], split["seed"])
@@ -163,11 +164,14 @@ class Run:
             raise ConfigurationError(f"split: expected scenes that are held out or for the evaluation, got {scene} in both")
 
     def _draw_held_out(self, share, seed):
-        """Holds out a share of the scenes of the folder, or of all scenes where there is none; whole scenes, the same ones for the same names and seed."""
-        named = {*self.held_out, *self.evaluation}
-        lot = sorted(scene for scene in (self.own_levels or self.scenes) if scene not in named)
-        require("split: held_out_share", f"{len(lot)}", named or len(lot) >= 2, "two levels at least, one to train on and one to hold out")
-        drawn = {*random.Random(seed).sample(lot, min(max(round(share * len(lot)), 0 if named else 1), len(lot)))}
+        """Holds out a share of the scenes of the folder, or of all scenes where there is none; whole scenes, the same ones for the same names and
+        seed. No lot is drawn where held_out names one of them."""
+        candidates = self.own_levels or list(self.scenes)
+        if {*self.held_out} & {*candidates}:
+            return
+        lot = sorted(scene for scene in candidates if scene not in self.evaluation)
+        require("split: held_out_share", f"{len(lot)}", len(lot) >= 2, "two levels at least, one to train on and one to hold out")
+        drawn = {*random.Random(seed).sample(lot, max(round(share * len(lot)), 1))}
         self.held_out = [scene for scene in self.scenes if scene in drawn or scene in self.held_out]
 
     def _take_report(self, report):
@@ -295,7 +299,22 @@ def changed(content, levels, values):
             place = place[section]
             require(f"--set {key}: {section}", place, isinstance(place, dict), "a section")
         place[name] = value
+    for key, _ in pairs:
+        refuse_overruled(content, key)
     return content
+
+
+def refuse_overruled(content, key):
+    """A key that something else in the file goes over would be set in vain."""
+    section, _, name = key.partition(".")
+    own = content.get("representations")
+    over = [f"representations.{of}.{name}" for of, options in (own.items() if section == "train" and isinstance(own, dict) else ())
+            if isinstance(options, dict) and name in options]
+    full = content.get("full")
+    if content.get("effort") == "full" and isinstance(full, dict) and name in (full.get(section) or {}):
+        over.append(f"full.{key}")
+    for other in over:
+        raise ConfigurationError(f"--set {key}: expected a key that nothing goes over, got {other} beside it: set that")
 
 
 def add_arguments(parser):
@@ -313,6 +332,15 @@ def content_of(arguments):
     return changed(content, arguments.levels, arguments.set) if arguments.levels or arguments.set else content
 
 
+def refuse_others_results(folder, path, content):
+    """Two folders of levels may have the same name: the results of one are not replaced by those of the other."""
+    if not os.path.isdir(os.path.join(folder, "dataset")):
+        return
+    before = read(path) if os.path.isfile(path) else {}
+    levels = [(config.get("scenes") or {}).get("folder") for config in (before, content)]
+    require(folder, f"results of {levels[0] or 'another configuration'}", levels[0] == levels[1], "results of the same levels; --set name=NAME keeps both")
+
+
 def main():
     parser = argparse.ArgumentParser(prog="pipeline.sh")
     add_arguments(parser)
@@ -323,6 +351,7 @@ def main():
     is_changed = bool(arguments.levels or arguments.set)
     path = os.path.join(run_of_file.folder, "configuration.yaml") if is_changed else arguments.config
     if arguments.write and is_changed:
+        refuse_others_results(run_of_file.folder, path, content)
         write_files({path: text_of(content).encode()})
     print(run_of_file.folder)
     print(*run_of_file.tools())

@@ -82,8 +82,8 @@ def parsed(place, text):
     """The value that a text of YAML says."""
     try:
         return yaml.load(text, Loader)
-    except yaml.YAMLError as error:
-        raise ConfigurationError(f"{place}: expected a value as YAML writes it, got {text!r}: {getattr(error, 'problem', error)}") from None
+    except (yaml.YAMLError, RecursionError) as error:
+        raise ConfigurationError(f"{place}: expected a value as YAML writes it (patterns in quotes), got {text[:200]!r}: {getattr(error, 'problem', error)}") from None
 
 
 def text_of(content):

@@ -6,6 +6,7 @@ import argparse
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -37,7 +38,7 @@ class SampleError(ToolError):
 
 def kind_of(scene, asked):
     """Scenes whose shards are alike: a family, or a folder of levels."""
-    return asked.partition(":")[0] if re.fullmatch(r"[a-z_]+:\d+", asked) else os.path.dirname(asked)
+    return asked.partition(":")[0] if re.fullmatch(r"[a-z_]+:\d+", asked) else os.path.dirname(os.path.abspath(asked))
 
 
 def evenly(items, count):
@@ -63,7 +64,7 @@ def sampled(of_run):
 
 
 def plan_of(binaries, config, of_run, split, scene):
-    command = [os.path.join(binaries, "nlg-datagen"), "plan", "--json", f"--sample={SAMPLED_FUNCTIONS}", "--config", config, *of_run.flags_over("datagen", of_run.scene_options(scene)).split(),
+    command = [os.path.join(binaries, "nlg-datagen"), "plan", "--json", f"--sample={SAMPLED_FUNCTIONS}", "--config", config, *shlex.split(of_run.flags_over("datagen", of_run.scene_options(scene))),
                "--scene", of_run.scenes[scene][0], *([] if split == "training" else ["--held-out"])]
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "NLG_PROGRESS": "off"})
     if done.returncode != 0:
@@ -79,7 +80,7 @@ def main():
     content = configuration.content_of(arguments)
     of_run = configuration.judge(content, arguments.config)
     sample = list(sampled(of_run))
-    cores = os.cpu_count() or 1
+    cores = len(os.sched_getaffinity(0))
     with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file, ThreadPoolExecutor(cores) as pool:
         file.write(text_of(content))
         file.flush()

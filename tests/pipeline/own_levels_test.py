@@ -55,6 +55,8 @@ def main():
 
         refused = run(*pipeline, "--set", "split.held_out=[room1, room7]", str(levels), code=2).stderr
         assert "room7" in refused and "room0, room1" in refused, refused
+        overruled = run(*pipeline, "--set", "representations={tent_mlp4: {steps: 7}}", "--set", "train.steps=9", str(levels), code=2).stderr
+        assert "representations.tent_mlp4.steps" in overruled, overruled
         plan = run(*pipeline, "--plan", str(levels)).stdout
         for words in ("six_rooms", "held out", "data set", "basis", "train tent_mlp4", "validate", "frontier", "report", "functions"):
             assert words in plan, f"the plan lacks '{words}':\n{plan}"
@@ -79,6 +81,12 @@ def main():
         run(str(BIN / "nlg-bake"), str(levels / "room0.obj"), "--weights", str(weights), "--spacing-m", "1.5", "--light", "none",
             "--out", str(folder / "room0.safetensors"), "--json", str(folder / "room0.json"))
         assert json.loads((folder / "room0.json").read_text())["functions"], "a bake without functions"
+        # another folder of the same name does not replace the results of this one
+        other = folder / "elsewhere" / "six rooms"
+        other.mkdir(parents=True)
+        for seed in range(2):
+            (other / f"room{seed}.obj").write_text(room(seed))
+        assert "keeps both" in run(*pipeline, str(other), code=2).stderr
         # what is there is not made again
         again = run(*pipeline, str(levels)).stderr
         assert "nothing to be done" in again, again

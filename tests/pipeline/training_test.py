@@ -120,7 +120,7 @@ def check_damaged_checkpoint():
 
 
 def check_stops():
-    """Ctrl-C: a checkpoint, the line that goes on, and the same bytes in the end. A second trainer, other options: refused in words."""
+    """Ctrl-C: a checkpoint, the line that goes on, and the same errors in the end. A second trainer, other options: refused in words."""
     process = train("stopped", steps=400)
     while process.poll() is None and not os.path.exists("stopped_run/latest"):
         time.sleep(0.01)
