@@ -421,6 +421,7 @@ TEST(ChoicePoint, IsThePolicyOverSeveralGenerators) {
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
   PolicyOptions options;
   options.choice_flat_ratio = 1.0, options.choice_enough_rmse = 0.0;
+  options.theta_precision = ThetaPrecision::float32;  // the plot is of fits
   const PlotRun run = choicePoint(generators, options);
   EXPECT_EQ(run.points.front().representation, "pf3+pf5");
   const std::vector<FittedFunction> chosen = run.run(block).front();
