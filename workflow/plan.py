@@ -20,7 +20,7 @@ import configuration
 from costs import Costs
 from plain_yaml import text_of
 
-SAMPLED, SAMPLED_FUNCTIONS = 20, 120  # scenes at least, one of every kind; functions of each that are made to find out
+SAMPLED_OF_A_KIND, SAMPLED_FUNCTIONS = 4, 100  # scenes; functions of each that are made to find out
 WORD_OF = {"training": "trained on", "held_out": "held out", "evaluation": "for the evaluation"}
 
 
@@ -37,8 +37,8 @@ class SampleError(ToolError):
 
 
 def kind_of(scene, asked):
-    """Scenes whose shards are alike: a family, or a folder of levels."""
-    return asked.partition(":")[0] if re.fullmatch(r"[a-z_]+:\d+", asked) else os.path.dirname(os.path.abspath(asked))
+    """Scenes of one source: procedural ones, or those of a folder."""
+    return "procedural" if re.fullmatch(r"[a-z_]+:\d+", asked) else os.path.dirname(os.path.abspath(asked))
 
 
 def evenly(items, count):
@@ -52,15 +52,12 @@ def sampled(of_run):
     for split in configuration.SPLITS:
         for scene in getattr(of_run, split):
             kinds.setdefault((split, kind_of(scene, of_run.scenes[scene][0])), []).append(scene)
-    # levels differ more among each other than seeds of a family do
-    files = [kind for kind in kinds if os.sep in kind[1]]
-    of_files = max(1, (SAMPLED - len(kinds)) // max(1, len(files)))
-    for kind, scenes in kinds.items():
-        jitters = of_run.jitters if kind[0] == "training" else 1
+    for (split, _), scenes in kinds.items():
+        jitters = of_run.jitters if split == "training" else 1
         shards = sum(1 if scene in of_run.unjittered else jitters for scene in scenes)
-        chosen = evenly(sorted(scenes), of_files if kind in files else 1)
+        chosen = evenly(sorted(scenes), SAMPLED_OF_A_KIND)
         for scene in chosen:
-            yield kind[0], scene, shards / len(chosen)
+            yield split, scene, shards / len(chosen)
 
 
 def plan_of(binaries, config, of_run, split, scene):
