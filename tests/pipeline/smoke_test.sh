@@ -140,7 +140,8 @@ for number, case in enumerate(cases):
     open(damaged, "wb").write(case)
     result = subprocess.run([tool, "info", damaged], capture_output=True, text=True)
     assert result.returncode == 7 and not result.stdout and result.stderr.count("\n") == 1, (tool, number, result)
-result = subprocess.run([tool, "info", os.path.dirname(path)], capture_output=True, text=True)
+os.makedirs(damaged + ".folder", exist_ok=True)
+result = subprocess.run([tool, "info", damaged + ".folder"], capture_output=True, text=True)
 assert result.returncode == 3 and result.stderr.count("\n") == 1, (tool, result)
 PYTHON
 done

@@ -78,7 +78,7 @@ SampledFunction functionBesideWall(uint64_t seed, double distance) {
 void WorstBake::add(const StabilityInputs& inputs, const NamedGenerator& named, const StoredFunction& stored, ErrorBound bound,
                     const PolicyOptions& options) {
   const CheckOptions& check = options.check();
-  ThetaPolicy policy({&named.generator}, options);
+  ThetaPolicy policy({&named.generator}, options, ThetaStage::larger);
   MadeTheta made, unrefined;
   policy.bake(&stored, 1, &made);
   policy.make(&stored, 1, &unrefined);
