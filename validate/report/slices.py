@@ -100,7 +100,7 @@ def plate(inputs, limit):
     draw_scale(figure, left, 0.2, PHI_MAP, lambda v: v, np.linspace(0, 1, 5) ** 0.5, ("0", ".25", ".5", ".75", "1"), "φ")
     draw_scale(figure, left + 3.2, 0.2, DIFFERENCE_MAP, lambda v: v, (0, 0.5, 1), (f"−{limit:g}", "0", f"+{limit:g}"), "difference")
     place = (left / width, 0.42 / height) if narrow else ((left + 6.6) / width, 0.12 / height)
-    figure.text(*place, "hatched: in solid, masked out · ring: the probe\ngeometry cut: pale in plain sight of the probe, dark where it is occluded", fontsize=8, color=MUTED)
+    figure.text(*place, "above: blend RMSE, scene · hatched: in solid, masked out · ring: the probe\ngeometry cut: pale in plain sight of the probe, dark where it is occluded", fontsize=8, color=MUTED)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=120, facecolor="white")
     plt.close(figure)
@@ -113,7 +113,7 @@ def draw_column(figure, slice_, x, top, limit, first):
     if first:
         figure.text(x / width, (top - 0.12) / height, slice_.representation, weight="bold", fontsize=11, va="top",
                     color=representation_colour(slice_.representation))
-    figure.text(x / width, (top - 0.37) / height, f"{slice_.which} · blend RMSE {slice_.blend_rmse:.4f}", fontsize=8, va="top")
+    figure.text(x / width, (top - 0.37) / height, f"{slice_.which} · {slice_.blend_rmse:.4f}", fontsize=8, va="top")
     figure.text(x / width, (top - 0.53) / height, slice_.scene[:22], fontsize=7.5, va="top", color=MUTED)
     for row, kind in enumerate(KINDS):
         axes = figure.add_axes([x / width, (top - 0.66 - (row + 1) * 1.42) / height, 1.36 / width, 1.36 / height])
