@@ -111,11 +111,12 @@ int dataCardMain(int argc, char** argv) {
 }
 
 int infoMain(int argc, char** argv) {
-  // of scenes or a folder, where the first argument is one
+  // of scenes or a folder, where the first argument is one; a folder in the place of a shard is a shard that cannot be read
   const auto is_name = [](const char* argument) { return argument[0] != '-'; };
   char** const first = std::find_if(argv + 1, argv + argc, is_name);
   std::error_code error;
-  if (first != argv + argc && std::filesystem::is_directory(*first, error)) return dataCardMain(argc, argv);
+  if (first != argv + argc && !std::string(*first).ends_with(".h5") && std::filesystem::is_directory(*first, error))
+    return dataCardMain(argc, argv);
   if (first != argv + argc && !isShardRequest(*first)) return sceneInfoMain(argc, argv);
   return fileInfoMain(argc, argv, {"nlg-datagen info", "shards (.h5)", "datagen", describeShard});
 }

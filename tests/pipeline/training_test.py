@@ -121,24 +121,24 @@ def check_damaged_checkpoint():
 
 def check_stops():
     """Ctrl-C: a checkpoint, the line that goes on, and the same errors in the end. A second trainer, other options: refused in words."""
-    process = train("stopped", steps=400)
+    process = train("stopped", steps=2000)
     while process.poll() is None and not os.path.exists("stopped_run/latest"):
         time.sleep(0.01)
-    end(train("stopped", steps=400), USAGE_ERROR)
+    end(train("stopped", steps=2000), USAGE_ERROR)
     process.send_signal(signal.SIGINT)
     _, err = process.communicate()
     check(process.returncode == -signal.SIGINT and "stopped at step" in err and "goes on" in err, f"Ctrl-C: {process.returncode}, {err!r}")
     stopped_at = int(re.search(r"stopped at step (\d+)", err)[1])
-    _, err = end(train("stopped", steps=400))
+    _, err = end(train("stopped", steps=2000))
     check(f"step {stopped_at} " in err, f"stopped at {stopped_at}, went on as {err!r}")
-    end(train("unstopped", steps=400))
+    end(train("unstopped", steps=2000))
     check(columns("stopped.csv")["held_out_blend_rmse"] == columns("unstopped.csv")["held_out_blend_rmse"], "a stopped run ends otherwise")
-    _, err = end(train("stopped", steps=400, learning_rate="0.01"), INPUT_ERROR)
+    _, err = end(train("stopped", steps=2000, learning_rate="0.01"), INPUT_ERROR)
     check("learning_rate: 0.003, asked 0.01" in err and "--restart-on-change" in err, f"other options: {err!r}")
-    _, err = end(train("stopped", steps=200), INPUT_ERROR)
-    check("steps: 400, asked 200" in err, f"fewer steps: {err!r}")
-    _, err = end(train("stopped", steps=440))
-    check("an extended run" in err and json.load(open("stopped_run/config.json"))["steps"] == 440, f"more steps: {err!r}")
+    _, err = end(train("stopped", steps=1000), INPUT_ERROR)
+    check("steps: 2000, asked 1000" in err, f"fewer steps: {err!r}")
+    _, err = end(train("stopped", steps=2020))
+    check("an extended run" in err and json.load(open("stopped_run/config.json"))["steps"] == 2020, f"more steps: {err!r}")
 
 
 def check_bare_tent():
