@@ -18,11 +18,12 @@ TEST(WordGrids, EndAtWhatABakeStoresBeforeItRounds) {
   options.policy.refine_rounds = 1;
   options.policy.refine_first_steps = 4;
   options.policy.adam_steps = 20;
+  options.policy.theta_precision = ThetaPrecision::float32;
   std::vector<Generator> generators;
   generators.emplace_back(sampleGenerator(Representation::tentMlp(), 24, 3, 1));
   const BakeScene scene("house:1", options);
   const std::vector<WordGrid> words = wordGrids(scene, generators.front(), options, 2);
-  // float32, to which the policy rounds unless it is told, is no rounding
+  // float32 is no rounding
   const LightGrid baked = bakeScene(scene, generators, options, temporaryFolder()).grid;
   ASSERT_EQ(words.size(), 3u);
   ASSERT_GT(baked.functionCount(), 0u);
