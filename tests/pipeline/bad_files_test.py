@@ -164,7 +164,7 @@ def check_files_that_do_not_belong_together(tools):
         tools.refuses(INPUT_ERROR, names, command)
     # an unfinished run's state of other options is refused unless asked otherwise
     shutil.copytree("run", "other_run", symlinks=True)
-    tools.refuses(INPUT_ERROR, "other_run/step-", call("nlg-train", "--config", "good.yaml", "--steps", "5", by={"bad_run": "other_run"}))
+    tools.refuses(INPUT_ERROR, "other_run/step-", call("nlg-train", "--config", "good.yaml", "--learning-rate", "0.004", by={"bad_run": "other_run"}))
     tools.check(sorted(os.listdir("other_run")) == sorted(os.listdir("run")), f"nlg-train: changed a run that it refused: {os.listdir('other_run')}")
 
 
