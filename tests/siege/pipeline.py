@@ -16,7 +16,7 @@ class Pipeline:
     def __init__(self, siege, folder):
         self.siege, self.folder = siege, folder
         self.checkout, self.results = os.path.join(folder, "checkout"), os.path.join(folder, "out", NAME)
-        self.environment = {**siege.environment, "NLG_BIN": siege.binaries, "NLG_OUT": os.path.join(folder, "out"), "NLG_LEVELS": ""}
+        self.environment = {**siege.environment, "NLG_BIN": siege.binaries, "NLG_OUT": os.path.join(folder, "out")}
         lay_out_checkout(siege.sources, self.checkout)
         self.config = os.path.join(self.checkout, chain.CONFIG)
         shutil.copyfile(os.path.join(siege.here, chain.CONFIG), self.config)
