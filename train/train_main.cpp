@@ -246,8 +246,9 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
     std::raise(stopped_by);
   }
   if (processes.rank() != 0) return;
-  if (report.held_out.final >= report.held_out.tent) {
-    std::cerr << "nlg-train: a generator that is worse than the bare tent on held-out functions: " << report.held_out.final
+  // an exact last layer makes something of any network
+  if (report.held_out.network >= report.held_out.tent) {
+    std::cerr << "nlg-train: a network that is worse than the bare tent on held-out functions: " << report.held_out.network
               << ", " << report.held_out.tent << "; try a smaller learning_rate or more steps\n";
   }
   if (representation.isCode()) {

@@ -106,7 +106,7 @@ echo precious >"$temporary/victim/dataset/training/house_0.0.h5"
 configuration() { sed "s|^name: smoke\$|$1|" configs/smoke.yaml >"$temporary/bad.yaml"; }
 mkdir -p "$temporary/out"
 many=$(printf '9%.0s' {1..400})
-for case in "name: ../victim|a folder's name" "name: ..|a folder's name" "name: /tmp|a folder's name" "name: a/b|a folder's name" "name: ''|a folder's name" "name: 3|a text" \
+for case in "name: ../victim|a folder's name" "name: ..|a folder's name" "name: /tmp|a folder's name" "name: a/b|a folder's name" "name: ''|missing key 'name'" "name: 3|a text" \
   "|missing key 'name'" "name: [|bad.yaml" "name: a\\nname: b|each key once" "name: smoke\\ncolour: red|unknown key 'colour'" "name: \"a\\\\nb\"|one line" \
   "name: $many|64 bits" "name: smoke\\nfull: {train: {steps: $many}}|64 bits" "name: smoke\\nexport: {parity_tolerance: .nan}|a finite number"; do
   configuration "${case%|*}"

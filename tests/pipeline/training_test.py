@@ -145,7 +145,7 @@ def check_bare_tent():
     """A learning rate that learns nothing is said."""
     _, err = end(train("wild", "--divergence-ratio", "1e9", steps=30, learning_rate="10"))
     log = columns("wild.csv")
-    check("worse than the bare tent" in err and log["held_out_blend_rmse"][-1] > log["bare_tent_blend_rmse"][-1] > 0, f"a learning rate of 10: {err!r}, {log}")
+    check("worse than the bare tent" in err and log["held_out_network_blend_rmse"][-1] > log["bare_tent_blend_rmse"][-1] > 0, f"a learning rate of 10: {err!r}, {log}")
 
 
 def check_left_behind():
