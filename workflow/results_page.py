@@ -90,7 +90,7 @@ def evaluation_section(split):
 def share_section(split):
     rows = [[f"`{name}`", *(number(entry["stored"]["all"][error]["mean"]) for error in ("blend_rmse", "rmse")), share(entry["stored"]["all"]["share_fitted"])] for name, entry in split["representations"].items()]
     text = ("\n### Of all distinct functions\nThose that need no θ count as what they are, the bare tent. The share fitted of all functions is what stands beside the 4 to 13 % of the talk; "
-            "whole bakes, below, have more bare tents than these distinct functions.\n")
+            "whole bakes have more bare tents than these distinct functions.\n")
     return text + table(["", "stored, mean blend RMSE", "mean RMSE", "share fitted"], rows)
 
 
