@@ -19,9 +19,13 @@ cd "$(dirname "$0")/.."
 for name in "$@"; do
   [ -f "$run/weights/$name.safetensors" ] || { echo "ship_weights: $run/weights/$name.safetensors: expected weights, got none" >&2; exit 3; }
 done
-/usr/bin/python3 workflow/model_card.py --may-ship "$run" "$config" "$@" || {
-  [ -n "$force" ] || { echo "ship_weights: nothing was copied; --force ships all the same" >&2; exit 6; }
-}
+code=0
+/usr/bin/python3 workflow/model_card.py --may-ship "$run" "$config" "$@" || code=$?
+# what could not be judged is not forced either
+if [ "$code" != 0 ] && { [ "$code" != 6 ] || [ -z "$force" ]; }; then
+  echo "ship_weights: nothing was copied$([ "$code" != 6 ] || echo "; --force ships all the same")" >&2
+  exit "$code"
+fi
 for name in "$@"; do
   install -m 644 "$run/weights/$name.safetensors" "weights/$name.safetensors"
 done
