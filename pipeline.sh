@@ -76,15 +76,15 @@ fi
 judged=$(/usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}")
 mapfile -t judged <<< "$judged"
 run=${judged[0]}
+purpose=train
 read -r -a tools <<< "${judged[1]}"
+[ -z "$plan" ] || { purpose='' tools=(nlg-datagen); }
 if [ -n "${NLG_BIN:-}" ]; then
-  for tool in ${plan:+nlg-datagen} $([ -n "$plan" ] || echo "${tools[@]}"); do
+  for tool in "${tools[@]}"; do
     [ -x "$NLG_BIN/$tool" ] || refuse "NLG_BIN: expected $tool in $NLG_BIN, which the run will need, got none"
   done
-elif [ -n "$plan" ]; then
-  build "" nlg-datagen
 else
-  build train "${tools[@]}"
+  build "$purpose" "${tools[@]}"
 fi
 if [ -n "$plan" ]; then
   exec /usr/bin/python3 workflow/plan.py "$config" "${changes[@]}" --bin "${NLG_BIN:-build/release/bin}"

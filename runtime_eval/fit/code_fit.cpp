@@ -291,13 +291,14 @@ void CodeFit::prepare(const Representation& representation) {
   }
 }
 
-void CodeFit::runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa, Pass* pass) {
+void CodeFit::runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa,
+                      const CellLimits* limits, Pass* pass) {
   expandCode(*dictionary_, z, count, logits_.data());
   const PassInput in{*order_,
                      function.phi.data(),
                      function.mask.data(),
                      logits_.data(),
-                     all_points_ ? nullptr : limits_.data(),
+                     limits,
                      dark_root,
                      kappa,
                      all_points_ ? -1.0f : kMoving,
@@ -383,10 +384,11 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
   std::copy_n(z, K, start_.begin());
   std::fill(trial_.begin(), trial_.end(), 0.0f);
   const float full_root = function.dark_root;
-  if (!all_points_) HWY_DYNAMIC_DISPATCH(findCellLimits)(*order_, function.phi.data(), function.mask.data(), limits_.data());
+  const CellLimits* const limits = all_points_ ? nullptr : limits_.data();
+  if (limits != nullptr) HWY_DYNAMIC_DISPATCH(findCellLimits)(*order_, function.phi.data(), function.mask.data(), limits_.data());
   const auto squareOf = [&](const Pass& pass, float root) { return pass.lit_square + double{root} * root * pass.dark_square; };
   const auto rootAt = [&](int step) { return darkRoot(options, step, full_root); };
-  runPass(function, count, z, rootAt(0), kappaOf(options, 0), &best_);
+  runPass(function, count, z, rootAt(0), kappaOf(options, 0), limits, &best_);
   const double first_square = squareOf(best_, full_root);
   if (!allFinite({z, K}) || !std::isfinite(first_square)) {
     result.stop = FitStop::not_finite;
@@ -400,7 +402,7 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
     const float root = rootAt(step), kappa = kappaOf(options, step);
     // a step that was no better left rows of other weights
     if (best_.dark_root != root || best_.kappa != kappa) {
-      runPass(function, count, z, root, kappa, &best_);
+      runPass(function, count, z, root, kappa, limits, &best_);
       is_current = false;
     }
     if (!is_current) addEquations(best_, count, kappa, all_points_ ? RowsOf::points : RowsOf::pairs);
@@ -410,7 +412,7 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
     const bool is_solved = solveStep(options, count, damping, z, trial_.data());
     if (is_solved) {
       // rows as the next step wants them
-      runPass(function, count, trial_.data(), rootAt(step + 1), kappaOf(options, step + 1), &other_);
+      runPass(function, count, trial_.data(), rootAt(step + 1), kappaOf(options, step + 1), limits, &other_);
       trial_prior = priorCost(options, count, trial_.data());
     }
     const double before = squareOf(best_, root) + prior, after = squareOf(other_, root) + trial_prior;
@@ -452,9 +454,9 @@ void CodeFit::equationsAt(const Representation& representation, const WeightingF
                           const float* z, CodeEquations* equations) {
   prepare(representation);
   all_points_ = options.all_points;
-  if (!all_points_) HWY_DYNAMIC_DISPATCH(findCellLimits)(*order_, function.phi.data(), function.mask.data(), limits_.data());
   const int K = dictionary_->codeCount();
-  runPass(function, K, z, function.dark_root, 0.0f, &other_);
+  // to find the settled cells would cost as much as this one pass; they hold no active points
+  runPass(function, K, z, function.dark_root, 0.0f, nullptr, &other_);
   addEquations(other_, K, 0.0f, RowsOf::points);
   equations->count = K;
   equations->matrix.resize(matrix_.size());

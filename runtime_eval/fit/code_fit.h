@@ -72,7 +72,9 @@ class CodeFit {
   };
 
   void prepare(const Representation& representation);
-  void runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa, Pass* pass);
+  // limits   of the function's cells; null: none is left out
+  void runPass(const WeightingFunction& function, int count, const float* z, float dark_root, float kappa,
+               const CellLimits* limits, Pass* pass);
   double priorCost(const CodeFitOptions& options, int count, const float* z) const;
   enum class RowsOf { points, pairs };
   // J^T J and J^T r of a pass, and kappa's share of it.

@@ -15,9 +15,9 @@ class ThetaBatch {
   // loss        of the functions that it hands out, and so of every mean square
   ThetaBatch(const Generator& generator, const LossOptions& loss);
 
+  enum class Begin { network, theta0 };
   // Takes functions up, with the network's theta of each, which nobody has measured yet, or with theta0.
   // functions, theta   at most kBatchCount of them; count x D, overwritten. Both must last until the next call
-  enum class Begin { network, theta0 };
   void generate(const StoredFunction* functions, int count, float* theta, Begin begin = Begin::network);
 
   const Generator& generator() const { return *generator_; }
