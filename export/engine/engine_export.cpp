@@ -6,15 +6,12 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "export/engine/c_header.h"
-#include "export/engine/light_place.h"
 #include "export/engine/resampling_error.h"
-#include "export/engine/three_per_pixel.h"
+#include "export/engine/sh_texture.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
@@ -27,18 +24,12 @@ namespace {
 
 const std::string kPlace = "light.json";
 
-// Formats that hold the grid itself, grid.bin, and no texture.
-struct GridFormat {
-  const char* name;
-  FileResult (*write)(const LightGrid& grid, std::vector<EngineFile>* files);
-};
-
-constexpr GridFormat kGridFormats[] = {{"three-per-pixel", threePerPixelFiles}, {"c-header", cHeaderFiles}};
-
-const GridFormat* findGridFormat(const std::string& name) {
-  const auto* found = std::find_if(std::begin(kGridFormats), std::end(kGridFormats),
-                                   [&](const GridFormat& format) { return format.name == name; });
-  return found == std::end(kGridFormats) ? nullptr : found;
+template <class Format>
+const Format* findNamed(const std::vector<Format>& formats, const std::string& name) {
+  for (const Format& format : formats) {
+    if (format.name == name) return &format;
+  }
+  return nullptr;
 }
 
 struct EngineRequest {
@@ -54,8 +45,8 @@ struct EngineOptions {
 
 std::string formatNames() {
   std::string names;
-  for (const EngineFormat& format : engineFormats()) names += std::string(format.name) + ", ";
-  return names + kGridFormats[0].name + ", or " + kGridFormats[1].name;
+  for (const TextureFormat& format : textureFormats()) names += std::string(format.name) + ", ";
+  return names + gridFormats()[0].name + ", or " + gridFormats()[1].name;
 }
 
 constexpr float kMostFactor = 1e6f;
@@ -108,10 +99,9 @@ LightGrid readGrid(const std::string& path, double intensity, GridMetadata* meta
   return grid;
 }
 
-LightVolume readVolume(const LightGrid& grid, const EngineRequest& request, const EngineOptions& options,
-                       const EngineFormat& format) {
+LightVolume readVolume(const LightGrid& grid, const EngineRequest& request, const EngineOptions& options) {
   const LightBox box = volumeBox(grid, options.volume);
-  const TextureSize size = format.texture_size(box.texel_count);
+  const TextureSize size = shTextureSize(box.texel_count);
   for (size_t axis = 0; axis < 3; ++axis) {
     if (size[axis] <= kMaxTextureSide) continue;
     throw UsageError("spacing_m", "a texture of at most " + std::to_string(kMaxTextureSide) + " texels along each axis",
@@ -151,18 +141,19 @@ nlohmann::ordered_json errorJson(const std::optional<ResamplingError>& error) {
 
 void writeGrid(const LightGrid& grid, const GridFormat& format, const EngineRequest& request, const EngineOptions& options,
                nlohmann::ordered_json line) {
-  std::vector<EngineFile> files;
-  const FileResult result = format.write(grid, &files);
+  ShaderGrid packed;
+  const FileResult result = packShaderGrid(grid, &packed);
   if (!result.ok()) throw InputError(request.grid, fileStatusName(result.status), "a grid that shaders can show", result.detail);
+  const std::vector<EngineFile> files = gridFiles(format, packed);
   line["bytes"] = bytesOf(files);
-  line["error"] = errorJson(resamplingError(grid, nullptr, readCHeader(files), options.places));
+  line["error"] = errorJson(resamplingError(grid, nullptr, gridIrradiance(files.front().bytes), options.places));
   writeFiles(files, request);
   std::cout << line.dump() << '\n';
 }
 
 void run(const EngineRequest& request, const EngineOptions& options, const OptionTable& table) {
-  const EngineFormat* format = findEngineFormat(request.format);
-  const GridFormat* grid_format = findGridFormat(request.format);
+  const TextureFormat* format = findNamed(textureFormats(), request.format);
+  const GridFormat* grid_format = findNamed(gridFormats(), request.format);
   if (format == nullptr && grid_format == nullptr) throw UsageError("--format", formatNames(), "'" + request.format + "'");
   if (grid_format != nullptr &&
       (!options.volume.extent_m.empty() || options.volume.spacing_m > 0.0 || !options.light_groups.empty()))
@@ -187,19 +178,21 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
     if (const FileResult result = mixLight(colours, &grid); !result.ok())
       throw UsageError("light_groups", "factors that light bears", result.detail);
   }
-  const LightVolume volume = readVolume(grid, request, options, *format);
-  nlohmann::ordered_json place = placeJson(volume.box, format->texture_size(volume.box.texel_count));
-  std::vector<EngineFile> files = format->write(volume);
+  const LightVolume volume = readVolume(grid, request, options);
+  const LightBox& box = volume.box;
+  const TextureSize size = shTextureSize(box.texel_count);
+  const std::string texels = packShTexture(volume);
+  nlohmann::ordered_json place = {
+      {"low_m", box.low_m}, {"high_m", box.high_m}, {"resolution", box.texel_count}, {"texture_size", size}};
   line.update(place);
   line["light_groups"] = place["light_groups"] = groups;
   line["texels"] = {{"lit", volume.lit}, {"filled", volume.filled}};
   place["format"] = request.format;
   place["intensity"] = options.intensity;
   place["provenance"] = provenance("nlg-export engine", table.toJson(), {{"grid", fileSha256(request.grid)}});
-  files.push_back({kPlace, place.dump(2) + "\n"});
+  const std::vector<EngineFile> files = {format->file(box, texels), {kPlace, place.dump(2) + "\n"}};
   line["bytes"] = bytesOf(files);
-  const LightBox box = boxOfPlace(kPlace, fileNamed(files, kPlace));
-  line["error"] = errorJson(resamplingError(grid, &box, format->read(files, box), options.places));
+  line["error"] = errorJson(resamplingError(grid, &box, format->shown(textureOfHalves(texels, size), box), options.places));
   writeFiles(files, request);
   std::cout << line.dump() << '\n';
 }

@@ -1,5 +1,5 @@
-// The formats that `nlg-export engine` writes light in, each with what an engine makes of it: tests and the error that the tool states
-// read what was written.
+// The formats that `nlg-export engine` writes light in, each with what an engine makes of it: the error that the tool states and the
+// tests read the very texels and bytes that go to the files.
 #pragma once
 
 #include <array>
@@ -8,8 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "export/engine/light_volume.h"
 #include "export/engine/texture_3d.h"
+#include "runtime_eval/light_grid/resampled_light.h"
+#include "runtime_eval/shader_grid/shader_grid.h"
 
 namespace nlg {
 
@@ -17,34 +18,42 @@ struct EngineFile {
   std::string name, bytes;
 };
 
-// throws   InputError naming the file where it is not among them
-const std::string& fileNamed(const std::vector<EngineFile>& files, const std::string& name);
-
 // Irradiance that an engine shows at a position (finite), on a plane that faces a normal of length 1.
 using EngineIrradiance = std::function<std::array<float, kShChannels>(const PositionM& position_m, const float* normal_3)>;
 
-// Of a texture of sh_texture.h that is read where a pixel stands.
-EngineIrradiance shTextureReader(Texture3d texture, const LightBox& box);
-
-// throws   InputError naming the file where the sizes differ
-void requireSize(const std::string& name, const TextureSize& size, const TextureSize& expected);
-
-struct EngineFormat {
+// Resampled: a texture of sh_texture.h.
+struct TextureFormat {
   const char* name;
-  // of the texture that holds a box of so many texels
-  TextureSize (*texture_size)(const TextureSize& box_texels);
-  // volume    |coefficients| <= kMaxEngineLight
-  std::vector<EngineFile> (*write)(const LightVolume& volume);
-  // Decodes the files, and reads them with the engine's filter and formula.
-  // box      where the texture stands, as light.json says
-  // throws   InputError naming a file that write does not give
-  EngineIrradiance (*read)(const std::vector<EngineFile>& files, const LightBox& box);
+  // box      of the texels
+  // texels   as packShTexture gives them
+  EngineFile (*file)(const LightBox& box, const std::string& texels);
+  // The texture read with the engine's own filter and formula.
+  EngineIrradiance (*shown)(Texture3d texture, const LightBox& box);
 };
 
-// three, bevy, godot, ktx2-sh, dds-sh
-const std::vector<EngineFormat>& engineFormats();
+// three: light.bin, the texture of a three.js LightProbeGrid (0.187) as it is, without a header. Its shader moves every position by half
+// a texel along the normal, and shows nothing where that leaves the box by more than a hundredth of a texel
+// (examples/jsm/tsl/lighting/LightProbeGridNode.js; ShaderChunk/lightprobes_pars_fragment.glsl.js).
+// ktx2-sh: light.ktx2, the same texture for everybody else, read where a pixel stands.
+const std::vector<TextureFormat>& textureFormats();
 
-// nullptr where there is none of that name
-const EngineFormat* findEngineFormat(std::string_view name);
+// The grid itself, grid.bin as `nlg-export shader` writes it, and what looks up in it.
+struct GridFormat {
+  const char* name;
+  std::vector<EngineFile> (*look_up)(const ShaderGrid& grid);
+};
+
+// three-per-pixel: look_up.glsl, and the modules that light three.js's materials by it. c-header: nlg_light_grid.h, for programs in C,
+// which needs no library at all.
+const std::vector<GridFormat>& gridFormats();
+
+// Files that are part of the tool: runtime_eval/shader_grid/nlg_light_grid.h; the modules of WebGLRenderer and of WebGPURenderer.
+extern const std::string_view kCHeaderText, kThreeLightGridText, kThreeLightGridWebgpuText;
+
+// grid.bin, then the format's own files.
+std::vector<EngineFile> gridFiles(const GridFormat& format, const ShaderGrid& grid);
+
+// The look-up of nlg_light_grid.h in the bytes of grid.bin.
+EngineIrradiance gridIrradiance(std::string bytes);
 
 }  // namespace nlg

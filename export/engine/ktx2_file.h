@@ -1,4 +1,4 @@
-// KTX 2.0 files of one 3-D texture: one level, no supercompression (registry.khronos.org/KTX/specs/2.0).
+// KTX 2.0 files of one 3-D texture of RGBA16F: one level, no supercompression (registry.khronos.org/KTX/specs/2.0).
 #pragma once
 
 #include <map>
@@ -9,25 +9,9 @@
 
 namespace nlg {
 
-// By their numbers in Vulkan.
-enum class Ktx2Format : uint32_t { rgba16f = 97, rgb9e5 = 123 };
-
-// Bytes of a texel: 8 or 4.
-size_t texelBytes(Ktx2Format format);
-
-struct Ktx2Texture {
-  Ktx2Format format = Ktx2Format::rgba16f;
-  TextureSize size{};
-  std::string texels;                        // x is the fastest index, z the slowest
-  std::map<std::string, std::string> texts;  // by key; those that begin with KTX are the format's own
-};
-
-// texture   of one texel or more, as many bytes as its size says
-std::string ktx2Bytes(const Ktx2Texture& texture);
-
-// What ktx2Bytes gives, and what else has one level, no supercompression and one of the two formats.
-// name     of the file, for errors
-// throws   InputError where the bytes are none of that
-Ktx2Texture parseKtx2(const std::string& name, std::string_view bytes);
+// size     of one texel or more
+// texels   8 bytes each; x is the fastest index, z the slowest
+// texts    by key; those that begin with KTX are the format's own
+std::string ktx2Bytes(const TextureSize& size, std::string_view texels, const std::map<std::string, std::string>& texts);
 
 }  // namespace nlg

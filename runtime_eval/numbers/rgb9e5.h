@@ -21,11 +21,4 @@ inline uint32_t rgb9e5FromFloats(const std::array<float, 3>& rgb) {
   return bitsOf(rgb[0]) | bitsOf(rgb[1]) << 9 | bitsOf(rgb[2]) << 18 | static_cast<uint32_t>(exponent) << 27;
 }
 
-// Exact.
-inline std::array<float, 3> floatsFromRgb9e5(uint32_t bits) {
-  const int exponent = static_cast<int>(bits >> 27) - 24;
-  return {std::ldexp(static_cast<float>(bits & 511), exponent), std::ldexp(static_cast<float>(bits >> 9 & 511), exponent),
-          std::ldexp(static_cast<float>(bits >> 18 & 511), exponent)};
-}
-
 }  // namespace nlg

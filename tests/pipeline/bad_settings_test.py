@@ -58,7 +58,7 @@ CALLS_REFUSED = [
     (OUTPUT_ERROR, "file", call("nlg-view", by={"bad_view": "file"})),
     *((OUTPUT_ERROR, "file: ", f"nlg-export {what} --out file")
       for what in ("used-by --bake grid.safetensors --weights weights.safetensors", "shader --grid grid.safetensors")),
-    (OUTPUT_ERROR, "file/light.ktx2", "nlg-export engine --grid grid.safetensors --format bevy --out file"),
+    (OUTPUT_ERROR, "file/light.ktx2", "nlg-export engine --grid grid.safetensors --format ktx2-sh --out file"),
     (CHECK_FAILED, "parity", call("nlg-export", "--parity-tolerance", "0")),
 ]
 SECTIONS = {"nlg-datagen": "datagen", "nlg-pca": "basis", "nlg-train": "train", "nlg-export": "export", "nlg-bake": "bake", "nlg-validate": "validate"}

@@ -1,4 +1,4 @@
-#include "export/engine/c_header.h"
+#include "export/shader/shader_export.h"
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -18,10 +18,10 @@ extern "C" int cHeaderIsWhole(const uint8_t* bytes, size_t size);
 namespace nlg {
 namespace {
 
-std::vector<EngineFile> filesOf(const LightGrid& grid) {
-  std::vector<EngineFile> files;
-  EXPECT_TRUE(cHeaderFiles(grid, &files).ok());
-  return files;
+std::string gridBytes(const LightGrid& grid) {
+  ShaderGrid packed;
+  EXPECT_TRUE(packShaderGrid(grid, &packed).ok());
+  return shaderGridBytes(packed);
 }
 
 // Bytes that end where memory ends: a read beyond them ends the test.
@@ -58,7 +58,7 @@ class CHeaderPrecision : public testing::TestWithParam<ThetaPrecision> {};
 
 TEST_P(CHeaderPrecision, SaysWhatTheLookUpSays) {
   const LightGrid grid = everyRepresentation(GetParam(), 3);
-  const FencedBytes bytes(fileNamed(filesOf(grid), "grid.bin"));
+  const FencedBytes bytes(gridBytes(grid));
   Random random(5);
   std::array<int, 4> count{};
   for (int i = 0; i < 20000; ++i) {
@@ -81,7 +81,7 @@ TEST_P(CHeaderPrecision, SaysWhatAMixOfGroupsSays) {
   for (uint64_t g = 0; g < 3; ++g)
     grid.groups.push_back({"group " + std::to_string(g), randomLight(grid.tree.probeCount(), 20 + g)});
   roundGridLight(kLightError, &grid);
-  FencedBytes bytes(fileNamed(filesOf(grid), "grid.bin"));
+  FencedBytes bytes(gridBytes(grid));
   EXPECT_TRUE(bytes.isWhole());
   ShaderGrid packed;
   ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(Precisions, CHeaderPrecision, testing::Values(ThetaPrec
 
 TEST(CHeader, IsDarkWhereAPositionOrANormalIsNoNumber) {
   const LightGrid grid = everyRepresentation(ThetaPrecision::int8, 4);
-  const FencedBytes bytes(fileNamed(filesOf(grid), "grid.bin"));
+  const FencedBytes bytes(gridBytes(grid));
   const PositionM inside = grid.tree.probePosition(0);
   float rgb[3];
   for (const double broken : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e30, -1e30}) {
@@ -125,7 +125,7 @@ TEST(CHeader, IsDarkWhereAPositionOrANormalIsNoNumber) {
 // Whatever the bytes say, and however few they are.
 TEST(CHeader, ReadsNothingOutsideOfItsBytes) {
   const LightGrid grid = everyRepresentation(ThetaPrecision::int8, 4);
-  const std::string whole = fileNamed(filesOf(grid), "grid.bin");
+  const std::string whole = gridBytes(grid);
   Random random(7);
   float rgb[3];
   for (int round = 0; round < 300; ++round) {
@@ -140,7 +140,7 @@ TEST(CHeader, ReadsNothingOutsideOfItsBytes) {
 }
 
 TEST(CHeader, KnowsEveryDamagedByteAndEveryOtherLength) {
-  const std::string whole = fileNamed(filesOf(everyRepresentation(ThetaPrecision::int8, 4)), "grid.bin");
+  const std::string whole = gridBytes(everyRepresentation(ThetaPrecision::int8, 4));
   Random random(8);
   EXPECT_TRUE(FencedBytes(whole).isWhole());
   // the head with the digest, and anywhere
@@ -155,21 +155,6 @@ TEST(CHeader, KnowsEveryDamagedByteAndEveryOtherLength) {
     ASSERT_FALSE(FencedBytes(std::string_view(whole).substr(0, count)).isWhole()) << count << " bytes";
     ASSERT_FALSE(FencedBytes(std::string_view(whole).substr(0, whole.size() - 1 - count)).isWhole()) << count << " bytes less";
   }
-}
-
-TEST(CHeader, IsWrittenBesideTheGridThatShadersRead) {
-  const std::vector<EngineFile> files = filesOf(everyRepresentation(ThetaPrecision::int8, 4));
-  ASSERT_EQ(files.size(), 2u);
-  EXPECT_EQ(files[1].name, "nlg_light_grid.h");
-  EXPECT_NE(files[1].bytes.find("static inline NlgGridStatus nlgIrradiance("), std::string::npos);
-}
-
-TEST(CHeader, RefusesAGridWithoutLight) {
-  LightGrid grid = everyRepresentation(ThetaPrecision::int8, 4);
-  grid.light.clear();
-  std::vector<EngineFile> files;
-  EXPECT_FALSE(cHeaderFiles(grid, &files).ok());
-  EXPECT_TRUE(files.empty());
 }
 
 }  // namespace

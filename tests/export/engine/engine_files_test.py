@@ -3,11 +3,10 @@
 
     engine_files_test.py BIN_FOLDER ENGINE_CASES KTX_PARSE
 
-KTX2, DDS, Godot's text resource and three.js's bytes are read here, by their specifications. With KTX_PARSE, a folder of
+KTX2 and three.js's bytes are read here, by their specifications. With KTX_PARSE, a folder of
 workflow/install_from_npm.sh, the KTX2 files are read by ktx-parse instead and nothing else is done; exit code 77, a skipped test,
 where it is not there.
 """
-import base64
 import json
 import os
 import re
@@ -25,7 +24,7 @@ TOOLS, CASES = Tools(sys.argv[1]), os.path.abspath(sys.argv[2])
 KTX_PARSE = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
 BOX = ["--extent-m=-2,10001,2,6,10007,12", "--spacing-m", "1"]  # 8 x 6 x 10 texels
 WITHOUT_TEXELS = ["three-per-pixel", "c-header"]
-RESOLUTION, SH_SIZE, CUBE_SIZE = [8, 6, 10], [8, 6, 7 * 12], [8, 12, 30]
+RESOLUTION, SH_SIZE = [8, 6, 10], [8, 6, 7 * 12]
 
 
 def must(condition, message):
@@ -50,7 +49,7 @@ def exported(format_name):
             must(place[key] == line[key], f"{format_name}: light.json and the line differ in {key}")
         must(place["low_m"] == [-2, 10001, 2] and place["high_m"] == [6, 10007, 12], f"{format_name}: {place}")
         must(place["resolution"] == RESOLUTION, f"{format_name}: {place}")
-        must(place["texture_size"] == (CUBE_SIZE if format_name == "bevy" else SH_SIZE), f"{format_name}: {place}")
+        must(place["texture_size"] == SH_SIZE, f"{format_name}: {place}")
         must(line["texels"]["lit"] + line["texels"]["filled"] == 8 * 6 * 10, f"{format_name}: {line['texels']}")
     return line
 
@@ -89,66 +88,7 @@ def check_ktx2():
     must((file["format"], file["type_size"], file["size"]) == (97, 2, SH_SIZE), f"ktx2-sh: {file['format']}, {file['size']}")
     must(file["samples"] == [(16 * i, 15, channel | 0xC0, 0, minus_one, one) for i, channel in enumerate([0, 1, 2, 15])], f"ktx2-sh: {file['samples']}")
     must(file["texts"]["nlg.low_m"] == "-2.0 10001.0 2.0" and file["texts"]["nlg.resolution"] == "8 6 10", f"ktx2-sh: {file['texts']}")
-    three = open("three/light.bin", "rb").read()
-    must(file["texels"] == three, "ktx2-sh and three hold different texels")
-
-    cube = read_ktx2("bevy/light.ktx2")
-    must((cube["format"], cube["type_size"], cube["size"]) == (123, 4, CUBE_SIZE), f"bevy: {cube['format']}, {cube['size']}")
-    # those that KTX-Software has for E5B9G9R9
-    expected = [sample for c in range(3) for sample in [(9 * c, 8, c, 0, 0, 8448), (27, 4, c | 0x20, 0, 15, 31)]]
-    must(cube["samples"] == expected, f"bevy: {cube['samples']}")
-    check_cubes(three, cube["texels"])
-
-
-def check_cubes(sh_bytes, cube_bytes):
-    """Sides of ambient cubes are those of the spherical harmonics, which three.js's file has of the same light."""
-    nx, ny, nz = RESOLUTION
-    halves = struct.unpack(f"<{len(sh_bytes) // 2}e", sh_bytes)
-    words = struct.unpack(f"<{len(cube_bytes) // 4}I", cube_bytes)
-
-    def coefficient(x, y, z, number):
-        texel = ((number // 4 * (nz + 2) + z + 1) * ny + y) * nx + x
-        return halves[4 * texel + number % 4]
-
-    # irradiance over pi along an axis: Y00, the one of order 1 that lies along it, and what order 2 has there
-    order_1 = [3, 1, 2]
-    order_2 = [{6: -1, 8: 3**0.5}, {6: -1, 8: -(3**0.5)}, {6: 2}]
-    for x, y, z in [(0, 0, 0), (7, 5, 9), (3, 2, 4), (5, 0, 9)]:
-        for axis in range(3):
-            for negative in range(2):
-                word = words[((z + axis * nz) * 2 * ny + y + negative * ny) * nx + x]
-                scale = 2.0 ** ((word >> 27) - 24)
-                side = [scale * (word >> 9 * c & 511) for c in range(3)]
-                for c in range(3):
-                    expected = 0.28209479 * coefficient(x, y, z, c)
-                    expected += (-1 if negative else 1) * 0.32573501 * coefficient(x, y, z, 3 * order_1[axis] + c)
-                    expected += sum(0.07884789 * share * coefficient(x, y, z, 3 * of + c) for of, share in order_2[axis].items())
-                    must(abs(side[c] - max(0, expected)) < 2**-9 * max(side) + 2e-3, f"bevy: side {axis} {negative} of {x} {y} {z}: {side[c]}, not {expected}")
-
-
-def check_dds():
-    data = open("dds-sh/light.dds", "rb").read()
-    must(data[:4] == b"DDS ", "dds-sh: its beginning")
-    size, flags, height, width, pitch, depth, mipmaps = struct.unpack_from("<7I", data, 4)
-    must((size, flags, pitch, mipmaps) == (124, 0x80100F, 8 * 8, 1) and [width, height, depth] == SH_SIZE, f"dds-sh: {width} x {height} x {depth}")
-    format_size, format_flags = struct.unpack_from("<2I", data, 76)
-    must((format_size, format_flags, data[84:88]) == (32, 4, b"DX10"), "dds-sh: pixel format")
-    must(struct.unpack_from("<2I", data, 108) == (0x1008, 0x200000), "dds-sh: capabilities")
-    must(struct.unpack_from("<5I", data, 128) == (10, 4, 0, 1, 0), "dds-sh: header of Direct3D 10")
-    must(data[148:] == open("three/light.bin", "rb").read(), "dds-sh and three hold different texels")
-
-
-def check_godot():
-    text = open("godot/light.tres").read()
-    head = re.match(r'\[gd_resource type="ImageTexture3D" load_steps=(\d+) format=4\]\n\n', text)
-    must(head and int(head[1]) == SH_SIZE[2] + 1, "godot: head")
-    image = r'\[sub_resource type="Image" id="(\w+)"\]\ndata = \{\n"data": PackedByteArray\("([\w+/=]*)"\),\n"format": "RGBAHalf",\n"height": 6,\n"mipmaps": false,\n"width": 8\n\}\n\n'
-    images = re.findall(image, text)
-    must(len(images) == SH_SIZE[2], f"godot: {len(images)} images")
-    names = ", ".join(f'SubResource("{name}")' for name, _ in images)
-    must(text.endswith(f"[resource]\n_images = Array[Image]([{names}])\n"), "godot: the texture")
-    must(len(re.sub(image, "", text)) == len(head[0]) + len(f"[resource]\n_images = Array[Image]([{names}])\n"), "godot: something else")
-    must(b"".join(base64.b64decode(data, validate=True) for _, data in images) == open("three/light.bin", "rb").read(), "godot and three hold different texels")
+    must(file["texels"] == open("three/light.bin", "rb").read(), "ktx2-sh and three hold different texels")
 
 
 def check_three():
@@ -168,11 +108,11 @@ def refuses(exit_code, names, *arguments):
 
 def check_refusals():
     good = ["--grid", "grid.safetensors", "--format", "three", "--out", "bad"]
-    refuses(USAGE_ERROR, ["three, bevy, godot, ktx2-sh, dds-sh, three-per-pixel, or c-header", "unity"], "--grid", "grid.safetensors", "--format", "unity", "--out", "bad")
+    refuses(USAGE_ERROR, ["three, ktx2-sh, three-per-pixel, or c-header", "unity"], "--grid", "grid.safetensors", "--format", "unity", "--out", "bad")
     refuses(USAGE_ERROR, ["--out"], "--grid", "grid.safetensors", "--format", "three", "--out", "")
     refuses(USAGE_ERROR, ["--format"], "--grid", "grid.safetensors", "--out", "bad")
     refuses(INPUT_ERROR, ["missing.safetensors"], "--grid", "missing.safetensors", "--format", "three", "--out", "bad")
-    for format_name in ["three", "bevy", *WITHOUT_TEXELS]:
+    for format_name in ["three", *WITHOUT_TEXELS]:
         refuses(INPUT_ERROR, ["dark.safetensors", "without light"], "--grid", "dark.safetensors", "--format", format_name, "--out", "bad")
     refuses(INPUT_ERROR, ["bright.safetensors", "32768", "--intensity"], "--grid", "bright.safetensors", "--format", "three", "--out", "bad", *BOX)
     for intensity in ["0", "-1", "nan", "bright"]:
@@ -241,17 +181,16 @@ def check_ktx_parse():
         print(f"SKIPPED: ktx-parse is not installed; workflow/install_from_npm.sh ktx-parse {KTX_PARSE} says why not")
         sys.exit(77)
     script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "read_ktx2.mjs")
-    for format_name in ["bevy", "ktx2-sh"]:
-        exported(format_name)
-        ours = read_ktx2(f"{format_name}/light.ktx2")
-        result = subprocess.run(["node", script, KTX_PARSE, f"{format_name}/light.ktx2", "texels"], capture_output=True, text=True)
-        must(result.returncode == 0, f"ktx-parse: {result.stderr}")
-        theirs = json.loads(result.stdout)
-        samples = [list(sample[:3]) + list(sample[4:]) for sample in ours["samples"]]
-        must(theirs["format"] == ours["format"] and theirs["size"] == ours["size"], f"{format_name}: {theirs}")
-        must(theirs["samples"] == samples, f"{format_name}: ktx-parse says {theirs['samples']}, not {samples}")
-        must(theirs["texts"] == ours["texts"], f"{format_name}: {theirs['texts']}")
-        must(open("texels", "rb").read() == ours["texels"], f"{format_name}: other texels")
+    exported("ktx2-sh")
+    ours = read_ktx2("ktx2-sh/light.ktx2")
+    result = subprocess.run(["node", script, KTX_PARSE, "ktx2-sh/light.ktx2", "texels"], capture_output=True, text=True)
+    must(result.returncode == 0, f"ktx-parse: {result.stderr}")
+    theirs = json.loads(result.stdout)
+    samples = [list(sample[:3]) + list(sample[4:]) for sample in ours["samples"]]
+    must(theirs["format"] == ours["format"] and theirs["size"] == ours["size"], f"ktx2-sh: {theirs}")
+    must(theirs["samples"] == samples, f"ktx2-sh: ktx-parse says {theirs['samples']}, not {samples}")
+    must(theirs["texts"] == ours["texts"], f"ktx2-sh: {theirs['texts']}")
+    must(open("texels", "rb").read() == ours["texels"], "ktx2-sh: other texels")
 
 
 work = tempfile.mkdtemp(prefix="nlg_engine_files_")
@@ -261,16 +200,13 @@ try:
     if KTX_PARSE is not None:
         check_ktx_parse()
     else:
-        lines = {name: exported(name) for name in ["three", "bevy", "godot", "ktx2-sh", "dds-sh", *WITHOUT_TEXELS]}
+        lines = {name: exported(name) for name in ["three", "ktx2-sh", *WITHOUT_TEXELS]}
         for name in WITHOUT_TEXELS:
             must(lines[name]["error"]["rmse"] < 1e-4, f"{name}: {lines[name]}")
         must(sorted(os.listdir("three-per-pixel")) == ["grid.bin", "look_up.glsl", "three_light_grid.js", "three_light_grid_webgpu.js"], "three-per-pixel: its files")
         must(open("three-per-pixel/grid.bin", "rb").read() == open("c-header/grid.bin", "rb").read(), "three-per-pixel and c-header hold different grids")
-        must(lines["godot"]["error"] == lines["ktx2-sh"]["error"] == lines["dds-sh"]["error"], "the same texels, another error")
         check_three()
         check_ktx2()
-        check_dds()
-        check_godot()
         check_intensity()
         check_light_groups()
         check_refusals()

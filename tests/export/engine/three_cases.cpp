@@ -5,7 +5,7 @@
 //
 //         position, normal    three floats each
 //         per_pixel           irradiance by lookUpIrradiance, OFFSET_M before the place
-//         resampled           irradiance by readThree, of the light.json and light.bin in FOLDER
+//         resampled           irradiance that three.js shows of the light.json and light.bin in FOLDER
 //         bound               of what a GPU's linear filter may be off by there
 //
 // A filter's weights have eight bits behind the point, as Direct3D demands: a GPU reads up to 2^-8 of a texel away, along each axis.
@@ -21,8 +21,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "export/engine/light_place.h"
-#include "export/engine/three_format.h"
+#include "export/engine/engine_format.h"
+#include "export/engine/sh_texture.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tool/atomic_file.h"
@@ -114,8 +114,11 @@ void writePlaces(const std::string& grid_path, const std::filesystem::path& fold
   LightGrid grid;
   GridMetadata metadata;
   require(readLightGridFile(grid_path, &grid, &metadata), grid_path);
-  const LightBox box = boxOfPlace("light.json", bytesOf(folder / "light.json"));
-  const EngineIrradiance irradiance = readThree({{"light.bin", bytesOf(folder / "light.bin")}}, box);
+  const nlohmann::json place = nlohmann::json::parse(bytesOf(folder / "light.json"));
+  const LightBox box = {place.at("low_m").get<PositionM>(), place.at("high_m").get<PositionM>(),
+                        place.at("resolution").get<TextureSize>()};
+  const Texture3d texture = textureOfHalves(bytesOf(folder / "light.bin"), shTextureSize(box.texel_count));
+  const EngineIrradiance irradiance = textureFormats().front().shown(texture, box);
   LevelPlaces places(grid, box, offset_m);
   nlohmann::json json = nlohmann::json::array();
   float largest = 0.0f;
@@ -131,7 +134,7 @@ void writePlaces(const std::string& grid_path, const std::filesystem::path& fold
                     {"resampled", resampled},
                     {"bound", filterBound(irradiance, places, position_m, normal.data())}});
   }
-  for (nlohmann::json& place : json) place["bound"] = place["bound"].get<float>() + 3 * 0x1p-11f * largest;
+  for (nlohmann::json& of : json) of["bound"] = of["bound"].get<float>() + 3 * 0x1p-11f * largest;
   std::cout << json.dump() << '\n';
 }
 
