@@ -12,7 +12,7 @@
 
 namespace nlg {
 
-inline constexpr size_t kApvBytesL1 = 17, kApvBytesL2 = 33;  // a probe: L0 in float16, other bands in bytes, the mask
+inline constexpr size_t kApvBytes = 33;  // a probe, of order 2: L0 in float16, other bands in bytes, the mask
 
 struct ApvProbes {
   std::vector<uint8_t> is_valid;  // by probe

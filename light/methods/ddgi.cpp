@@ -173,10 +173,7 @@ float Ddgi::probeWeight(const DdgiProbe& probe, const glm::dvec3& position_m, co
   const float distance = glm::length(to_probe);
   const float wrap = distance > 0.0f ? (glm::dot(to_probe / distance, normal) + 1.0f) * 0.5f : 1.0f;
   float weight = wrap * wrap + 0.2f;
-  const bool is_blocked =
-      visibility_ == DdgiVisibility::exact && rays_.isBlocked(glm::vec3(position_m), glm::vec3(probe.position_m));
-  const float seen = visibility_ == DdgiVisibility::depth ? chebyshev(probe, biased_m) : is_blocked ? 0.0f : 1.0f;
-  weight *= std::max(kLeastVisibility, seen);
+  weight *= std::max(kLeastVisibility, chebyshev(probe, biased_m));
   weight = std::max(kLeastProbeWeight, weight);
   if (weight < kCrushedBelow) weight *= weight * weight / (kCrushedBelow * kCrushedBelow);
   return weight;

@@ -23,7 +23,6 @@ namespace nlg {
 // A probe, with borders: 1,288.
 inline constexpr size_t kDdgiShippedDepthBytes = 16 * 16 * 4;
 inline constexpr size_t kDdgiShippedBytes = 8 * 8 * 4 + kDdgiShippedDepthBytes + 4 * 2;
-inline constexpr size_t kDdgiFloatBytes = 8 * 8 * 16 + 16 * 16 * 8 + 4 * 4;
 
 struct DdgiMapsOptions {
   GatherOptions gather;  // its rays are cast for depth as well
@@ -50,13 +49,10 @@ DdgiMaps makeDdgiMaps(const ProbeSet& probes, const LightTransport& transport, c
 // What is left of maps in RTXGI's formats: irradiance in 10 bits, depth in float16.
 DdgiMaps asShipped(DdgiMaps maps);
 
-enum class DdgiVisibility { depth, exact };  // exact: a ray from the place to the probe, in place of Chebyshev's bound
-
 class Ddgi : public Weighting {
  public:
-  // All must outlive this object.
-  Ddgi(const ProbeSet& probes, const DdgiMaps& maps, const RayScene& rays, DdgiVisibility visibility)
-      : probes_(probes), maps_(maps), rays_(rays), visibility_(visibility) {}
+  // Both must outlive this object.
+  Ddgi(const ProbeSet& probes, const DdgiMaps& maps) : probes_(probes), maps_(maps) {}
 
   ProbeBlend blendAt(const glm::dvec3& position_m, const glm::vec3& normal) const override;
   // From its own maps: square roots of irradiance are blended.
@@ -72,8 +68,6 @@ class Ddgi : public Weighting {
 
   const ProbeSet& probes_;
   const DdgiMaps& maps_;
-  const RayScene& rays_;
-  const DdgiVisibility visibility_;
 };
 
 }  // namespace nlg

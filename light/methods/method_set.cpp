@@ -140,39 +140,29 @@ void MethodSet::addTrilinear(TrilinearKind kind, const std::vector<LightWay>& wa
   addBlends({name, std::move(weighting), probes_.air_count, bytes, 0.0, nullptr, ways});
 }
 
-void MethodSet::addApv() {
-  addApv(kGatheredAndSolved);
-  // light of the lower form has order 1 alone; light that is solved for has order 2
-  std::vector<LightSh> linear = apv_->light;
-  for (LightSh& light : linear) std::fill(light.begin() + 4, light.end(), glm::vec3(0.0f));
-  addApv("APV, order 1", kApvBytesL1, linear, {LightWay::point});
-}
-
 void MethodSet::addApv(const std::vector<LightWay>& ways) {
   apv_ = std::make_unique<ApvProbes>(
       bakeApvProbes(probes_, scene_.transport, {options_.probe, options_.thread_count, mixSeed(options_.seed, kApvStream)}));
-  addApv("APV", kApvBytesL2, apv_->light, ways);
+  const MethodBytes bytes = {probes_.count() * (kApvBytes - 1), probes_.count(), tree_bytes_};
+  addBlends({"APV", std::make_unique<Apv>(probes_, *apv_), probes_.count(), bytes, apv_->bake_s, &apv_->light, ways});
 }
 
-void MethodSet::addApv(const std::string& name, size_t probe_bytes, const std::vector<LightSh>& light,
-                       const std::vector<LightWay>& ways) {
-  const MethodBytes bytes = {probes_.count() * (probe_bytes - 1), probes_.count(), tree_bytes_};
-  addBlends({name, std::make_unique<Apv>(probes_, *apv_), probes_.count(), bytes, apv_->bake_s, &light, ways});
-}
-
-void MethodSet::addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes) {
-  const Weighting& ddgi = own(std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), visibility));
+// In RTXGI's formats.
+const DdgiMaps& MethodSet::addDdgi(const std::string& name, const DdgiMaps& maps) {
+  const DdgiMaps& shipped = maps_.emplace_back(asShipped(maps));
+  const Weighting& ddgi = own(std::make_unique<Ddgi>(probes_, shipped));
   LightMethod method;
   method.weights = name;
   method.light = "own";
   method.weighting = &ddgi;
   method.probes = probes_.count();
-  method.bytes = {probes_.count() * probe_bytes, 0, tree_bytes_};
+  method.bytes = {probes_.count() * kDdgiShippedBytes, 0, tree_bytes_};
   method.light_s = maps.bake_s;
   method.irradiance_at = [&ddgi = static_cast<const Ddgi&>(ddgi)](const glm::dvec3& position_m, const glm::vec3& normal) {
     return ddgi.irradianceAt(position_m, normal);
   };
   methods_.push_back(std::move(method));
+  return shipped;
 }
 
 const DdgiMaps& MethodSet::makeDdgi(bool relocates) {
@@ -180,27 +170,17 @@ const DdgiMaps& MethodSet::makeDdgi(bool relocates) {
       probes_, scene_.transport, {options_.probe, relocates, options_.thread_count, mixSeed(options_.seed, kDdgiStream)}));
 }
 
-void MethodSet::addShippedDdgi() {
-  shipped_ddgi_ = &maps_.emplace_back(asShipped(makeDdgi(false)));
-  addDdgi(kDdgiAsShipped, *shipped_ddgi_, DdgiVisibility::depth, kDdgiShippedBytes);
-}
+void MethodSet::addShippedDdgi() { shipped_ddgi_ = &addDdgi(kDdgiAsShipped, makeDdgi(false)); }
 
-void MethodSet::addRelocatedDdgi() {
-  addDdgi(kDdgiAsShipped + kRelocated, maps_.emplace_back(asShipped(makeDdgi(true))), DdgiVisibility::depth, kDdgiShippedBytes);
-}
+void MethodSet::addRelocatedDdgi() { addDdgi(kDdgiAsShipped + kRelocated, makeDdgi(true)); }
 
 void MethodSet::addDdgi() {
-  for (const bool relocates : {false, true}) {
-    const std::string suffix = relocates ? kRelocated : "";
-    const DdgiMaps& maps = makeDdgi(relocates);
-    addDdgi("DDGI float" + suffix, maps, DdgiVisibility::depth, kDdgiFloatBytes);
-    addDdgi(kDdgiAsShipped + suffix, maps_.emplace_back(asShipped(maps)), DdgiVisibility::depth, kDdgiShippedBytes);
-    if (relocates) continue;
-    addDdgi("DDGI, exact visibility", maps, DdgiVisibility::exact, kDdgiFloatBytes);
-    // its weights with light in harmonics, so that light and weights are told apart
-    addBlends({"DDGI's weights", std::make_unique<Ddgi>(probes_, maps, scene_.transport.rays(), DdgiVisibility::depth),
-               probes_.count(), bytesOf(probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
-  }
+  const DdgiMaps& maps = makeDdgi(false);
+  addDdgi(kDdgiAsShipped, maps);
+  // its weights with light in harmonics, so that light and weights are told apart
+  addBlends({"DDGI's weights", std::make_unique<Ddgi>(probes_, maps), probes_.count(),
+             bytesOf(probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
+  addRelocatedDdgi();
 }
 
 void MethodSet::addTetrahedra() {

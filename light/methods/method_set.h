@@ -55,10 +55,10 @@ class MethodSet {
 
   void addTrilinear();  // of every kind
   void addTrilinear(TrilinearKind kind, const std::vector<LightWay>& ways);
-  void addApv();
-  void addApv(const std::vector<LightWay>& ways);  // of order 2 alone
-  void addDdgi();
-  // Of these one alone: as shipped, not relocated; and as shipped, relocated.
+  void addApv() { addApv(kGatheredAndSolved); }
+  void addApv(const std::vector<LightWay>& ways);
+  void addDdgi();  // as shipped, with and without relocation, and its weights with harmonics
+  // Of these one alone: not relocated; and relocated.
   void addShippedDdgi();
   void addRelocatedDdgi();
   // Nothing where too few probes stand in air.
@@ -91,10 +91,9 @@ class MethodSet {
   // What of weights and tree a method has that stores harmonics as our grid does; addBlends counts those.
   MethodBytes bytesOf(size_t weight_bytes) const;
   void addBlends(Blends blends);
-  void addApv(const std::string& name, size_t probe_bytes, const std::vector<LightSh>& light, const std::vector<LightWay>& ways);
   const DdgiMaps& makeDdgi(bool relocates);
   void addThinned(const LightMethod& whole, LightGrid grid, double error);
-  void addDdgi(const std::string& name, const DdgiMaps& maps, DdgiVisibility visibility, size_t probe_bytes);
+  const DdgiMaps& addDdgi(const std::string& name, const DdgiMaps& maps);
 
   const MethodScene scene_;
   const MethodSetOptions options_;

@@ -64,7 +64,7 @@ class Light(unittest.TestCase):
                 lights.setdefault(method["weights"], []).append(method["light"])
             for name in ("trilinear", "valid trilinear", "exact visibility", "tetrahedra", "APV", "DDGI's weights", "target functions", "tent_mlp4", "pf3 or pf5"):
                 self.assertEqual(lights[name], ["point", "solved"], name)
-            for name in ("DDGI float", "DDGI as shipped", "DDGI, exact visibility", "DDGI float, relocated", "DDGI as shipped, relocated"):
+            for name in ("DDGI as shipped", "DDGI as shipped, relocated"):
                 self.assertEqual(lights[name], ["own"], name)
 
     def test_grids_are_the_same_without_rivals_and_beside_thinned_ones(self):

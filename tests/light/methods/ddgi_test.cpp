@@ -61,7 +61,7 @@ class DdgiTest : public testing::Test {
 };
 
 TEST_F(DdgiTest, WeighsASeenProbeByItsNormalAlone) {
-  const Ddgi ddgi(probes_, maps_, lit_.rays, DdgiVisibility::depth);
+  const Ddgi ddgi(probes_, maps_);
   const DdgiProbe probe = probeAt({0, 1, 0}, 2.5f, 6.25f);
   // straight ahead: ((1 + 1) / 2)² + .2; aside: (1/2)² + .2; behind: .2, which is where weights begin to be crushed
   EXPECT_NEAR(ddgi.probeWeight(probe, glm::dvec3(0), glm::dvec3(0), {0, 1, 0}), 1.2f, 1e-5f);
@@ -70,18 +70,11 @@ TEST_F(DdgiTest, WeighsASeenProbeByItsNormalAlone) {
 }
 
 TEST_F(DdgiTest, WeighsAnOccludedProbeByChebyshevsBound) {
-  const Ddgi ddgi(probes_, maps_, lit_.rays, DdgiVisibility::depth);
+  const Ddgi ddgi(probes_, maps_);
   // mean .8, variance .04; at 1 m: .04 / (.04 + .2²) = 1/2, cubed 1/8, times 1.2: .15, crushed to .15³ / .2²
   EXPECT_NEAR(ddgi.probeWeight(probeAt({0, 1, 0}, 0.8f, 0.68f), glm::dvec3(0), glm::dvec3(0), {0, 1, 0}), 0.084375f, 1e-4f);
   // hidden by far: .05 of 1.2 is .06, crushed to .06³ / .2²
   EXPECT_NEAR(ddgi.probeWeight(probeAt({0, 1, 0}, 0.1f, 0.01f), glm::dvec3(0), glm::dvec3(0), {0, 1, 0}), 0.0054f, 1e-5f);
-}
-
-TEST_F(DdgiTest, SeesProbesThroughNoWallWhereVisibilityIsExact) {
-  const Ddgi ddgi(probes_, maps_, lit_.rays, DdgiVisibility::exact);
-  const DdgiProbe probe = probeAt({-0.6, 1.5, 1.5}, 0.1f, 0.01f);
-  EXPECT_NEAR(ddgi.probeWeight(probe, {0.2, 1.5, 1.5}, {0.2, 1.5, 1.5}, {-1, 0, 0}), 1.2f, 1e-5f);
-  EXPECT_NEAR(ddgi.probeWeight(probe, {0.6, 1.5, 1.5}, {0.6, 1.5, 1.5}, {-1, 0, 0}), 0.0054f, 1e-5f);
 }
 
 TEST_F(DdgiTest, MovesProbesOffSurfacesAndOutOfSolid) {
