@@ -287,7 +287,7 @@ def savings_section(savings):
 
 
 # of all cases: those that say how fast the parts of a bake and a look-up are
-SHOWN_BENCHMARKS = ("machine/", "peer/generator/", "generator/float32/", "irradiance/batched/", "visibility/", "weighting/")
+SHOWN_BENCHMARKS = ("machine/", "peer/generator/", "generator/float32/", "irradiance/batched/")
 
 
 def benchmarks_section(benchmarks):
