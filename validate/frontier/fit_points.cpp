@@ -94,61 +94,30 @@ FittedFunctions fitOn(const Fits& fits, TimedPolicy& corrected, const FunctionBl
   return points;
 }
 
-// Rounds on one function: what stands after each, under every threshold.
-class GatedFit {
- public:
-  GatedFit(const Fits& fits, const StoredFunction& stored, uint64_t function)
-      : fits_(fits), stored_(stored), theta_(fits.startTheta(function)) {
-    weighting_ = fits.decoded(stored);
-    check();
-    elapsed_us_ = watch_.elapsedUs();
-  }
-
-  bool isGood(double threshold) const { return nlg::isGood(check_, threshold, fits_.options.check()); }
-
-  void fitOn(int steps) {
-    if (has_ended_) return;
-    const Stopwatch watch;
-    const FitResult fit = fits_.fit(weighting_, theta_, steps, true, !took_fit_);
-    theta_ = fit.theta;
-    has_ended_ = fit.stop != FitStop::budget;
-    took_fit_ = true;
-    check();
-    elapsed_us_ += watch.elapsedUs();
-  }
-
-  FittedFunction state() const { return {fits_.representation(), theta_, elapsed_us_, took_fit_}; }
-
- private:
-  void check() { check_ = fits_.checker->check(fits_.representation(), stored_, theta_.data(), fits_.options.check()); }
-
-  const Fits& fits_;
-  const StoredFunction& stored_;
-  const Stopwatch watch_;
-  WeightingFunction weighting_;
-  Theta theta_;
-  FunctionCheck check_;
-  double elapsed_us_ = 0.0;
-  bool took_fit_ = false, has_ended_ = false;
-};
-
-// returns   by threshold, then by budget
-FittedFunctions fitGated(const Fits& fits, const std::vector<double>& thresholds, const FunctionBlock& block) {
-  const size_t budget_count = fits.budgets.size();
-  FittedFunctions points(thresholds.size() * budget_count);
+// By budget: rounds, each from where the one before ended, until the function is as good as the threshold asks.
+FittedFunctions fitGated(const Fits& fits, double threshold, const FunctionBlock& block) {
+  FittedFunctions points(fits.budgets.size());
+  const CheckOptions check = fits.options.check();
   for (size_t i = 0; i < block.functions.size(); ++i) {
-    GatedFit fit(fits, block.stored[i], block.functions[i]);
-    std::vector<FittedFunction> kept(thresholds.size(), fit.state());
-    std::vector<bool> is_done(thresholds.size(), false);
+    const Stopwatch watch;
+    const WeightingFunction function = fits.decoded(block.stored[i]);
+    FittedFunction fitted{fits.representation(), fits.startTheta(block.functions[i])};
+    const auto isDone = [&] {
+      return isGood(fits.checker->check(fitted.representation, block.stored[i], fitted.theta.data(), check), threshold, check);
+    };
+    bool has_ended = isDone();
+    fitted.elapsed_us = watch.elapsedUs();
     int steps = 0;
-    for (size_t b = 0; b < budget_count; ++b) {
-      for (size_t t = 0; t < thresholds.size(); ++t) is_done[t] = is_done[t] || fit.isGood(thresholds[t]);
-      if (std::find(is_done.begin(), is_done.end(), false) != is_done.end()) fit.fitOn(fits.budgets[b] - steps);
-      steps = fits.budgets[b];
-      for (size_t t = 0; t < thresholds.size(); ++t) {
-        if (!is_done[t]) kept[t] = fit.state();
-        points[t * budget_count + b].push_back(kept[t]);
+    for (size_t b = 0; b < points.size(); ++b) {
+      if (!has_ended) {
+        const FitResult fit = fits.fit(function, fitted.theta, fits.budgets[b] - steps, true, !fitted.took_fit);
+        fitted.theta = fit.theta;
+        fitted.took_fit = true;
+        has_ended = isDone() || fit.stop != FitStop::budget;
+        fitted.elapsed_us = watch.elapsedUs();
       }
+      steps = fits.budgets[b];
+      points[b].push_back(fitted);
     }
   }
   return points;
@@ -162,37 +131,24 @@ std::vector<int> adamSteps(const Representation& representation, std::vector<int
   return steps;
 }
 
-// Above which blend RMSE the policy takes its last fit before the refinement; that of its first one without any.
-double lastFitThreshold(const Generator& generator, const PolicyOptions& options) {
+// Above which blend RMSE the policy takes its last fit before the refinement, and good_rmse at the least.
+double gateOf(const Generator& generator, const PolicyOptions& options) {
   double threshold = options.good_rmse;
   for (const StagePlan& plan : stagesOf(stageFacts(generator), options)) {
-    if (isFit(plan.stage) && plan.stage < ThetaStage::refinement) threshold = plan.above_rmse;
+    if (isFit(plan.stage) && plan.stage < ThetaStage::refinement) threshold = std::max(plan.above_rmse, options.good_rmse);
   }
   return threshold;
 }
 
-void addDirect(const Fits& fits, double loose_rmse, std::vector<PlotRun>& runs) {
+void addDirect(const Fits& fits, double gate, std::vector<PlotRun>& runs) {
   const std::string name = representationName(fits.representation());
+  PlotRun gated{{}, [fits, gate](const FunctionBlock& block) { return fitGated(fits, gate, block); }};
   for (const int budget : fits.budgets) {
     runs.push_back({{{name, fits.family(), budget, fits.label(budget), {}, true}},
                     [fits, budget](const FunctionBlock& block) { return FittedFunctions{fitAll(fits, budget, block)}; }});
+    gated.points.push_back(
+        {name, fits.family() + "_gated", budget, fits.label(budget) + fmt::format(", where above {:.3g}", gate), {}, true});
   }
-  const double good_rmse = fits.options.good_rmse;
-  std::vector<double> thresholds = {good_rmse};
-  if (loose_rmse > good_rmse) thresholds.push_back(loose_rmse);
-  PlotRun gated;
-  for (const double threshold : thresholds) {
-    const bool is_loose = threshold > good_rmse;
-    for (const int budget : fits.budgets) {
-      gated.points.push_back({name,
-                              fits.family() + (is_loose ? "_gated_loosely" : "_gated"),
-                              budget,
-                              fits.label(budget) + fmt::format(", where above {:.3g}", threshold),
-                              {},
-                              true});
-    }
-  }
-  gated.run = [fits, thresholds](const FunctionBlock& block) { return fitGated(fits, thresholds, block); };
   if (!gated.points.empty()) runs.push_back(std::move(gated));
 }
 
@@ -218,14 +174,14 @@ std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& gen
 std::vector<PlotRun> directFits(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                 const FitBudgets& budgets, uint64_t seed) {
   std::vector<PlotRun> runs;
-  const double loose_rmse = lastFitThreshold(*generator, options);
+  const double gate = gateOf(*generator, options);
   const std::vector<int> adam = adamSteps(generator->representation(), budgets.direct_adam);
-  addDirect({generator, Method::lm, Start::theta0, budgets.direct_lm, options}, loose_rmse, runs);
-  addDirect({generator, Method::adam, Start::theta0, adam, options}, loose_rmse, runs);
-  addDirect({generator, Method::adam, Start::random, adam, options, seed}, loose_rmse, runs);
+  addDirect({generator, Method::lm, Start::theta0, budgets.direct_lm, options}, gate, runs);
+  addDirect({generator, Method::adam, Start::theta0, adam, options}, gate, runs);
+  addDirect({generator, Method::adam, Start::random, adam, options, seed}, gate, runs);
   // a code's fit is as good as convex: what another start costs it is to be seen
   if (generator->representation().isCode()) {
-    addDirect({generator, Method::lm, Start::random, budgets.direct_lm, options, seed}, loose_rmse, runs);
+    addDirect({generator, Method::lm, Start::random, budgets.direct_lm, options, seed}, gate, runs);
   }
   return runs;
 }

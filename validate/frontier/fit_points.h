@@ -16,11 +16,10 @@ struct FitBudgets {
 std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                      const FitBudgets& budgets);
 
-// The rivals of a generator, which minimise the policy's own loss. Families lm_from_theta0, adam_from_theta0 and adam_from_random fit every function, each budget from the
-// start; of codes, whose theta0 is the mean code, lm_from_random does too. Beside each stand two families under the policy's own gate. They
-// run in rounds of the same budgets, each round from where the one before ended. A function is fitted on only while it fails the check or
-// its blend RMSE is above a threshold. In the families …_gated the threshold is good_rmse; in …_gated_loosely it is the one above which the policy
-// takes its last fit before the refinement, where that is larger.
+// The rivals of a generator, which minimise the policy's own loss. Families lm_from_theta0, adam_from_theta0 and adam_from_random fit
+// every function, each budget from the start; of codes, whose theta0 is the mean code, lm_from_random does too. Beside each stands a
+// family …_gated, under the policy's own gate: rounds of the same budgets, each from where the one before ended, for functions that
+// fail the check or whose blend RMSE is above the one above which the policy takes its last fit before the refinement.
 // seed   of the random starts; every function has one of its own, the same for all budgets
 std::vector<PlotRun> directFits(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                 const FitBudgets& budgets, uint64_t seed);

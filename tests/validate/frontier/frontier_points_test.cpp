@@ -336,7 +336,7 @@ TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
   }
   std::set<std::string> expected;
   for (const char* family : {"lm_from_theta0", "adam_from_theta0", "adam_from_random"}) {
-    for (const char* gate : {"", "_gated", "_gated_loosely"}) expected.insert(family + std::string(gate));
+    for (const char* gate : {"", "_gated"}) expected.insert(family + std::string(gate));
   }
   EXPECT_EQ(families, expected);
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1}).front();
