@@ -85,51 +85,5 @@ double fieldLoss(const PointOrder& order, const float* phi, const float* mask, c
   return HWY_DYNAMIC_DISPATCH(fieldLossVectors)(order, phi, mask, theta);
 }
 
-FieldDerivative fieldDerivativeReference(int resolution, const LocalPoint& point, const double* theta) {
-  FieldDerivative result{};
-  int node[3];
-  double share[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const double position = (static_cast<double>(point[axis]) + 1.0) * 0.5 * (resolution - 1);
-    node[axis] = std::clamp(static_cast<int>(position), 0, resolution - 2);
-    share[axis] = position - node[axis];
-  }
-  double a = 0.0, b = 0.0, weight[8];
-  for (int corner = 0; corner < 8; ++corner) {
-    weight[corner] = 1.0;
-    for (int axis = 2; axis >= 0; --axis) {
-      const int high = corner >> axis & 1;
-      weight[corner] *= high ? share[axis] : 1.0 - share[axis];
-      result.node[corner] = result.node[corner] * resolution + node[axis] + high;
-    }
-    a += weight[corner] * theta[2 * result.node[corner]];
-    b += weight[corner] * theta[2 * result.node[corner] + 1];
-  }
-  const double s = 1.0 / (1.0 + std::exp(-b));
-  result.value = std::clamp(a, 0.0, 1.0) * s;
-  for (int corner = 0; corner < 8; ++corner) {
-    result.by_a[corner] = a >= 0.0 && a <= 1.0 ? weight[corner] * s : 0.0;
-    result.by_b[corner] = weight[corner] * result.value / (1.0 + std::exp(b));
-  }
-  return result;
-}
-
-double fieldLossAndGradientReference(const PointOrder& order, const float* phi, const float* mask, const double* theta,
-                                     double* gradient) {
-  std::fill_n(gradient, 2 * order.resolution * order.resolution * order.resolution, 0.0);
-  double total = 0.0;
-  for (int place = 0; place < order.placeCount(); ++place) {
-    const LocalPoint point = {order.points.x[place], order.points.y[place], order.points.z[place]};
-    const FieldDerivative field = fieldDerivativeReference(order.resolution, point, theta);
-    const double residual = mask[place] * (field.value - phi[place]);
-    total += residual * residual;
-    for (int corner = 0; corner < 8; ++corner) {
-      gradient[2 * field.node[corner]] += 2 * residual * mask[place] * field.by_a[corner];
-      gradient[2 * field.node[corner] + 1] += 2 * residual * mask[place] * field.by_b[corner];
-    }
-  }
-  return total;
-}
-
 }  // namespace nlg
 #endif  // HWY_ONCE

@@ -17,17 +17,4 @@ double fieldLossAndGradient(const PointOrder& order, const float* phi, const flo
 // The sum alone.
 double fieldLoss(const PointOrder& order, const float* phi, const float* mask, const float* theta);
 
-// One point in double, straight from the formula: the field, and its derivatives by A and B of the 8 nodes of the point's cell.
-// point   in [-1, 1]³
-struct FieldDerivative {
-  double value;
-  int node[8];
-  double by_a[8], by_b[8];
-};
-FieldDerivative fieldDerivativeReference(int resolution, const LocalPoint& point, const double* theta);
-
-// Both in double, straight from the formulas: what the vector code is tested against.
-double fieldLossAndGradientReference(const PointOrder& order, const float* phi, const float* mask, const double* theta,
-                                     double* gradient);
-
 }  // namespace nlg

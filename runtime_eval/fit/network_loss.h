@@ -9,9 +9,6 @@
 
 namespace nlg {
 
-// Fused multiply-adds a point of `mlp`, for figures against the machine's peak.
-inline constexpr int kNetworkLossFmaPerPoint = 24 + 64 + 8 + 8 + 64 + 8 + 64 + 24;
-
 // Sum over points [first, first + count) of (mask (representation(x) - phi))², and its gradient.
 //
 // first, count   multiples of 16, within points.padded_count
@@ -25,13 +22,5 @@ double networkLossAndGradient(const Representation& representation, const PointS
 // The sum alone.
 double networkLoss(const Representation& representation, const PointSet& points, int first, int count, const float* phi,
                    const float* mask, const float* theta);
-
-// Both in double, straight from the formulas: what the vector code is tested against.
-double networkLossAndGradientReference(const Representation& representation, const PointSet& points, int first, int count,
-                                       const float* phi, const float* mask, const double* theta, double* gradient);
-
-// Of any network, whether or not it is one of kNetworks.
-double networkLossAndGradientReference(const NetworkKind& network, double slope, const PointSet& points, int first, int count,
-                                       const float* phi, const float* mask, const double* theta, double* gradient);
 
 }  // namespace nlg

@@ -25,6 +25,7 @@ nlg_test(test_runtime_eval
     runtime_eval/evaluator/allocation_test.cpp
     runtime_eval/evaluator/hostile_weights_test.cpp
     runtime_eval/fit/network_loss_test.cpp
+    runtime_eval/fit/reference_loss.cpp
     runtime_eval/fit/normal_equations_test.cpp
     runtime_eval/fit/fit_test.cpp
     runtime_eval/fit/adam_update_test.cpp
@@ -49,6 +50,7 @@ nlg_test(test_product_field
     runtime_eval/support/point_order_test.cpp
     runtime_eval/evaluator/product_field_test.cpp
     runtime_eval/fit/field_loss_test.cpp
+    runtime_eval/fit/reference_loss.cpp
     runtime_eval/fit/field_normal_equations_test.cpp
     runtime_eval/fit/symmetric_band_test.cpp
   LINKS nlg::runtime_eval)

@@ -4,6 +4,7 @@
 
 #include "runtime_eval/evaluator/product_field.h"
 #include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/fit/reference_loss.h"
 #include "tests/runtime_eval/sample_fields.h"
 
 namespace nlg {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/runtime_eval/each_target.h"
+#include "tests/runtime_eval/fit/reference_loss.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {
