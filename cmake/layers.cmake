@@ -32,7 +32,6 @@ set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::r
 set(NLG_MAY_LINK_statistics    "")
 set(NLG_MAY_LINK_errors        nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_frontier      nlg::errors nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
-set(NLG_MAY_LINK_look_up       nlg::statistics nlg::light nlg::light_methods nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_light_figures nlg::statistics nlg::light_methods nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_learned_light nlg::torch nlg::light_methods nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_stability     nlg::errors nlg::policy_options nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
@@ -53,7 +52,7 @@ set(NLG_MAY_LINK_nlg-render    nlg::render nlg::bake nlg::runtime_eval nlg::tool
 set(NLG_MAY_LINK_nlg-view      nlg::viewer nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_views         nlg::render nlg::view nlg::light_figures nlg::light nlg::visibility nlg::probes nlg::scene nlg::weights_file nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_light_bakes   nlg::bake nlg::policy_options nlg::light_methods nlg::light nlg::statistics nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-validate  nlg::learned_light nlg::torch_threads nlg::views nlg::render nlg::view nlg::light_methods nlg::light_figures nlg::look_up nlg::light_bakes nlg::bake nlg::stability nlg::errors nlg::frontier nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::light nlg::scene)
+set(NLG_MAY_LINK_nlg-validate  nlg::learned_light nlg::torch_threads nlg::views nlg::render nlg::view nlg::light_methods nlg::light_figures nlg::light_bakes nlg::bake nlg::stability nlg::errors nlg::frontier nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::light nlg::scene)
 
 function(nlg_check_links name)
   if(NOT DEFINED NLG_MAY_LINK_${name})

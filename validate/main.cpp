@@ -9,7 +9,6 @@
 #include "validate/frontier/frontier_command.h"
 #include "validate/light/light_command.h"
 #include "validate/light/noise_command.h"
-#include "validate/look_up/look_up_command.h"
 #include "validate/stability/stability_command.h"
 #include "validate/views/views_command.h"
 
@@ -21,7 +20,6 @@ int validateMain(int argc, char** argv) {
       "Measures exported generators on held-out scenes, through the bake's own policy, against long fits.\n"
       "nlg-validate stability --out FILE: stiff and extreme cases, what must hold and what was measured.\n"
       "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
-      "nlg-validate look-up SCENE: what a viewer sees of a level's light grid, at random places in its air.\n"
       "nlg-validate light SCENE: what every method makes of a scene's light, against ground truth.\n"
       "nlg-validate views SCENE: pictures of a scene by every method, against ground truth.\n"
       "nlg-validate light-noise SCENE: how noisy baked light is, and how fast it is baked.",
@@ -45,8 +43,11 @@ struct Command {
   const char* name;
   int (*run)(int argc, char** argv);
 };
-constexpr Command kCommands[] = {{"stability", stabilityMain}, {"frontier", frontierMain},      {"look-up", lookUpMain},
-                                 {"light", lightMain},         {"light-noise", lightNoiseMain}, {"views", viewsMain}};
+constexpr Command kCommands[] = {{"stability", stabilityMain},
+                                 {"frontier", frontierMain},
+                                 {"light", lightMain},
+                                 {"light-noise", lightNoiseMain},
+                                 {"views", viewsMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -6,7 +6,6 @@ Taken are, where the run's folder has them:
     stability.json                                     nlg-validate stability
     savings/SCENE.json                                 nlg-bake (--json)
     bakes/SCENE.json                                   nlg-bake (--json)
-    look_up/SCENE.json                                 nlg-validate look-up
     benchmarks/*.json                                  bench_* --benchmark_out=FILE --benchmark_out_format=json
 """
 import json
@@ -172,12 +171,6 @@ def savings(path):
     return {**take(document, ["scene", "threads"], path), "lines": {slug(line["what"]): take(line, ["what", "count", "of", *known(line)], path) for line in lines}}
 
 
-def look_up(path):
-    document = read_json(path)
-    return {"revision": revision(document, path),
-            **{key: value for key, value in document.items() if key not in {"schema_version", "provenance"}}}
-
-
 TIME_UNITS_US = {"ns": 1e-3, "us": 1, "ms": 1e3, "s": 1e6}
 NO_COUNTERS = {"name", "family_index", "per_family_instance_index", "run_name", "run_type", "repetitions", "repetition_index", "threads", "iterations",
                "real_time", "cpu_time", "time_unit", "aggregate_name", "aggregate_unit"}
@@ -238,7 +231,7 @@ def held_to(read, path):
         return read(path)
 
 
-BY_NAME = ("savings", "bakes", "look_up", "benchmarks")  # sections of which a folder may hold a part
+BY_NAME = ("savings", "bakes", "benchmarks")  # sections of which a folder may hold a part
 
 
 def added_to(earlier, found):
@@ -272,7 +265,7 @@ def collect(run, configuration, earlier=None):
             out[section] = held_to(read, run / file)
             if read is not summary:
                 files[section] = [run / file]
-    for section, read in (("savings", savings), ("bakes", bake), ("look_up", look_up)):
+    for section, read in (("savings", savings), ("bakes", bake)):
         if found := sorted((run / section).glob("*.json")):
             out[section] = {file.stem: held_to(read, file) for file in found}
             files[section] = found

@@ -202,22 +202,6 @@ def verdict_section(results):
     return text + table(["", "stored, fails the check", "stored over best known, hard", "times as fast as a fit without it", ""], rows)
 
 
-LOOK_UP_HEAD = ["", "", "unlit", "wrong light: mean", "p99", "leak: mean", "p99"]
-
-
-def look_up_section(look_up):
-    revisions = ", ".join(sorted({f"`{entry['revision']}`" for entry in look_up.values()}))
-    text = ("\n## What a look-up blends\nAt random places in air the shares of the probes around are compared with those that the functions themselves give. *Unlit* is the share of places "
-            f"that get no weight. *Wrong light* is the share of the light that comes from wrong probes. *Leak* is what comes from probes that do not see the place. Revision {revisions}.\n")
-    rows = []
-    for scene, entry in look_up.items():
-        named = {"the functions themselves": entry["target"], "bare tents": entry["tent"], **{f"`{name}`": found for name, found in entry["representations"].items()}}
-        for i, (name, found) in enumerate((name, found["all"]) for name, found in named.items()):
-            rows.append([f"{scene}, {entry['spacing_m']:g} m" if i == 0 else "", name, percent(found["unlit"]), *(number(value) for value in (found["wrong"]["mean"], found["wrong"]["p99"],
-                         found["leak"]["mean"], found["leak"]["p99"]))])
-    return text + table(LOOK_UP_HEAD, rows)
-
-
 def stability_section(stability):
     cases = stability["cases"]
     groups = {}
@@ -302,7 +286,7 @@ def page(all_results):
     """The whole page, of the main results; what was not measured has no section."""
     results = all_results[MAIN]
     text = INTRODUCTION + f"\nMade by `{results['command']}` and `workflow/results.py collect out/{results['run']}`; the SHA-256 of the weights stand in their [cards](../../weights/README.md). {results.get('note', '')}\n"
-    sections = {"evaluation": evaluation_section, "validation": validation_section, "frontier": frontier_section, "look_up": look_up_section, "bakes": bakes_section, "savings": savings_section,
+    sections = {"evaluation": evaluation_section, "validation": validation_section, "frontier": frontier_section, "bakes": bakes_section, "savings": savings_section,
                 "stability": stability_section, "benchmarks": benchmarks_section}
     for key, write in sections.items():
         text += write(results[key]) if key in results else ""

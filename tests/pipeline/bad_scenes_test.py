@@ -32,7 +32,7 @@ LEVELS = {
     "bare.sh3f:flat:1": ["bare.sh3f", "PluginFurnitureCatalog"], "wrong.sh3f:flat:1": ["wrong.sh3f", "piece 1"],
     "levels.pk3:broken": ["levels.pk3:broken", "header"], "levels.pk3:empty": ["levels.pk3:empty", "header"],
 }
-READ_SCENES = ("nlg-datagen", "nlg-datagen plan", "nlg-datagen view", "nlg-bake", "nlg-render", "nlg-view", "nlg-validate light", "nlg-validate look-up")
+READ_SCENES = ("nlg-datagen", "nlg-datagen plan", "nlg-datagen view", "nlg-bake", "nlg-render", "nlg-view", "nlg-validate light")
 
 
 def write_archive(path, entries):

@@ -84,15 +84,6 @@ def bake():
             "wall_seconds": {"load": 0.2, "all": 7.6}, "light": {"wall_seconds": {"cache": 0.0, "measure": 2.0, "solve": 0.5}}, "rmse": {word: errors for word in ("network", "corrected", "fitted", "stored")}, "savings": [line]}
 
 
-def look_up():
-    found = {"places": 8000, "unlit": 0.001, "rmse": 0.01, "wrong": {"mean": 0.02, "p99": 0.2}, "wrong_to_seen": 0.1, "leak": {"mean": 0.001, "p99": 0.01}}
-    blend = {"all": found, "by_distance": [found, found], "jumps": {"segments": 10, "hanging": 1, "mean": 1e-6, "p99": 1e-5, "largest": 1e-4}}
-    places = {"unlit_by_target": 0.0, "seen_by_no_probe": 0.002, "by_distance": [{"from_m": 0.0, "to_m": 0.05}, {"from_m": 0.05, "to_m": None}]}
-    border = {"functions": 9, "mean": 0.005, "p99": 0.1, "largest": 1.0}
-    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "scene": "kaos2", "spacing_m": 1.0, "places": places, "target": blend, "tent": blend,
-            "representations": {"tent_mlp": {**blend, "border": border}}}
-
-
 def benchmarks():
     case = {"name": "generator/float32:96_median", "run_name": "generator/float32:96", "run_type": "aggregate", "aggregate_name": "median", "threads": 1,
             "iterations": 7, "real_time": 18.4, "cpu_time": 18.3, "time_unit": "us", "items_per_second": 54400.0}
@@ -157,7 +148,6 @@ class Results(unittest.TestCase):
         self.write(run + "stability.json", stability())
         self.write(run + "savings/kaos2.json", bake())
         self.write(run + "bakes/kaos2.json", bake())
-        self.write(run + "look_up/kaos2.json", look_up())
         self.write(run + "benchmarks/runtime_eval.json", benchmarks())
 
     def write(self, path, content):
@@ -199,7 +189,6 @@ class Results(unittest.TestCase):
             "frontier.speed_at_equal_error.tent_mlp.network.ratio:.1": "6.6",
             "benchmarks.generator_float32_96.items_per_second:int": "54,400",
             "bakes.kaos2.thread_s.network:.2": ".06",
-            "look_up.kaos2.representations.tent_mlp.all.wrong.mean:.3": ".020",
             "weights@tent_mlp.minutes:int": "33",
         }
         self.assertEqual(dict(zip(expected, self.filled(*expected))), expected)
@@ -278,7 +267,7 @@ class Results(unittest.TestCase):
         self.assertIn("| may not ship |", cards)
         self.assertIn("| more than 15.0 |", page)
         self.assertIn("| .0048 | 1 % (.9 % to 1.1 %) | Adam from theta0 | 2 % (1.8 % to 2.2 %) | 6.60 (5.10 or more) |", page.replace("0.9 %", ".9 %"))
-        for title in ("## Which of these may ship", "## Evaluation", "## Validation", "## Error against run time", "## What a look-up blends", "## Stability", "## Whole bakes", "## What bakes left out", "## Benchmarks", "## What a bake does"):
+        for title in ("## Which of these may ship", "## Evaluation", "## Validation", "## Error against run time", "## Stability", "## Whole bakes", "## What bakes left out", "## Benchmarks", "## What a bake does"):
             self.assertIn(title, page)
 
     def test_all_rows_of_a_table_have_the_cells_of_its_head(self):
@@ -489,7 +478,7 @@ class Results(unittest.TestCase):
         self.assertEqual(after["weights"], {"tent_mlp": self.sha256})
         self.assertEqual(list(after["benchmarks"]), ["generator_float32_96"])  # and none of the old weights
         other = {"revision": "0123abc", "inputs": {"held_out": "cd" * 32, "weights_0": SHA256}}
-        for part, content in (("stability.json", stability()), ("look_up/kaos2.json", look_up()), ("bakes/kaos2.json", bake()), ("evaluation/frontier.json", frontier())):
+        for part, content in (("stability.json", stability()), ("bakes/kaos2.json", bake()), ("evaluation/frontier.json", frontier())):
             self.write("docs/results/openarena.json", earlier)
             (self.root / "out/openarena" / part).unlink()
             result, after = self.add()  # figures of the old weights would stay
