@@ -348,10 +348,10 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--grid", r.grid, "a light grid that holds light, as nlg-bake writes it");
   app.add_flag("--bake", r.bake, "bake the light grid here, by the settings of nlg-bake, instead of reading one");
   app.add_option("--weights", r.weights, "weights for --bake; none: those that ship");
-  app.add_option("--method", r.method,
-                 "truth, grid, or a rival: trilinear, valid-trilinear, exact-visibility, apv, ddgi, tetrahedra, quake-grid; with "
-                 ":solved, light "
-                 "that is solved for")
+  app.add_option(
+         "--method", r.method,
+         "truth, grid, or a rival: trilinear, valid-trilinear, exact-visibility, apv, ddgi, tetrahedra; with :solved, light "
+         "that is solved for")
       ->capture_default_str();
   app.add_option("--panel", r.panel, "several methods side by side, with titles, and errors when truth is among them")
       ->delimiter(',');

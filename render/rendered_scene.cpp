@@ -22,8 +22,7 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kTruthStream = 0x7472757468, kRivalStream = 0x726976616c;
-constexpr std::pair<const char*, const char*> kShortNames[] = {{"ddgi", "ddgi-as-shipped"},
-                                                               {"quake-grid", "the-levels-quake-iii-grid"}};
+constexpr std::pair<const char*, const char*> kShortNames[] = {{"ddgi", "ddgi-as-shipped"}};
 
 // Rivals that are made together, and what their names begin with.
 struct RivalGroup {
@@ -35,8 +34,7 @@ constexpr RivalGroup kRivalGroups[] = {{"trilinear", &MethodSet::addTrilinear},
                                        {"exact-visibility", &MethodSet::addTrilinear},
                                        {"apv", &MethodSet::addApv},
                                        {"ddgi", &MethodSet::addDdgi},
-                                       {"tetrahedra", &MethodSet::addTetrahedra},
-                                       {"quake-grid", &MethodSet::addQuakeGrid}};
+                                       {"tetrahedra", &MethodSet::addTetrahedra}};
 
 constexpr RivalGroup kShippedDdgi = {"ddgi", &MethodSet::addShippedDdgi};
 

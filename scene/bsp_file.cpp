@@ -29,7 +29,6 @@ constexpr Lump kVertices{"vertices", 10, 44, size_t{1} << 23};
 constexpr Lump kIndices{"indices", 11, 4, size_t{3} << 23};
 constexpr Lump kFaces{"faces", 13, 104, size_t{1} << 22};
 constexpr Lump kLightmaps{"lightmaps", 14, 3 * kBspLightmapSide* kBspLightmapSide, size_t{1} << 10};
-constexpr Lump kLightGrid{"light grid", 15, 8, size_t{1} << 23};
 
 class BspParser {
  public:
@@ -45,7 +44,6 @@ class BspParser {
     readLightmaps();
     readFaces();
     readModels();
-    file_.light_grid = std::string(records(kLightGrid).bytes);
     file_.entities = std::string(records(kEntities).bytes);
     return std::move(file_);
   }

@@ -71,7 +71,6 @@ struct BspFile {
   std::vector<BspFace> faces;
   std::vector<BspColour> lightmap_texels;  // all pages, kBspLightmapSide² each, rows from the top; empty when the level has none
   uint32_t lightmap_count = 0;             // pages
-  std::string light_grid;                  // 8 bytes a cell (bsp_light_grid.h); empty when the level has none
 };
 
 // path     only named in errors

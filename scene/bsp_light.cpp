@@ -129,41 +129,6 @@ class EntityLightReader {
   EntityLights lights_;
 };
 
-// The grid's lattice along the file's axes: multiples of its step inside the level's bounds.
-struct GridLattice {
-  glm::dvec3 step{64.0, 64.0, 128.0}, first{0.0};
-  glm::dvec3 count{0.0};
-};
-
-GridLattice latticeOf(const BspModel& level, const std::vector<BspEntity>& entities) {
-  GridLattice lattice;
-  for (const BspEntity& entity : entities) {
-    if (textOf(entity, "classname") != "worldspawn") continue;
-    const std::optional<glm::dvec3> step = threeNumbers(textOf(entity, "gridsize"));
-    if (step && step->x > 0.0 && step->y > 0.0 && step->z > 0.0) lattice.step = *step;
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    // in single precision, as the engine does: a bound may stand on a multiple
-    const auto step = static_cast<float>(lattice.step[axis]);
-    const double first = std::ceil(level.min[axis] / step), last = std::floor(level.max[axis] / step);
-    lattice.first[axis] = lattice.step[axis] * first;
-    lattice.count[axis] = std::max(0.0, last - first + 1.0);
-  }
-  return lattice;
-}
-
-BspColour colourAt(const std::string& bytes, size_t at) {
-  return {static_cast<uint8_t>(bytes[at]), static_cast<uint8_t>(bytes[at + 1]), static_cast<uint8_t>(bytes[at + 2])};
-}
-
-// 8 bytes: ambient and directed colour, then the polar angle and the azimuth of where that comes from, 256 to a turn.
-QuakeGrid::Cell decodeCell(const std::string& bytes, size_t at) {
-  const double polar = static_cast<uint8_t>(bytes[at + 6]) * (kPi / 128.0);
-  const double azimuth = static_cast<uint8_t>(bytes[at + 7]) * (kPi / 128.0);
-  const glm::dvec3 to_light(std::cos(azimuth) * std::sin(polar), std::sin(azimuth) * std::sin(polar), std::cos(polar));
-  return {lightOf(colourAt(bytes, at)), lightOf(colourAt(bytes, at + 3)), glm::vec3(sceneAxes(to_light))};
-}
-
 }  // namespace
 
 glm::vec3 lightOf(const BspColour& colour) {
@@ -191,30 +156,5 @@ Sun sunOf(const ScriptSun& script) {
 }
 
 EntityLights entityLights(const std::vector<BspEntity>& entities) { return EntityLightReader(entities).read(); }
-
-bool readQuakeGrid(const BspFile& file, const std::vector<BspEntity>& entities, WorldQuakeGrid* result) {
-  if (file.light_grid.empty()) return false;
-  const GridLattice lattice = latticeOf(file.models[0], entities);
-  const double cell_count = lattice.count.x * lattice.count.y * lattice.count.z;
-  if (cell_count * 8.0 != static_cast<double>(file.light_grid.size())) return false;
-  const auto x_count = static_cast<int>(lattice.count.x), y_count = static_cast<int>(lattice.count.y),
-             z_count = static_cast<int>(lattice.count.z);
-  QuakeGrid& grid = result->grid;
-  grid.count = {x_count, z_count, y_count};
-  const glm::dvec3 step = kBspMetresPerUnit * lattice.step;
-  grid.step_m = glm::vec3(step.x, step.z, step.y);
-  // the file's y runs against our z: its last row is our first
-  const glm::dvec3 corner(lattice.first.x, lattice.first.y + (y_count - 1) * lattice.step.y, lattice.first.z);
-  result->first_m = kBspMetresPerUnit * sceneAxes(corner);
-  grid.file_bytes = file.light_grid.size();
-  grid.cells.reserve(file.light_grid.size() / 8);
-  for (int y = y_count - 1; y >= 0; --y) {
-    for (int z = 0; z < z_count; ++z) {
-      for (int x = 0; x < x_count; ++x)
-        grid.cells.push_back(decodeCell(file.light_grid, 8 * ((static_cast<size_t>(z) * y_count + y) * x_count + x)));
-    }
-  }
-  return true;
-}
 
 }  // namespace nlg

@@ -43,15 +43,4 @@ struct EntityLights {
 };
 EntityLights entityLights(const std::vector<BspEntity>& entities);
 
-// Decodes lump 15 as the engine does. Cells in solid hold no light.
-//
-// first_m    of the result is in world coordinates, metres, and not yet relative to any origin
-// returns    false, and nothing in grid, when the lump's size is not what the level's bounds ask for: the engine ignores such a
-//            grid too
-struct WorldQuakeGrid {
-  QuakeGrid grid;  // but for first_m
-  glm::dvec3 first_m{0.0};
-};
-bool readQuakeGrid(const BspFile& file, const std::vector<BspEntity>& entities, WorldQuakeGrid* grid);
-
 }  // namespace nlg

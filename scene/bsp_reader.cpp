@@ -321,13 +321,6 @@ class BspConverter {
       note(std::to_string(lights.linear_lamps) + " lamps that fade linearly: by the square of the distance instead");
     addSky(lights.has_shader_suns);
     light.sky_faces = light_faces_.finish(origin_m);
-    WorldQuakeGrid grid;
-    if (readQuakeGrid(file_, entities, &grid)) {
-      light.quake_grid = std::move(grid.grid);
-      light.quake_grid.first_m = glm::vec3(grid.first_m - origin_m);
-    } else if (!file_.light_grid.empty()) {
-      note("the light grid is not of the size that the level's bounds ask for: left out, as the engine does");
-    }
   }
 
   // Of several skies the mean by area: a scene has one.

@@ -42,7 +42,6 @@ class SceneCopier {
     // what lay on the surfaces lay there for them as they stood
     result_.light = source.light;
     result_.light.baked = {};
-    result_.light.quake_grid = {};
   }
 
   // change is null for what stays exactly where it is

@@ -143,10 +143,6 @@ void scaleAll(Scene* scene, float factor) {
        {&light.sky.image.texels, &light.sky_faces.shine, &light.baked.texels, &light.baked.vertex_light}) {
     for (glm::vec3& radiance : *radiances) radiance *= factor;
   }
-  for (QuakeGrid::Cell& cell : light.quake_grid.cells) {
-    cell.ambient *= factor;
-    cell.directed *= factor;
-  }
   for (Material& material : scene->materials) material.emissive *= factor;
 }
 

@@ -90,8 +90,7 @@ std::string sceneSha256(const Scene& scene);
 // What of two scenes differs that weighting functions, or the ends of rays, can depend on, in words: "1,200 triangles, not 1,212". Empty
 // where nothing does.
 std::string geometryDifference(const Scene& scene, const Scene& other);
-// SHA-256 of what light can depend on: all of that, colours, emission and the scene's light. The Quake III grid, which lights
-// nothing here, does not count.
+// SHA-256 of what light can depend on: all of that, colours, emission and the scene's light.
 std::string sceneLightSha256(const Scene& scene);
 // The same where its lights were in these groups, or in none.
 std::string sceneLightSha256(const Scene& scene, const LightGroups& groups);

@@ -74,19 +74,6 @@ struct SkyFaces {
   }
 };
 
-// The light grid that a Quake III level's file ships (lump 15), decoded: a rival to measure against.
-struct QuakeGrid {
-  glm::vec3 first_m{0.0f};  // of the first cell, relative to the scene's origin
-  glm::vec3 step_m{1.0f};   // along the scene's axes; > 0
-  std::array<int, 3> count{};
-  struct Cell {
-    glm::vec3 ambient, directed;  // in the unit of the scene's radiance
-    glm::vec3 to_light;           // unit
-  };
-  std::vector<Cell> cells;  // x fastest, then y, then z, of the scene's axes
-  uint64_t file_bytes = 0;  // of the lump
-};
-
 // What a file calls a light, and the group that its author puts it in; empty where nothing says.
 struct LightLabel {
   std::string name, group;
@@ -115,7 +102,6 @@ struct SceneLight {
   LightGroups groups;
   SkyFaces sky_faces;
   BakedLight baked;
-  QuakeGrid quake_grid;
 };
 
 }  // namespace nlg

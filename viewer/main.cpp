@@ -29,11 +29,10 @@ int main(int argc, char** argv) {
   table.common({"out", "grid", "watch", "weights", "rivals", "unit", "spacing_m", "sky", "sun"});
   describe(request, app);
   return runTool(argc, argv, app, table, [&] {
-    request.rivals_are_given = app.get_option("--rivals")->count() > 0;
     takeThetaPrecision(&bake);
     if (request.is_watched) {
       // what takes longer than the bake only where it is asked for
-      if (!request.rivals_are_given) request.rivals = {"none"};
+      if (app.get_option("--rivals")->count() == 0) request.rivals = {"none"};
       if (app.get_option("--truth-views")->count() == 0) request.truth_views = 0;
       if (app.get_option("--places")->count() == 0) request.places = 0;
       return watchScene(request, bake, table);

@@ -73,26 +73,6 @@ DataScript ddgiScript(const ProbeSet& probes, const DdgiMaps& maps) {
   return script;
 }
 
-DataScript quakeGridScript(const QuakeGrid& grid, const QuakeGridLight& light) {
-  DataScript script("quake-grid");
-  script.facts["kind"] = "quake_grid";
-  script.facts["first_m"] = {grid.first_m.x, grid.first_m.y, grid.first_m.z};
-  script.facts["step_m"] = {grid.step_m.x, grid.step_m.y, grid.step_m.z};
-  script.facts["count"] = grid.count;
-  script.facts["ambient_scale"] = light.ambientScale();
-  script.facts["directed_scale"] = light.directedScale();
-  std::vector<float> ambient, directed, to_light;
-  for (const QuakeGrid::Cell& cell : grid.cells) {
-    append(&ambient, cell.ambient);
-    append(&directed, cell.directed);
-    append(&to_light, cell.to_light);
-  }
-  script.add("ambient", ambient);
-  script.add("directed", directed);
-  script.add("to_light", to_light);
-  return script;
-}
-
 DataScript probesScript(const LightGrid& grid, const std::vector<uint8_t>& is_in_air) {
   NLG_CHECK(is_in_air.size(), ==, grid.probe_function.size());
   DataScript script("probes");

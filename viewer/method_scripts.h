@@ -5,7 +5,6 @@
 
 #include "light/methods/ddgi.h"
 #include "light/methods/method_set.h"
-#include "light/methods/quake_grid_method.h"
 #include "runtime_eval/light_grid/light_grid.h"
 #include "viewer/data_script.h"
 
@@ -25,9 +24,6 @@ LightGrid trilinearGrid(const ProbeSet& probes, const std::vector<LightSh>& ligh
 // kDdgiMapWords each: 1 if it is active, 36 texels of irradiance in 10 bits a channel, 196 pairs of moments in float16.
 inline constexpr size_t kDdgiMapWords = 236;  // a multiple of 4; 233 are used
 DataScript ddgiScript(const ProbeSet& probes, const DdgiMaps& maps);
-
-// Three numbers each of ambient, directed, to_light; x fastest.
-DataScript quakeGridScript(const QuakeGrid& grid, const QuakeGridLight& light);
 
 // Probes and cells, for drawing.
 enum class ProbeKind : uint8_t {

@@ -44,7 +44,7 @@ constexpr int kFewestPlaces = 16;
 constexpr int kExposureWidth = 160, kExposureHeight = 90;
 constexpr float kBrightestStored = 1000.0f;  // of a truth picture; RGB9E5 ends at 65,408
 const std::vector<std::string> kShownRivals = {"trilinear", "trilinear:solved", "valid-trilinear", "valid-trilinear:solved",
-                                               "ddgi",      "quake-grid"};
+                                               "ddgi"};
 
 Json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
@@ -91,11 +91,7 @@ class ViewFolder {
     const glm::dvec3& origin_m = scene_.scene().origin_m;
     grid_.tree.moveBy({-origin_m.x, -origin_m.y, -origin_m.z});
     said_ = {{"schema_version", 1}, {"scene", scene_.id()}, {"out", request.out}};
-    const bool has_quake_grid = !scene_.scene().light.quake_grid.cells.empty();
-    for (const std::string& name : request.rivals) {
-      if (name == "quake-grid" && !has_quake_grid && !request.rivals_are_given) continue;
-      rivals_.emplace_back(name, &scene_.rival(name));
-    }
+    for (const std::string& name : request.rivals) rivals_.emplace_back(name, &scene_.rival(name));
   }
 
   Json write() {
@@ -313,16 +309,14 @@ class ViewFolder {
 
   static std::string titleOf(const std::string& name) {
     if (name == "ddgi") return "DDGI";
-    if (name == "quake-grid") return "the level's own Quake III grid";
     const std::string solved = name.ends_with(":solved") ? ", light solved for" : "";
     return (name.starts_with("valid") ? "trilinear, probes in air" : "trilinear, all probes") + solved;
   }
 
   DataScript rivalScript(const std::string& name, const LightMethod& rival) const {
     DataScript script =
-        name == "ddgi" ? ddgiScript(scene_.rivals()->probes(), *scene_.rivals()->shippedDdgi())
-        : name == "quake-grid"
-            ? quakeGridScript(scene_.scene().light.quake_grid, *scene_.rivals()->quakeGrid())
+        name == "ddgi"
+            ? ddgiScript(scene_.rivals()->probes(), *scene_.rivals()->shippedDdgi())
             : gridScript(name, trilinearGrid(scene_.rivals()->probes(), *rival.probe_light, !name.starts_with("valid")));
     script.rename("method-" + scriptName(name));
     return script;
@@ -353,10 +347,9 @@ void describe(ViewRequest& r, CLI::App& app) {
   app.add_option("--out", r.out, "the folder to write, in which index.html is the page. None: here, by the name of the scene");
   app.add_option("--grid", r.grid, "a light grid that holds light, as nlg-bake writes it; none: it is baked here");
   app.add_option("--weights", r.weights, "weights for that bake; none: those that ship");
-  app.add_option(
-         "--rivals", r.rivals,
-         "methods beside the grid, with probes as far apart as its own: trilinear, valid-trilinear, ddgi, quake-grid (of a level "
-         "that ships one); with :solved, the first two with light that is solved for; none")
+  app.add_option("--rivals", r.rivals,
+                 "methods beside the grid, with probes as far apart as its own: trilinear, valid-trilinear, ddgi; with :solved, "
+                 "the first two with light that is solved for; none")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--truth-views", r.truth_views, "views of which ground truth is stored; 0: of none")

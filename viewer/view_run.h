@@ -22,14 +22,13 @@ struct ViewRequest {
   std::string scene, grid;
   std::string out;                   // empty: by the name of the scene
   std::vector<std::string> weights;  // without a grid: to bake one
-  std::vector<std::string> rivals = {"valid-trilinear", "ddgi", "quake-grid"};
-  bool rivals_are_given = false;  // false: what a scene does not have is left out
-  int truth_views = 3;            // 0: none
-  int truth_width = 640;          // pixels of such a view; its height is 9/16 of it
-  int truth_rays = 64;            // of a pixel
-  int places = 800;               // where methods are compared with truth; 0: nowhere
-  bool is_watched = false;        // watch.h
-  int port = 8370;                // of a watch; 0: any that is free
+  std::vector<std::string> rivals = {"valid-trilinear", "ddgi"};
+  int truth_views = 3;      // 0: none
+  int truth_width = 640;    // pixels of such a view; its height is 9/16 of it
+  int truth_rays = 64;      // of a pixel
+  int places = 800;         // where methods are compared with truth; 0: nowhere
+  bool is_watched = false;  // watch.h
+  int port = 8370;          // of a watch; 0: any that is free
 };
 
 // Where a page of this scene lies unless told otherwise: "house" of levels/house.glb.

@@ -194,29 +194,6 @@ void MethodSet::addTetrahedra() {
   addBlends({"tetrahedra", std::move(tetrahedra), probes_.air_count, bytes, seconds, nullptr});
 }
 
-void MethodSet::addQuakeGrid() {
-  const QuakeGrid& grid = scene_.transport.scene().light.quake_grid;
-  if (grid.cells.empty()) return;
-  const double start = processorSeconds();
-  quake_grid_ = std::make_unique<QuakeGridLight>(grid);
-  std::vector<glm::vec3> normals, light;
-  for (size_t i = 0; i < scene_.air.places.size(); ++i) {
-    normals.push_back(normalOfPlace(scene_.air.places[i]));
-    light.push_back(irradiance(place_light_[i], normals.back()));
-  }
-  quake_grid_->fit(scene_.air.places, normals, light);
-  LightMethod method;
-  method.weights = "the level's Quake III grid";
-  method.light = "own";
-  method.probes = grid.cells.size();
-  method.bytes = {grid.file_bytes, 0, 0};
-  method.weights_s = processorSeconds() - start;
-  method.irradiance_at = [this](const glm::dvec3& position_m, const glm::vec3& normal) {
-    return quake_grid_->irradianceAt(position_m, normal);
-  };
-  methods_.push_back(std::move(method));
-}
-
 void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion,
                                    const std::vector<LightWay>& ways) {
   std::vector<glm::dvec3> all = places;

@@ -12,7 +12,6 @@
 #include "light/methods/ddgi.h"
 #include "light/methods/light_method.h"
 #include "light/methods/probe_set.h"
-#include "light/methods/quake_grid_method.h"
 #include "light/methods/trilinear.h"
 #include "light/probe_light.h"
 #include "runtime_eval/light_grid/light_grid.h"
@@ -49,7 +48,6 @@ class MethodSet {
   const std::deque<LightMethod>& methods() const { return methods_; }
   // What is needed to show these methods elsewhere; null until they were added, or where the scene has none.
   const DdgiMaps* shippedDdgi() const { return shipped_ddgi_; }
-  const QuakeGridLight* quakeGrid() const { return quake_grid_.get(); }
   double measure_s() const { return measure_s_; }                          // light at places in air, for whoever solves
   const std::vector<LightSh>& placeLight() const { return place_light_; }  // that was measured there
 
@@ -63,8 +61,6 @@ class MethodSet {
   void addRelocatedDdgi();
   // Nothing where too few probes stand in air.
   void addTetrahedra();
-  // Nothing where the scene has none.
-  void addQuakeGrid();
   // places   where the methods will be asked
   void addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion,
                           const std::vector<LightWay>& ways = kGatheredAndSolved);
@@ -107,7 +103,6 @@ class MethodSet {
   std::deque<DdgiMaps> maps_;
   const DdgiMaps* shipped_ddgi_ = nullptr;
   std::unique_ptr<ApvProbes> apv_;
-  std::unique_ptr<QuakeGridLight> quake_grid_;
   std::deque<LightGrid> grids_;
   std::deque<ProbeTree> octrees_;
 };

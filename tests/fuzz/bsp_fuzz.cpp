@@ -15,7 +15,6 @@ void readOne(std::string_view bytes) {
 Seeds seeds() {
   BspParts lit = smallLevel();
   lit.lightVertex(0, {0.5f, 0.5f}, 10, 20, 30);
-  lit.light_grid = std::string(8 * 4 * 4 * 2, 'g');
   lit.models[0].max = {200.0f, 100.0f, 100.0f};
   lit.entities = R"({ "classname" "worldspawn" } { "classname" "light" "origin" "10 20 30" }
 { "classname" "func_door" "model" "*1" "origin" "8 8 8" } { "classname" "info_player_start" "origin" "0 0 0" })";

@@ -35,7 +35,7 @@ ADDED = [
     ("nlg-bake", "--extent-m=1,2,3", "extent_m"), ("nlg-bake", "--spacing-m 0.0001", ["1000000 probes", "finest spacing"]), ("nlg-bake", "--max-probes 100", "at most 100 probes"), ("nlg-bake", "--theta-precision float8", "float8"),
     ("nlg-bake", "--light-error 0.6", "0.6"), ("nlg-bake", "--light-error none", "none"), ("nlg-render", "--camera=none", "--camera"),
     ("nlg-render", "--method grid", "--grid"), ("nlg-render", "--show weights --grid weights.safetensors", "--probe"), ("nlg-render", "--look 1,2,3", "--eye"),
-    ("nlg-render", "--bake --grid weights.safetensors", "--bake"), ("nlg-view", "--rivals quake-grid", "quake-grid"), ("nlg-view", "--light none", "--light"),
+    ("nlg-render", "--bake --grid weights.safetensors", "--bake"), ("nlg-view", "--rivals unity", "unity"), ("nlg-view", "--light none", "--light"),
 ]
 # whole calls
 CALLS_REFUSED = [

@@ -120,7 +120,6 @@ TEST_F(BspLight, RefusesLightThatIsNone) {
   expectError("vertices 2: expected finite lightmap coordinates",
               [](BspParts& p) { p.lights[2].place.y = std::numeric_limits<float>::quiet_NaN(); });
   expectError("lump lightmaps: expected records of 49152 bytes", [](BspParts& p) { p.lightmaps.pop_back(); });
-  expectError("lump light grid: expected records of 8 bytes", [](BspParts& p) { p.light_grid = "1234567"; });
   expectError("models 0: expected finite bounds",
               [](BspParts& p) { p.models[0].max.z = std::numeric_limits<float>::infinity(); });
   // of a face without a page the numbers mean nothing, and real levels hold garbage there
@@ -252,57 +251,6 @@ TEST_F(BspLight, SunsShineFromWhereTheirScriptSays) {
 }
 
 // A grid of 2 x 3 x 2 cells of the default size, numbered in the file's order by the red of their ambient light.
-BspParts levelWithGrid() {
-  BspParts parts = litLevel();
-  parts.models[0].min = {-10, -70, 0};
-  parts.models[0].max = {64, 100, 250};
-  for (int i = 0; i < 12; ++i) parts.light_grid += {static_cast<char>(i), 0, 0, 0, 51, 0, 64, 64};
-  return parts;
-}
-
-TEST_F(BspLight, TheLightGridStandsWhereTheEnginePutsIt) {
-  const BspLevel level = read(levelWithGrid());
-  const QuakeGrid& grid = level.scene.light.quake_grid;
-  ASSERT_EQ(grid.count, (std::array<int, 3>{2, 2, 3}));
-  ASSERT_EQ(grid.cells.size(), 12u);
-  EXPECT_EQ(grid.file_bytes, 96u);
-  // x 0, 64; y -64, 0, 64 of the file: ours from -64 down; z 0, 128
-  const glm::dvec3 first = level.scene.origin_m + glm::dvec3(grid.first_m);
-  EXPECT_NEAR(first.x, 0.0, 1e-4);
-  EXPECT_NEAR(first.y, 0.0, 1e-4);
-  EXPECT_NEAR(first.z, -64 * kUnit, 1e-4);
-  EXPECT_NEAR(grid.step_m.x, 64 * kUnit, 1e-6);
-  EXPECT_NEAR(grid.step_m.y, 128 * kUnit, 1e-6);
-  EXPECT_NEAR(grid.step_m.z, 64 * kUnit, 1e-6);
-  for (int z = 0; z < 3; ++z) {
-    for (int y = 0; y < 2; ++y) {
-      for (int x = 0; x < 2; ++x) {
-        const int in_file = (y * 3 + (2 - z)) * 2 + x;
-        const QuakeGrid::Cell& cell = grid.cells[static_cast<size_t>((z * 2 + y) * 2 + x)];
-        EXPECT_NEAR(cell.ambient.r, static_cast<float>(in_file) * kOfCode, 1e-6f) << x << " " << y << " " << z;
-        EXPECT_NEAR(cell.directed.g, 51.0f * kOfCode, 1e-5f);
-        // a quarter turn from the pole, a quarter turn from x: the file's y
-        EXPECT_NEAR(cell.to_light.z, -1.0f, 1e-6f);
-      }
-    }
-  }
-}
-
-TEST_F(BspLight, ALightGridOfAnotherSizeIsLeftOutAndSaid) {
-  BspParts parts = levelWithGrid();
-  parts.light_grid.resize(88);
-  const BspLevel other = read(parts);
-  EXPECT_TRUE(other.scene.light.quake_grid.cells.empty());
-  ASSERT_EQ(other.light_notes.size(), 1u);
-  EXPECT_NE(other.light_notes[0].find("light grid"), std::string::npos);
-  // and one whose cells the entities make smaller is larger
-  parts = levelWithGrid();
-  parts.entities = "{ \"classname\" \"worldspawn\" \"gridsize\" \"64 64 64\" }";
-  parts.light_grid += parts.light_grid.substr(0, 48);
-  parts.models[0].max.z = 190;
-  EXPECT_EQ(read(parts).scene.light.quake_grid.count, (std::array<int, 3>{2, 3, 3}));
-}
-
 class BspLightOfScripts : public BspLight {
  protected:
   // green.tga is (64, 128, 0) in codes

@@ -210,7 +210,6 @@ TEST(LightOptions, IntensityIsAFactorOnAllThatShines) {
   scene.light.baked.texels = {glm::vec3(6.0f)};
   scene.light.baked.vertex_light = {glm::vec3(7.0f)};
   scene.light.baked.ambient = glm::vec3(8.0f);
-  scene.light.quake_grid.cells = {{glm::vec3(9.0f), glm::vec3(10.0f), {0, 1, 0}}};
   const Scene before = scene;
   LightOptions options;
   options.intensity = 0.5;
@@ -226,7 +225,6 @@ TEST(LightOptions, IntensityIsAFactorOnAllThatShines) {
   EXPECT_EQ(light.baked.texels[0], glm::vec3(3.0f));
   EXPECT_EQ(light.baked.vertex_light[0], glm::vec3(3.5f));
   EXPECT_EQ(light.baked.ambient, glm::vec3(4.0f));
-  EXPECT_EQ(light.quake_grid.cells[0].directed, glm::vec3(5.0f));
   for (size_t m = 0; m < scene.materials.size(); ++m) EXPECT_EQ(scene.materials[m].emissive, 0.5f * before.materials[m].emissive);
 }
 

@@ -22,7 +22,7 @@ LEVELS = "/usr/share/games/openarena/baseoa"
 SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
 WIDTH, HEIGHT = 320, 180  # of pictures that are compared
 SETTINGS = {"cornell": ["--spacing-m", "0.5"], "level": []}
-RIVALS = {"cornell": ["valid-trilinear", "ddgi"], "level": ["quake-grid"]}
+RIVALS = {"cornell": ["valid-trilinear", "ddgi"], "level": ["valid-trilinear"]}
 # Edges are drawn by four samples here and there, at other places; a surface stands at the same offset before what is near. What lies
 # between is the same light to a step of 255.
 MOST_MEDIAN, MOST_MEAN, MOST_BEYOND_EDGES = 1.0, 2.5, 0.04  # steps of 255; the last: share of pixels off by more than 16

@@ -142,8 +142,6 @@ class LightMeasurement {
       methods.addTetrahedra();
       methods.addApv();
       methods.addDdgi();
-      // holds what the level's own compiler put there, direct light too: no answer where that is left out
-      if (request_.probe.direct == DirectLight::all) methods.addQuakeGrid();
     }
     std::vector<glm::dvec3> positions_m;
     for (const LightPlace& place : places_.places) positions_m.push_back(place.position_m);

@@ -2,7 +2,6 @@
 
 #include "light/directions.h"
 #include "light/methods/apv.h"
-#include "light/methods/quake_grid_method.h"
 #include "light/methods/target_functions.h"
 #include "light/methods/tetrahedra.h"
 #include "light/methods/true_weights.h"
@@ -125,47 +124,6 @@ TEST(Apv, TakesLightForProbesDeepInSolidFromThoseAround) {
   const ProbeBlend blend = apv.blendAt(was + glm::dvec3(0.01), {0, 1, 0});
   EXPECT_EQ(blend.reach, Reach::lit);
   EXPECT_EQ(std::count(blend.probe.begin(), blend.probe.begin() + blend.count, deep), 0);
-}
-
-// Two cells along x, the second in solid; light from above.
-QuakeGrid twoCells() {
-  QuakeGrid grid;
-  grid.step_m = {2, 2, 2};
-  grid.count = {2, 1, 1};
-  grid.cells = {{glm::vec3(0.25f), glm::vec3(0.5f), {0, 1, 0}}, {glm::vec3(0.0f), glm::vec3(9.0f), {0, 1, 0}}};
-  return grid;
-}
-
-TEST(QuakeGridLight, LeavesOutCellsInSolid) {
-  const QuakeGrid grid = twoCells();
-  const QuakeGridLight light(grid);
-  for (const double x : {-5.0, 0.0, 0.7, 1.9}) {
-    EXPECT_NEAR(light.irradianceAt({x, 0, 0}, {0, 1, 0}).irradiance.r, 0.75f, 1e-6f) << x;
-    EXPECT_NEAR(light.irradianceAt({x, 0, 0}, {0, -1, 0}).irradiance.r, 0.25f, 1e-6f) << x;
-  }
-  EXPECT_EQ(light.irradianceAt({2, 0, 0}, {0, 1, 0}).reach, Reach::unlit);
-}
-
-TEST(QuakeGridLight, FindsTheScalesOfItsTwoParts) {
-  const QuakeGrid grid = twoCells();
-  QuakeGridLight light(grid);
-  std::vector<glm::dvec3> positions;
-  std::vector<glm::vec3> normals, irradiance;
-  Random random(3);
-  for (int i = 0; i < 50; ++i) {
-    positions.emplace_back(random.uniform(-1, 1), 0, 0);
-    const double u = random.uniform(), v = random.uniform();
-    normals.push_back(sphereDirection(u, v));
-    irradiance.push_back(glm::vec3(3.0f * 0.25f + 2.0f * 0.5f * std::max(0.0f, normals.back().y)));
-  }
-  light.fit(positions, normals, irradiance);
-  EXPECT_NEAR(light.ambientScale(), 3.0f, 1e-4f);
-  EXPECT_NEAR(light.directedScale(), 2.0f, 1e-4f);
-  // light that falls where the grid says it does not: no scale below 0
-  for (size_t i = 0; i < irradiance.size(); ++i) irradiance[i] = glm::vec3(std::max(0.0f, -normals[i].y));
-  light.fit(positions, normals, irradiance);
-  EXPECT_GT(light.ambientScale(), 0.0f);
-  EXPECT_EQ(light.directedScale(), 0.0f);
 }
 
 // What a place's probes weigh in all is lost in shares, and decides how much a solve trusts the place.

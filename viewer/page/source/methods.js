@@ -7,7 +7,6 @@ import surfaceFragment from './glsl/surface.frag.glsl';
 import gridReads from './glsl/grid.glsl';
 import gridLight from './glsl/grid_light.glsl';
 import ddgiLight from './glsl/ddgi_light.glsl';
-import quakeGridLight from './glsl/quake_grid_light.glsl';
 
 const TEXELS_A_ROW = 2048;
 export const PRECISION = 'precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp usampler2D;\n';
@@ -49,28 +48,6 @@ function gridProgram(data, lookUp, light) {
   };
 }
 
-function quakeGridProgram(data) {
-  const count = data.ambient.length / 3;
-  const rows = Math.ceil((3 * count) / 1023);
-  const texels = new Float32Array(4 * 1023 * rows);
-  for (let cell = 0; cell < count; ++cell) {
-    [data.ambient, data.directed, data.to_light].forEach((part, k) => texels.set(part.subarray(3 * cell, 3 * cell + 3), 4 * (3 * cell + k)));
-  }
-  const texture = new THREE.DataTexture(texels, 1023, rows, THREE.RGBAFormat, THREE.FloatType);
-  texture.needsUpdate = true;
-  return {
-    text: quakeGridLight,
-    uniforms: {
-      cells: { value: texture },
-      first_m: { value: new THREE.Vector3(...data.first_m) },
-      step_m: { value: new THREE.Vector3(...data.step_m) },
-      cell_count: { value: data.count },
-      ambient_scale: { value: data.ambient_scale },
-      directed_scale: { value: data.directed_scale },
-    },
-  };
-}
-
 function ddgiProgram(data, lookUp) {
   const program = gridProgram(data, lookUp, ddgiLight);
   program.uniforms.maps = { value: wordTexture(data.maps) };
@@ -78,7 +55,7 @@ function ddgiProgram(data, lookUp) {
   return program;
 }
 
-const PROGRAMS = { grid: (data, lookUp) => gridProgram(data, lookUp, gridLight), ddgi: ddgiProgram, quake_grid: quakeGridProgram };
+const PROGRAMS = { grid: (data, lookUp) => gridProgram(data, lookUp, gridLight), ddgi: ddgiProgram };
 
 // What a light grid can show of itself, and the text that makes it so.
 const SHOWS = { light: '', share: '#define SHOWS_SHARE\n', leaks: '#define SHOWS_LEAKS\n' };
