@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "scene/floor_survey.h"
 #include "scene/light_sets.h"
-#include "tool/quantity.h"
+#include "scene/scene_size.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tool/quantity.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {

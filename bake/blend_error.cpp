@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "tool/quantity.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {

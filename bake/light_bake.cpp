@@ -16,9 +16,9 @@
 #include "scene/light_sets.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
+#include "tool/printable.h"
+#include "tool/processor_time.h"
 #include "tool/progress.h"
-#include "tool/quantity.h"
-#include "tool/wall_time.h"
 
 namespace nlg {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tool/one_file_each.h"
+#include "tool/input_file.h"
 #include "tool/require_read.h"
 
 namespace nlg {

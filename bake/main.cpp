@@ -28,8 +28,8 @@
 #include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
+#include "tool/processor_time.h"
 #include "tool/tool_main.h"
-#include "tool/wall_time.h"
 
 namespace nlg {
 namespace {

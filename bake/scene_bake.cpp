@@ -8,8 +8,8 @@
 
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/parallel_for.h"
+#include "tool/processor_time.h"
 #include "tool/progress.h"
-#include "tool/wall_time.h"
 
 namespace nlg {
 namespace {

@@ -10,7 +10,7 @@
 #include "bake/bake_plan.h"
 #include "bake/blend_targets.h"
 #include "datagen/probes/probe_placement.h"
-#include "light/open_sky.h"
+#include "light/air.h"
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/fit/theta_policy.h"
 #include "runtime_eval/light_grid/light_grid.h"

@@ -1,4 +1,4 @@
-#include "datagen/generate.h"
+#include "datagen/commands.h"
 
 #include <fmt/format.h>
 
@@ -9,11 +9,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datagen/shards/counts_json.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/printable.h"
 #include "tool/progress.h"
-#include "tool/quantity.h"
 
 namespace nlg {
 namespace {

@@ -1,19 +1,21 @@
-#include "datagen/info.h"
-#include "datagen/shards/counts_json.h"
-
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <limits>
+#include <map>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "datagen/commands.h"
 #include "datagen/dataset/function_set.h"
 #include "datagen/dataset/shard_reader.h"
+#include "runtime_eval/fit/theta_policy.h"
+#include "runtime_eval/support/weighting_function.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/file_info.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {
@@ -103,6 +105,72 @@ void refuseDamage(const std::string& path) {
   }
 }
 
+constexpr double kHardRmse = 0.01;  // as nlg-validate's hard_tent_rmse
+// Upper ends of the bins of the bare tent's blend RMSE; the first one is what a bake stores as a bare tent.
+constexpr std::array kBins = {0.002, 0.005, 0.01, 0.02, 0.04, 0.08, 1e9};
+constexpr int kBarWidth = 40;
+
+struct Row {
+  uint64_t probes = 0, functions = 0, free_space = 0, in_solid = 0, duplicates = 0, empty = 0;
+  uint64_t bare_tents = 0, hard = 0, of_solid = 0, valid_points = 0, dark_points = 0;
+  std::array<uint64_t, kBins.size()> bins{};
+
+  void add(const Row& other) {
+    for (uint64_t Row::*count : {&Row::probes, &Row::functions, &Row::free_space, &Row::in_solid, &Row::duplicates, &Row::empty,
+                                 &Row::bare_tents, &Row::hard, &Row::of_solid, &Row::valid_points, &Row::dark_points})
+      this->*count += other.*count;
+    for (size_t b = 0; b < bins.size(); ++b) bins[b] += other.bins[b];
+  }
+};
+
+void addFunction(const StoredFunction& function, uint8_t flags, FunctionChecker& checker, Row* row) {
+  static const PolicyOptions options;
+  const FunctionCheck tent = checker.checkBareTent(function, options.check());
+  row->bare_tents += takesBareTent(tent, options) ? 1 : 0;
+  row->hard += tent.rmse >= kHardRmse ? 1 : 0;
+  row->of_solid += (flags & kFlagInSolid) != 0 ? 1 : 0;
+  ++row->bins[static_cast<size_t>(std::lower_bound(kBins.begin(), kBins.end() - 1, tent.blend_rmse) - kBins.begin())];
+  row->valid_points += static_cast<uint64_t>(tent.valid_count);
+  for (int p = 0; p < kSupportPointCount; ++p)
+    row->dark_points += function.phi[p] == 0 && (function.validity[p / 8] >> p % 8 & 1) != 0 ? 1 : 0;
+}
+
+Row rowOf(const ShardReader& reader) {
+  const ShardCounts& c = reader.header().counts;
+  Row row{c.visited_probes, c.functions, c.free_space, c.in_solid, c.duplicates, c.empty};
+  FunctionChecker checker;
+  for (uint64_t first = 0; first < reader.functionCount(); first += kPieceFunctions) {
+    const Shard piece = reader.read(first, std::min(kPieceFunctions, reader.functionCount() - first));
+    for (uint64_t i = 0; i < piece.functionCount(); ++i) addFunction(storedFunction(piece, i), piece.flags[i], checker, &row);
+  }
+  return row;
+}
+
+Json jsonOf(const Row& row) {
+  const auto share = [](uint64_t part, uint64_t whole) {
+    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+  };
+  Json bins = Json::array();
+  for (size_t b = 0; b < kBins.size(); ++b)
+    bins.push_back({{"at_most", b + 1 < kBins.size() ? Json(kBins[b]) : Json()}, {"functions", row.bins[b]}});
+  return {{"probes", row.probes},         {"functions", row.functions},
+          {"free_space", row.free_space}, {"in_solid", row.in_solid},
+          {"duplicates", row.duplicates}, {"empty", row.empty},
+          {"bare_tents", row.bare_tents}, {"hard", row.hard},
+          {"of_solid", row.of_solid},     {"dark_share", share(row.dark_points, row.valid_points)},
+          {"tent_blend_rmse", bins}};
+}
+
+std::string lineOf(const std::string& split, const std::string& scene, const Json& row) {
+  const double functions = std::max(1.0, row["functions"].get<double>());
+  const auto percent = [&](const char* key) { return 100.0 * row[key].get<double>() / functions; };
+  return fmt::format("{:<11}{:<26}{:>8}{:>10}{:>10}{:>9}{:>11}{:>6}{:>9.0f} %{:>5.0f} %{:>8.0f} %{:>5.0f} %\n", printable(split),
+                     printable(scene).substr(0, 25), row["probes"].get<uint64_t>(), row["functions"].get<uint64_t>(),
+                     row["free_space"].get<uint64_t>(), row["in_solid"].get<uint64_t>(), row["duplicates"].get<uint64_t>(),
+                     row["empty"].get<uint64_t>(), percent("bare_tents"), percent("hard"), percent("of_solid"),
+                     100.0 * row["dark_share"].get<double>());
+}
+
 }  // namespace
 
 Json describeShard(const std::string& path) {
@@ -113,6 +181,55 @@ Json describeShard(const std::string& path) {
     refuseDamage(path);
     throw;
   }
+}
+
+Json dataCard(const std::string& folder) {
+  std::map<std::pair<std::string, std::string>, Row> rows;  // by split and scene
+  uint64_t shards = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".h5" || !entry.is_regular_file()) continue;
+    const ShardReader reader(entry.path().string(), supportPattern().hash, kSupportPointCount);
+    rows[{entry.path().parent_path().filename().string(), reader.header().scene_id}].add(rowOf(reader));
+    ++shards;
+  }
+  if (shards == 0) throw InputError(folder, "files", "shards (.h5) in it or below", "none");
+  Row all;
+  Json scenes = Json::array();
+  for (const auto& [name, row] : rows) {
+    all.add(row);
+    Json scene = {{"split", name.first}, {"scene", name.second}};
+    scene.update(jsonOf(row));
+    scenes.push_back(std::move(scene));
+  }
+  return {{"folder", folder}, {"shards", shards}, {"scenes", std::move(scenes)}, {"all", jsonOf(all)}};
+}
+
+std::string dataCardText(const Json& card) {
+  std::string text = fmt::format(
+      "{}: {} shards\n\n{:>37}{:>8}{:>10}{:>36}{:>32}\n{:<11}{:<26}{:>8}{:>10}{:>10}{:>9}{:>11}{:>6}{:>11}{:>7}{:>10}{:>7}\n",
+      printable(card["folder"].get<std::string>()), card["shards"].get<uint64_t>(), "", "", "",
+      "probes left out, because:", "of the functions:", "split", "scene", "probes", "functions", "open air", "solid", "duplicate",
+      "dark", "bare tent", "hard", "of solid", "dark");
+  for (const Json& row : card["scenes"]) text += lineOf(row["split"], row["scene"], row);
+  const Json& all = card["all"];
+  text += lineOf("all", "", all);
+  text +=
+      "\nopen air: no triangle near; solid: the probe is in solid; duplicate: as another function of the shard; dark: 0 "
+      "everywhere.\n"
+      "bare tent: it is enough, and a bake stores nothing; hard: its RMSE is .01 or more; of solid: of probes in solid, seen "
+      "from air; dark: "
+      "points with 0.\n\nblend RMSE of the bare tent, functions:\n";
+  const double functions = std::max(1.0, all["functions"].get<double>());
+  double low = 0.0;
+  for (const Json& bin : all["tent_blend_rmse"]) {
+    const double share = bin["functions"].get<double>() / functions;
+    const std::string range = bin["at_most"].is_null() ? fmt::format("above {:.3f}", low)
+                                                       : fmt::format("{:.3f} to {:.3f}", low, bin["at_most"].get<double>());
+    text += fmt::format("  {:<16}{:>5.1f} %  {}\n", range, 100.0 * share,
+                        std::string(static_cast<size_t>(share * kBarWidth + 0.5), '#'));
+    if (!bin["at_most"].is_null()) low = bin["at_most"].get<double>();
+  }
+  return text;
 }
 
 }  // namespace nlg

@@ -8,11 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datagen/data_card.h"
-#include "datagen/generate.h"
-#include "datagen/info.h"
-#include "datagen/plan.h"
-#include "datagen/scene_info.h"
+#include "datagen/commands.h"
 #include "datagen/view/view.h"
 #include "scene/scene_budget.h"
 #include "tool/file_info.h"

@@ -1,4 +1,4 @@
-#include "datagen/plan.h"
+#include "datagen/commands.h"
 
 #include <fmt/format.h>
 #include <time.h>

@@ -1,4 +1,4 @@
-#include "datagen/scene_info.h"
+#include "datagen/commands.h"
 
 #include <set>
 

@@ -7,7 +7,6 @@
 #include "light/baked_light.h"
 #include "light/directions.h"
 #include "light/emitters.h"
-#include "light/sky_sampler.h"
 #include "light/sunlight.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <glm/glm.hpp>
+
+#include "light/light_transport.h"
 
 namespace nlg {
 
@@ -25,5 +28,16 @@ struct Camera {
 // A camera at eye_m that looks along a direction, upright: what is up in the world is up in the picture. Along the vertical, -z is.
 // direction   not 0
 Camera cameraAlong(const glm::dvec3& eye_m, const glm::dvec3& direction, double fov_y);
+
+// A view of a scene for those who name none.
+//
+// Looks from a place in air to where there is much to see: far and near, many sides of surfaces, no backs of them, little sky, and
+// some light. The same view for the same scene and seed.
+// throws   InputError when no place in air was found
+Camera chooseView(const LightTransport& transport, double fov_y, double aspect, uint64_t seed);
+
+// The same from one of these eyes, in the first of twelve directions around it that shows most.
+// eyes_m   in air, at least one
+Camera bestView(const LightTransport& transport, const std::vector<glm::dvec3>& eyes_m, double fov_y, double aspect);
 
 }  // namespace nlg

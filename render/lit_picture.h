@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/lighting.h"
+#include "render/rendered_scene.h"
 #include "render/sight.h"
 
 namespace nlg {

@@ -9,7 +9,7 @@
 #include "datagen/view/image.h"
 #include "light/light_transport.h"
 #include "render/camera.h"
-#include "render/lighting.h"
+#include "render/rendered_scene.h"
 #include "render/sight.h"
 
 namespace nlg {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datagen/view/colour_map.h"
+#include "datagen/view/legend.h"
 
 namespace nlg {
 namespace {

@@ -3,7 +3,6 @@
 #include <array>
 
 #include "scene/procedural/built_in.h"
-#include "scene/procedural/daylight.h"
 #include "scene/procedural/level.h"
 #include "tool/error.h"
 

@@ -2,7 +2,6 @@
 
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include <cerrno>
 #include <mutex>
 #include <set>
@@ -79,6 +78,13 @@ size_t InputFile::readAt(uint64_t offset, void* to, size_t count) const {
   return readAll(path_, place_, begin, count, [&](char* at, size_t left) {
     return ::pread(descriptor_, at, left, static_cast<off_t>(offset + static_cast<uint64_t>(at - begin)));
   });
+}
+
+OneFileEach::OneFileEach(std::string flag, std::string kind) : flag_(std::move(flag)), kind_(std::move(kind)) {}
+
+void OneFileEach::add(const std::string& path, const std::string& what) {
+  const auto [earlier, is_new] = path_of_.emplace(what, path);
+  if (!is_new) throw UsageError(flag_, "one file a " + kind_, "two of " + what + ": " + earlier->second + " and " + path);
 }
 
 }  // namespace nlg

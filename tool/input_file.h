@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,21 @@ class InputFile {
   const std::string path_, place_;
   int descriptor_ = -1;
   uint64_t size_ = 0;
+};
+
+// Files that are given together, no two of which may be the same thing: two weights of one representation, one shard twice.
+class OneFileEach {
+ public:
+  // flag   what the files are given with: "--weights"; kind: what each of them is the only one of: "representation"
+  OneFileEach(std::string flag, std::string kind);
+
+  // what     the file's own: "tent_mlp"
+  // throws   UsageError naming flag, `what` and both files when an earlier file was the same
+  void add(const std::string& path, const std::string& what);
+
+ private:
+  std::string flag_, kind_;
+  std::map<std::string, std::string> path_of_;
 };
 
 }  // namespace nlg

@@ -1,6 +1,7 @@
-// Texts of files and command lines as people may be shown them.
+// What people are shown: texts of files and command lines, and quantities.
 #pragma once
 
+#include <cstdint>
 #include <streambuf>
 #include <string>
 #include <string_view>
@@ -25,5 +26,21 @@ class PrintableBuffer : public std::streambuf {
  private:
   std::streambuf* behind_;
 };
+
+// "12,345".
+std::string countText(uint64_t count);
+
+// "1 probe", "12,345 probes".
+// noun   one of them; its plural adds an s
+std::string countText(uint64_t count, const std::string& noun);
+
+// The same of an estimate: two digits of it.
+std::string roughCountText(double count, const std::string& noun);
+
+// "45 kB", "3.1 MB", "2.4 GB".
+std::string bytesText(double bytes);
+
+// "2.3 s" below ten seconds, then "22 s", "3 min 05 s", "2 h 07 min".
+std::string durationText(double seconds);
 
 }  // namespace nlg

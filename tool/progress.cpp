@@ -11,7 +11,7 @@
 #include <exception>
 #include <string_view>
 
-#include "tool/quantity.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {

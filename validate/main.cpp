@@ -5,12 +5,9 @@
 
 #include "bake/policy_options.h"
 #include "tool/tool_main.h"
+#include "validate/commands.h"
 #include "validate/errors/validation.h"
-#include "validate/frontier/frontier_command.h"
-#include "validate/light/light_command.h"
-#include "validate/light/noise_command.h"
 #include "validate/stability/stability_command.h"
-#include "validate/views/views_command.h"
 
 namespace nlg {
 namespace {

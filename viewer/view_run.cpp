@@ -8,12 +8,11 @@
 
 #include "export/shader/shader_export.h"
 #include "light/air.h"
-#include "light/light_extent.h"
+#include "render/camera.h"
 #include "render/lit_picture.h"
 #include "render/place_picture.h"
 #include "render/rendered_scene.h"
 #include "render/tone.h"
-#include "render/view_choice.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/numbers/rgb9e5.h"

@@ -19,7 +19,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/output_path.h"
-#include "tool/quantity.h"
+#include "tool/printable.h"
 #include "viewer/child_process.h"
 #include "viewer/watched_files.h"
 

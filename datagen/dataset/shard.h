@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datagen/dataset/duplicate_rule.h"
+#include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/function_rows.h"
 
 namespace nlg {
@@ -66,5 +66,20 @@ Shard readShard(const std::string& path, uint64_t pattern_hash, int point_count 
 
 // The same without the N x … arrays: cheap.
 Shard readShardHeader(const std::string& path, uint64_t pattern_hash, int point_count = 0);
+
+// The counts of a shard, listed once, as function_rows.h lists its arrays.
+//
+// Calls visit(attribute name, field) for every count, so that writing and reading cannot list different ones.
+template <class Counts, class Visit>
+void forEachCount(Counts& counts, const Visit& visit) {
+  visit("count_grid_probes", counts.grid_probes);
+  visit("count_visited_probes", counts.visited_probes);
+  visit("count_functions", counts.functions);
+  visit("count_free_space", counts.free_space);
+  visit("count_in_solid", counts.in_solid);
+  visit("count_duplicates", counts.duplicates);
+  visit("count_empty", counts.empty);
+  visit("count_solid_functions", counts.solid_functions);
+}
 
 }  // namespace nlg

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "datagen/dataset/shard.h"
 #include "datagen/dataset/shard_check.h"
-#include "datagen/dataset/shard_fields.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -1,8 +1,8 @@
 #include "datagen/dataset/shard_writer.h"
 
 #include "datagen/dataset/chunk_codec.h"
+#include "datagen/dataset/shard.h"
 #include "datagen/dataset/shard_check.h"
-#include "datagen/dataset/shard_fields.h"
 #include "runtime_eval/support/support_pattern.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

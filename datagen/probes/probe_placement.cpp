@@ -8,7 +8,7 @@
 #include "datagen/probes/nearby_triangles.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
-#include "tool/quantity.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {

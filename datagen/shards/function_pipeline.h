@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "datagen/shards/function_collector.h"
-#include "datagen/shards/probe_block.h"
 
 namespace nlg {
 

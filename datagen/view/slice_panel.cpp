@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "datagen/view/colour_map.h"
+#include "datagen/view/legend.h"
 
 namespace nlg {
 namespace {

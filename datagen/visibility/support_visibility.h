@@ -16,9 +16,36 @@
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/local_triangles.h"
 #include "datagen/visibility/ray_scene.h"
-#include "datagen/visibility/solid_vote.h"
 
 namespace nlg {
+
+// Whether a place lies in solid, by rays from it alone.
+//
+// How rays from a place judged it.
+struct SolidVote {
+  int front = 0, back = 0;
+  int nothing = 0;         // rays that met no face
+  bool in_cavity = false;  // no solid by its rays, but where nobody can be: cavity.h, for who asks it
+  // solid from two fifths of backs on: on real and procedural levels shares of backs lie below a tenth or above two fifths,
+  // seldom between, and exactly a half is common inside a slab that rests on another one (docs/theory/visibility.md)
+  bool solid() const { return in_cavity || (back > 0 && 5 * back >= 2 * (front + back)); }
+  // a share of backs in that gap: open, flipped or self-intersecting geometry
+  bool disputed() const { return 10 * back > front + back && !solid(); }
+  // at least half of one place's 14 rays met a one-sided face, all of them the same side
+  bool unanimous() const { return front + back >= 7 && (front == 0 || back == 0); }
+};
+
+inline constexpr int kSolidVoteRays = 14;
+
+// The directions of a vote's rays.
+const std::array<glm::vec3, kSolidVoteRays>& voteDirections();
+
+// The rays of one place against the scene's surfaces.
+// position_m   relative to the scene's origin
+SolidVote solidVote(const RayScene& rays, const glm::dvec3& position_m);
+
+// The same with sky faces among the surfaces: what lies behind the sky is no part of the scene.
+SolidVote solidVoteWithSky(const RayScene& rays, const glm::dvec3& position_m);
 
 // What was asked of the scene beyond the support, and the answer. The triangles of the support, the vote of the probe's own place and
 // these answers are all that comes from the scene: where they are the same, a probe has the same function.

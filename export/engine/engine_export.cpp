@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "export/engine/resampling_error.h"
+#include "export/engine/engine_format.h"
 #include "export/engine/sh_texture.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tool/atomic_file.h"

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "export/engine/texture_3d.h"
+#include "export/engine/sh_texture.h"
+#include "runtime_eval/light_grid/light_grid.h"
 #include "runtime_eval/light_grid/resampled_light.h"
 #include "runtime_eval/shader_grid/shader_grid.h"
 
@@ -55,5 +58,23 @@ std::vector<EngineFile> gridFiles(const GridFormat& format, const ShaderGrid& gr
 
 // The look-up of nlg_light_grid.h in the bytes of grid.bin.
 EngineIrradiance gridIrradiance(std::string bytes);
+
+// What a resampled texture gets wrong of a light grid's own look-up.
+//
+// Differences from lookUpIrradiance, over the root mean square of irradiance at the same places; red, green and blue count alike.
+struct ResamplingError {
+  int64_t places = 0;
+  double rmse = 0.0, p95 = 0.0;            // of planes that face any direction; p95: of places' own root mean squares
+  double axes_rmse = 0.0, axes_p95 = 0.0;  // of planes that face along an axis, as most floors and walls do
+};
+
+// At places drawn uniformly in the volume of the used cells, where the look-up is lit, on a plane that faces any direction and on one
+// that faces along an axis. The seed is fixed.
+//
+// box       places outside of it are not drawn; nullptr: all cells
+// wanted    places; fewer where so few of those that are drawn are lit, 50 times as many at most
+// returns   nothing where no place was lit, or light is 0 at all of them
+std::optional<ResamplingError> resamplingError(const LightGrid& grid, const LightBox* box, const EngineIrradiance& irradiance,
+                                               int64_t wanted);
 
 }  // namespace nlg

@@ -8,7 +8,6 @@
 #pragma once
 
 #include "light/methods/light_method.h"
-#include "light/methods/probe_set.h"
 
 namespace nlg {
 

@@ -4,10 +4,9 @@
 #include <sstream>
 
 #include "light/directions.h"
-#include "light/methods/grid_weighting.h"
 #include "light/methods/sh_octree.h"
-#include "light/methods/target_functions.h"
 #include "light/methods/tetrahedra.h"
+#include "light/methods/weightings.h"
 #include "light/surface_cache.h"
 #include "light/thinning.h"
 #include "runtime_eval/light_grid/light_grid_file.h"

@@ -11,8 +11,7 @@
 #include "light/methods/apv.h"
 #include "light/methods/ddgi.h"
 #include "light/methods/light_method.h"
-#include "light/methods/probe_set.h"
-#include "light/methods/trilinear.h"
+#include "light/methods/weightings.h"
 #include "light/probe_light.h"
 #include "runtime_eval/light_grid/light_grid.h"
 

@@ -6,7 +6,6 @@
 
 #include "light/methods/delaunay.h"
 #include "light/methods/light_method.h"
-#include "light/methods/probe_set.h"
 
 namespace nlg {
 

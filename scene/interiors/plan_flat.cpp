@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "scene/interiors/fittings.h"
-#include "scene/interiors/plans.h"
+#include "scene/interiors/interiors.h"
 #include "scene/interiors/recipes.h"
 
 namespace nlg {

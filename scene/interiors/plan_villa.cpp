@@ -4,7 +4,7 @@
 
 #include "scene/interiors/fittings.h"
 #include "scene/interiors/furnisher.h"
-#include "scene/interiors/plans.h"
+#include "scene/interiors/interiors.h"
 #include "scene/interiors/recipes.h"
 #include "scene/procedural/columns.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "scene/procedural/furnishing.h"
+#include "scene/procedural/furniture.h"
 #include "scene/procedural/level.h"
 
 namespace nlg {

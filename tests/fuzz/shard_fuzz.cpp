@@ -1,7 +1,6 @@
 // Hostile shards: whatever the file, it is refused in one line, or its functions can be read, all at once and one by one.
 #include "datagen/dataset/shard.h"
 #include "datagen/dataset/shard_check.h"
-#include "datagen/dataset/shard_fields.h"
 #include "datagen/dataset/shard_reader.h"
 #include "tests/fuzz/hdf5_recipe.h"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datagen/visibility/solid_vote.h"
+#include "datagen/visibility/support_visibility.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/procedural.h"
 #include "tests/datagen/hand_built_scenes.h"

@@ -1,4 +1,4 @@
-#include "light/open_sky.h"
+#include "light/air.h"
 
 #include <gtest/gtest.h>
 

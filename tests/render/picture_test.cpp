@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include "datagen/view/colour_map.h"
-#include "light/light_extent.h"
+#include "datagen/view/legend.h"
+#include "light/air.h"
+#include "render/camera.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"
 #include "render/tone.h"
-#include "render/view_choice.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tool/error.h"
 

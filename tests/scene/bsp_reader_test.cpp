@@ -13,7 +13,7 @@
 #include "scene/pk3_archive.h"
 #include "scene/scene_source.h"
 #include "scene/surface_look.h"
-#include "scene/surface_means.h"
+#include "scene/veils.h"
 #include "tests/scene/hand_built_images.h"
 #include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"

@@ -1,8 +1,7 @@
-#include "scene/floor_survey.h"
+#include "scene/scene_size.h"
 
 #include <gtest/gtest.h>
 
-#include "scene/scene_size.h"
 #include "tests/scene/built_scenes.h"
 
 namespace nlg {

@@ -7,7 +7,7 @@
 
 #include "scene/light_options.h"
 #include "scene/procedural.h"
-#include "scene/procedural/daylight.h"
+#include "scene/procedural/level.h"
 #include "scene/scene_source.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tool/error.h"

@@ -1,4 +1,4 @@
-#include "tool/one_file_each.h"
+#include "tool/input_file.h"
 
 #include <gtest/gtest.h>
 

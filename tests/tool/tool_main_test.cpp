@@ -11,9 +11,9 @@
 #include <new>
 #include <thread>
 
+#include "tool/printable.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
-#include "tool/quantity.h"
 
 namespace nlg {
 namespace {

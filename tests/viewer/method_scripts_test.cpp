@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "light/methods/trilinear.h"
+#include "light/methods/weightings.h"
 #include "runtime_eval/light_grid/irradiance.h"
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/numbers/random.h"

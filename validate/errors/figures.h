@@ -1,14 +1,15 @@
 // The figures of one word as JSON: quantiles of errors, leaks, shares, times, each over every population. Keys: docs/reference/formats.md.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "datagen/dataset/known_functions.h"
-#include "validate/errors/bootstrap.h"
+#include "datagen/dataset/function_set.h"
 #include "validate/errors/measured_word.h"
+#include "validate/errors/statistics.h"
 
 namespace nlg {
 
@@ -37,5 +38,15 @@ nlohmann::ordered_json quantilesJson(const ValuesByScene& values, const Bootstra
 
 // {all, theta, hard}: the figures of a word's functions in every population.
 nlohmann::ordered_json figuresByPopulation(const MeasuredWord& word, Scope scope, const FigureContext& context);
+
+// How far one word is above another, function by function of the sample: medians of ratios, with intervals.
+//
+// {median, median_hard, median_rmse, median_test_points, median_occluded_hard}: of word's error over the reference's, {value, low, high}
+// each. The first two are of blend RMSEs, by which best known is the best; the others, of RMSEs, may be below 1.
+// word        on functions that hold all of the reference's
+// reference   on functions of the sample
+// counts      which functions take part
+nlohmann::ordered_json ratiosJson(const MeasuredWord& word, const MeasuredWord& reference, const FigureContext& context,
+                                  const std::function<bool(uint64_t function)>& counts);
 
 }  // namespace nlg

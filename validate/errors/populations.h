@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "datagen/dataset/function_set.h"
-#include "validate/errors/validate_options.h"
+#include "validate/errors/validation.h"
 
 namespace nlg {
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace nlg {
@@ -37,6 +39,56 @@ class PooledMagnitudes {
   static constexpr int kBinCount = 4096;
   std::array<uint64_t, kBinCount> bins_{};
   uint64_t count_ = 0, sum_ = 0;
+};
+
+// Intervals by bootstrap over scenes: how far a figure would move if other scenes had been held out.
+//
+// Functions of one scene resemble each other, so scenes are drawn, never functions. A resample has as many scenes as there are, drawn
+// with replacement, and all functions of each (Efron & Tibshirani 1993, chapter 8). The interval reaches from the 2.5th to the 97.5th
+// percentile of the resamples' figures. A simulation of 24 scenes (bootstrap_test.cpp) says how far to trust it: the interval of a
+// mean or a median holds the truth in 95 of 100 trials. That of a 95th percentile does so only in 78, since it hangs on the few
+// highest scenes; read it as a lower bound of the uncertainty. One scene says nothing of others: there both ends are the value
+// itself, and isOneScene says so.
+
+struct BootstrapOptions {
+  int resamples = 1000;
+  double confidence = 0.95;
+  uint64_t seed = 1;
+};
+
+struct Interval {
+  double value = 0.0, low = 0.0, high = 0.0;  // low <= value <= high, but for figures that resampling shifts to one side
+};
+
+class SceneBootstrap {
+ public:
+  // scene_of_value   of every value of the lists to come; scenes without any value are not drawn
+  explicit SceneBootstrap(const std::vector<uint32_t>& scene_of_value, const BootstrapOptions& options = {});
+
+  bool isOneScene() const { return scene_count_ <= 1; }
+
+  // Zeros for an empty list.
+  // values   one a scene_of_value, in their order; finite
+  Interval mean(const std::vector<double>& values) const;
+  // Linear between order statistics, as quantile() is.
+  // shares    rising, in [0, 1]
+  // returns   one interval a share
+  std::vector<Interval> quantiles(const std::vector<double>& values, const std::vector<double>& shares) const;
+  // Any figure of several lists' means.
+  // lists    each as `values` of mean
+  // figure   of the means of one resample, in the order of the lists; may be infinite, and so may then be an end of the interval
+  Interval ofMeans(const std::vector<const std::vector<double>*>& lists,
+                   const std::function<double(const std::vector<double>&)>& figure) const;
+
+ private:
+  Interval interval(double value, std::vector<double> resampled) const;
+  const uint32_t* draws(int resample) const { return &draws_[static_cast<size_t>(resample) * scene_count_]; }
+
+  BootstrapOptions options_;
+  size_t scene_count_ = 0;        // that have a value
+  std::vector<uint32_t> scene_;   // of every value: 0 … scene_count - 1
+  std::vector<uint64_t> values_;  // by scene: how many
+  std::vector<uint32_t> draws_;   // by resample and scene: how often it was drawn
 };
 
 }  // namespace nlg

@@ -4,7 +4,7 @@
 
 #include "runtime_eval/evaluator/theta_form.h"
 #include "tool/atomic_file.h"
-#include "validate/errors/ratios.h"
+#include "validate/errors/figures.h"
 
 namespace nlg {
 namespace {
@@ -81,6 +81,14 @@ double meanStoredBytes(const ValidatedGenerator& validated) {
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
+// A text as a field: file stems may hold commas.
+std::string csvField(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return field + '"';
+}
+
 }  // namespace
 
 Json tauJson(const ValidateOptions& options) {
@@ -154,6 +162,25 @@ Json representationJson(const ValidatedGenerator& validated, const FigureContext
   json["convergence"] = convergenceJson(validated.convergence);
   json["by_scene"] = sceneJson(validated.policy, context);
   return json;
+}
+
+FunctionsCsv::FunctionsCsv(const FunctionSet& set, const Populations& populations) : set_(set), populations_(populations) {
+  text_ << "representation,word,function,scene,take_theta,hard,blend_rmse,rmse,rmse_test_points,rmse_occluded,leak_mean,leak_p99,"
+           "fails_check,"
+           "fitted,elapsed_us\n";
+}
+
+void FunctionsCsv::add(const std::string& representation, const MeasuredWord& word) {
+  for (const MeasuredFunction& one : word.functions) {
+    const FunctionError& error = one.error;
+    text_ << representation << ',' << word.name << ',' << one.function << ','
+          << csvField(set_.scene_ids[set_.scene_idx[one.function]]) << ',' << populations_.takesTheta(one.function) << ','
+          << populations_.isHard(one.function) << ',' << error.blend_rmse << ',' << error.rmse << ',' << error.rmse_test_points
+          << ',';
+    if (error.has_occluded) text_ << error.rmse_occluded;
+    text_ << ',' << error.leak_mean << ',' << error.leak_p99 << ',' << one.fails_check << ',' << one.fitted << ','
+          << one.elapsed_us << '\n';
+  }
 }
 
 }  // namespace nlg

@@ -1,14 +1,15 @@
 // The pieces of summary.json, schema version 2: docs/reference/formats.md says what stands in them.
 #pragma once
 
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "validate/errors/best_known.h"
-#include "validate/errors/convergence.h"
 #include "validate/errors/figures.h"
+#include "validate/errors/measured_word.h"
 #include "validate/errors/policy_words.h"
 
 namespace nlg {
@@ -28,5 +29,21 @@ nlohmann::ordered_json bootstrapJson(const FigureContext& context);
 // A stage a line: name, word, population, above_rmse, budget, and the sentence that --help prints.
 nlohmann::ordered_json stagesJson(const std::vector<StagePlan>& plan);
 nlohmann::ordered_json representationJson(const ValidatedGenerator& validated, const FigureContext& context);
+
+// functions.csv: one line a function and word.
+class FunctionsCsv {
+ public:
+  // Both must outlive it.
+  FunctionsCsv(const FunctionSet& set, const Populations& populations);
+
+  // representation   "tent" for the bare tent, which is of none
+  void add(const std::string& representation, const MeasuredWord& word);
+  std::string text() const { return text_.str(); }
+
+ private:
+  const FunctionSet& set_;
+  const Populations& populations_;
+  std::ostringstream text_;
+};
 
 }  // namespace nlg

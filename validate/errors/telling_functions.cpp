@@ -5,12 +5,64 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 #include <numeric>
 
-#include "validate/errors/slice.h"
+#include "runtime_eval/evaluator/evaluate.h"
 
 namespace nlg {
 namespace {
+
+uint8_t bitAt(const std::vector<uint8_t>& bits, uint64_t at) { return bits[at / 8] >> (at % 8) & 1; }
+
+// Pixel centres of the plane; a hair off the probe, so that the nearest point is not a tie of mirror images.
+std::vector<LocalPoint> planePoints(int axis, int size) {
+  std::vector<LocalPoint> points;
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      LocalPoint point{};
+      point[axis] = 0.003f;
+      point[(axis + 1) % 3] = 2.0f * (static_cast<float>(column) + 0.5f) / static_cast<float>(size) - 1.0f;
+      point[(axis + 2) % 3] = 2.0f * (static_cast<float>(row) + 0.5f) / static_cast<float>(size) - 1.0f;
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+size_t nearestSupportPoint(const LocalPoint& point) {
+  const std::vector<LocalPoint>& support = supportPattern().points;
+  size_t nearest = 0;
+  float best = std::numeric_limits<float>::max();
+  for (size_t i = 0; i < support.size(); ++i) {
+    const float dx = support[i][0] - point[0], dy = support[i][1] - point[1], dz = support[i][2] - point[2];
+    const float squared = dx * dx + dy * dy + dz * dz;
+    if (squared < best) best = squared, nearest = i;
+  }
+  return nearest;
+}
+
+// Score of an axis plane: how far the function is from the bare tent near it, and four times how far the representation is from
+// the function.
+int mostTellingAxis(const FunctionSet& set, uint64_t index, const AlignedFloats& support_values) {
+  constexpr float kSlab = 0.08f;
+  double score[3] = {};
+  const std::vector<LocalPoint>& support = supportPattern().points;
+  for (size_t i = 0; i < support.size(); ++i) {
+    const uint64_t at = index * support.size() + i;
+    if (!bitAt(set.validity, at)) continue;
+    const double phi = set.phi[at] / 255.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::fabs(support[i][axis]) < kSlab)
+        score[axis] += std::fabs(phi - tent(support[i])) + 4.0 * std::fabs(support_values[i] - phi);
+    }
+  }
+  int best = 1;  // the floor plan, unless another plane says clearly more
+  for (const int axis : {0, 2}) {
+    if (score[axis] > 1.2 * score[best]) best = axis;
+  }
+  return best;
+}
 
 constexpr int kSlicePixels = 96;
 
@@ -43,6 +95,30 @@ Theta bareTentTheta() {
 }
 
 }  // namespace
+
+Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& representation, const float* theta, int size) {
+  Slice slice;
+  const PointSet support = makePointSet(supportPattern().points);
+  AlignedFloats support_values(support.padded_count);
+  evaluate(representation, support, theta, support_values.data());
+  slice.axis = mostTellingAxis(set, index, support_values);
+  slice.size = size;
+  const std::vector<LocalPoint> plane = planePoints(slice.axis, size);
+  const PointSet points = makePointSet(plane);
+  AlignedFloats values(points.padded_count);
+  evaluate(representation, points, theta, values.data());
+  slice.stored.assign(values.begin(), values.begin() + points.count);
+  for (const LocalPoint& point : plane) {
+    const size_t nearest = nearestSupportPoint(point);
+    const uint64_t at = index * kSupportPointCount + nearest;
+    const float phi = static_cast<float>(set.phi[at]) / 255.0f;
+    slice.target.push_back(phi);
+    slice.valid.push_back(bitAt(set.validity, at));
+    slice.seen.push_back(bitAt(set.seen, at));
+    slice.difference.push_back(support_values[nearest] - phi);
+  }
+  return slice;
+}
 
 std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const FunctionSet& set,
                                               const Populations& populations) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/evaluator/projection.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -16,6 +17,22 @@ std::vector<uint64_t> spread(const std::vector<uint64_t>& list, uint64_t wanted)
 }
 
 }  // namespace
+
+std::vector<FunctionBlock> makeBlocks(const FunctionSet& set, const std::vector<uint64_t>& functions) {
+  const size_t block_count = (functions.size() + kBatchCount - 1) / kBatchCount;
+  std::vector<FunctionBlock> blocks(block_count);
+  for (size_t b = 0; b < block_count; ++b) {
+    FunctionBlock& block = blocks[b];
+    const size_t begin = b * functions.size() / block_count, end = (b + 1) * functions.size() / block_count;
+    for (size_t i = begin; i < end; ++i) {
+      const StoredFunction stored = storedFunction(set, functions[i]);
+      block.functions.push_back(functions[i]);
+      block.stored.push_back(stored);
+      block.phi.insert(block.phi.end(), stored.phi, stored.phi + kSupportPointCount);
+    }
+  }
+  return blocks;
+}
 
 const char* populationWords(Population population) {
   constexpr const char* kWords[] = {"all functions", "functions that take a θ", "hard functions"};

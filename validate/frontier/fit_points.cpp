@@ -6,7 +6,7 @@
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
 #include "runtime_eval/numbers/random.h"
-#include "validate/frontier/stopwatch.h"
+#include "validate/frontier/plot_point.h"
 
 namespace nlg {
 namespace {

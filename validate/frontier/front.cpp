@@ -1,7 +1,12 @@
 #include "validate/frontier/front.h"
 
-#include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "validate/errors/statistics.h"
 
 namespace nlg {
 namespace {
@@ -29,6 +34,70 @@ std::vector<size_t> unbeaten(const std::vector<FrontPoint>& points, const FrontT
 
 // Three digits, microseconds or milliseconds.
 std::string timeText(double us) { return us < 1000.0 ? fmt::format("{:.3g} µs", us) : fmt::format("{:.3g} ms", us / 1000.0); }
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+struct Mean {
+  double us = 0.0, error = 0.0;
+};
+
+// When a family reaches an error.
+struct Reach {
+  double us = kNever;
+  size_t before = 0, at = 0;     // the budgets between which it does, as indices into all rivals; equal: the first is below it
+  double share = 0.0;            // of the way from one to the other, in logarithms of the error
+  bool is_only_a_bound = false;  // the first budget that counts is already below the error
+};
+
+// means   of all rivals
+// begin, end   of one family
+Reach reachOf(const std::vector<Mean>& means, size_t begin, size_t end, double error) {
+  std::vector<size_t> order;
+  for (size_t i = begin; i < end; ++i) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return means[a].us < means[b].us; });
+  // from the fastest on, whatever is more accurate than all before it
+  const Mean* last = nullptr;
+  size_t last_at = 0;
+  for (const size_t i : order) {
+    const Mean& mean = means[i];
+    if (last && mean.error >= last->error) continue;
+    if (mean.error <= error) {
+      if (!last) return {mean.us, i, i, 0.0, mean.error < error};
+      const double share = std::log(last->error / error) / std::log(last->error / mean.error);
+      return {last->us * std::pow(mean.us / last->us, share), last_at, i, share, false};
+    }
+    last = &mean;
+    last_at = i;
+  }
+  return {};
+}
+
+struct Comparison {
+  Mean own;
+  Reach rival;
+};
+
+// means   of time and error in turn: own, then all rivals
+Comparison compare(const std::vector<double>& means, const std::vector<TimedPoint>& rivals) {
+  Comparison comparison{{means[0], means[1]}, {}};
+  std::vector<Mean> of_rivals;
+  for (size_t i = 2; i < means.size(); i += 2) of_rivals.push_back({means[i], means[i + 1]});
+  for (size_t begin = 0, end = 0; begin < rivals.size(); begin = end) {
+    while (end < rivals.size() && rivals[end].family == rivals[begin].family) ++end;
+    const Reach reach = reachOf(of_rivals, begin, end, comparison.own.error);
+    if (reach.us < comparison.rival.us) comparison.rival = reach;
+  }
+  return comparison;
+}
+
+// By function.
+std::vector<double> failsBetween(const TimedPoint& before, const TimedPoint& at, double share) {
+  std::vector<double> fails;
+  for (size_t i = 0; i < at.fails_check.size(); ++i) {
+    fails.push_back((1.0 - share) * before.fails_check[i] + share * at.fails_check[i]);
+  }
+  return fails;
+}
 
 }  // namespace
 
@@ -64,6 +133,39 @@ std::string frontSentence(const std::string& population, const std::vector<Front
       order.size() == 1 ? "one is" : fmt::format("{} are", order.size()), population);
   if (order.size() == 1) return begin + text(order.front(), "mean blend RMSE ") + '.';
   return begin + "from " + text(order.front(), "mean blend RMSE ") + " to " + text(order.back(), "") + '.';
+}
+
+EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoint>& rivals, const SceneBootstrap& bootstrap) {
+  std::vector<const std::vector<double>*> lists = {&own.us, &own.blend_rmse};
+  for (const TimedPoint& rival : rivals) lists.insert(lists.end(), {&rival.us, &rival.blend_rmse});
+  std::vector<double> means;
+  for (const std::vector<double>* list : lists) means.push_back(mean(*list));
+  const Comparison comparison = compare(means, rivals);
+  const Reach& rival = comparison.rival;
+  EqualError equal;
+  equal.time_us = comparison.own.us;
+  equal.blend_rmse_mean = comparison.own.error;
+  equal.share_failing = bootstrap.mean(own.fails_check);
+  if (rival.us == kNever) {
+    equal.reason = "no direct fit reaches this error";
+    for (const TimedPoint& one : rivals) equal.longest_us = std::max(equal.longest_us.value_or(0.0), mean(one.us));
+    return equal;
+  }
+  if (rival.is_only_a_bound) {
+    equal.reason = "the error of the shortest fit, " + rivals[rival.at].label + ", is already below this one";
+    return equal;
+  }
+  equal.rival = rival.before == rival.at ? rivals[rival.at].label
+                                         : "between " + rivals[rival.before].label + " and " + rivals[rival.at].label;
+  equal.rival_us = rival.us;
+  equal.rival_share_failing = bootstrap.mean(failsBetween(rivals[rival.before], rivals[rival.at], rival.share));
+  const Interval ratio = bootstrap.ofMeans(lists, [&](const std::vector<double>& resampled) {
+    const Comparison one = compare(resampled, rivals);
+    return one.rival.us / one.own.us;
+  });
+  equal.ratio = Ratio{ratio.value, std::isfinite(ratio.low) ? ratio.low : ratio.value, std::nullopt};
+  if (std::isfinite(ratio.high)) equal.ratio->high = ratio.high;
+  return equal;
 }
 
 }  // namespace nlg

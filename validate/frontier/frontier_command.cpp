@@ -1,4 +1,4 @@
-#include "validate/frontier/frontier_command.h"
+#include "validate/commands.h"
 
 #include <CLI/CLI.hpp>
 
@@ -9,11 +9,11 @@
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
-#include "validate/errors/held_out.h"
+#include "validate/errors/function_counts.h"
 #include "validate/errors/summary_json.h"
 #include "validate/frontier/frontier_json.h"
 #include "validate/frontier/frontier_options.h"
-#include "validate/frontier/generator_points.h"
+#include "validate/frontier/timed_policy.h"
 
 namespace nlg {
 namespace {

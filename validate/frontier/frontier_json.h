@@ -3,7 +3,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "validate/frontier/equal_error.h"
 #include "validate/frontier/front.h"
 #include "validate/frontier/plot_point.h"
 #include "validate/frontier/point_figures.h"

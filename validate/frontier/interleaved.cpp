@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tool/error.h"
-#include "validate/frontier/stopwatch.h"
+#include "validate/frontier/plot_point.h"
 
 namespace nlg {
 namespace {

@@ -1,4 +1,4 @@
-#include "validate/light/light_command.h"
+#include "validate/commands.h"
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -10,7 +10,7 @@
 
 #include "bake/scene_bake.h"
 #include "datagen/view/png_file.h"
-#include "light/light_extent.h"
+#include "light/air.h"
 #include "light/methods/method_set.h"
 #include "render/place_picture.h"
 #include "runtime_eval/numbers/random.h"
@@ -23,11 +23,10 @@
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "train/torch_threads.h"
-#include "validate/errors/held_out.h"
+#include "validate/errors/function_counts.h"
 #include "validate/light/asked_bakes.h"
 #include "validate/light/light_json.h"
 #include "validate/light/neural/learned_methods.h"
-#include "validate/light/word_grids.h"
 
 namespace nlg {
 namespace {

@@ -1,4 +1,4 @@
-#include "validate/light/noise_command.h"
+#include "validate/commands.h"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -10,7 +10,7 @@
 #include "tool/output_path.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
-#include "validate/errors/held_out.h"
+#include "validate/errors/function_counts.h"
 #include "validate/light/noise.h"
 
 namespace nlg {

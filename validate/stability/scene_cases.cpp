@@ -10,7 +10,7 @@
 
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
-#include "datagen/shards/probe_block.h"
+#include "datagen/shards/function_collector.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/procedural.h"
 #include "validate/stability/face_scene.h"

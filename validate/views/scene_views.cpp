@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "light/air.h"
-#include "render/view_choice.h"
+#include "render/camera.h"
 #include "runtime_eval/numbers/random.h"
 #include "validate/light/light_places.h"
 #include "validate/light/rooms.h"

@@ -2,7 +2,7 @@
 //
 // Eyes are where a player's are: 1.6 m above a floor that one can stand on, or 20 cm below the ceiling where that is lower; every
 // room (validate/light/rooms.h) has a view or more, those under a roof before outdoors. Each looks where there is much to see
-// (render/view_choice.h). In most views stands a figure, three balls one above another, near the middle of the room: what moves
+// (render/camera.h). In most views stands a figure, three balls one above another, near the middle of the room: what moves
 // through it is lit like these.
 #pragma once
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "render/lit_picture.h"
-#include "validate/views/view_surfaces.h"
+#include "validate/views/view_truth.h"
 
 namespace nlg {
 

@@ -1,4 +1,4 @@
-#include "validate/views/views_command.h"
+#include "validate/commands.h"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 #include "bake/scene_bake.h"
 #include "datagen/view/png_file.h"
-#include "light/light_extent.h"
+#include "light/air.h"
 #include "light/methods/method_set.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
@@ -22,7 +22,6 @@
 #include "tool/require_read.h"
 #include "tool/tool_main.h"
 #include "validate/light/asked_bakes.h"
-#include "validate/views/view_pictures.h"
 #include "validate/views/view_truth.h"
 #include "validate/views/views_json.h"
 

@@ -1,4 +1,4 @@
-// views.json: keys and meanings in docs/reference/formats.md.
+// What is written of views: views.json, whose keys and meanings are in docs/reference/formats.md, and pictures for people.
 #pragma once
 
 #include <string>
@@ -6,10 +6,26 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datagen/view/image.h"
+#include "render/lit_picture.h"
 #include "validate/views/scene_views.h"
 #include "validate/views/view_figures.h"
 
 namespace nlg {
+
+// Of one view, by one method.
+struct ShownMethod {
+  LitPicture picture;   // its method is the title
+  ViewFigures figures;  // none are written below truth
+};
+
+// Each pixel of the pictures becomes a square of scale x scale.
+// methods         truth first
+// truth_caption   lines below truth
+Image viewRow(const std::vector<ShownMethod>& methods, double exposure, const std::vector<std::string>& truth_caption, int scale);
+
+// Rows below one another.
+Image contactSheet(const std::vector<Image>& rows, const std::string& heading);
 
 // What a method made of views.
 struct MeasuredViews {

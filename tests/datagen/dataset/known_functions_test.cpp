@@ -1,4 +1,4 @@
-#include "datagen/dataset/known_functions.h"
+#include "datagen/dataset/function_set.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "export/engine/resampling_error.h"
-#include "export/engine/texture_3d.h"
+#include "export/engine/engine_format.h"
+#include "export/engine/sh_texture.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tool/error.h"
 

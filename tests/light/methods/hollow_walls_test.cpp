@@ -1,7 +1,7 @@
 // Walls of two sheets beside the same walls as solid: light must not tell them apart.
 #include <gtest/gtest.h>
 
-#include "light/methods/true_weights.h"
+#include "light/methods/weightings.h"
 #include "light/probe_light.h"
 #include "runtime_eval/light_grid/irradiance.h"
 #include "tests/scene/windowed_room.h"

@@ -2,9 +2,8 @@
 
 #include "light/directions.h"
 #include "light/methods/apv.h"
-#include "light/methods/target_functions.h"
 #include "light/methods/tetrahedra.h"
-#include "light/methods/true_weights.h"
+#include "light/methods/weightings.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/validate/light/lit_scenes.h"
 

@@ -1,4 +1,4 @@
-#include "scene/interiors/furniture_model.h"
+#include "scene/interiors/furniture_library.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 #include <map>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/interiors/furniture_library.h"
 #include "scene/obj_reader.h"
 #include "tests/scene/input_error.h"
 #include "tiny_library.h"

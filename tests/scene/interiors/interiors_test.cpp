@@ -7,7 +7,6 @@
 
 #include "datagen/probes/probe_placement.h"
 #include "scene/interiors/furnisher.h"
-#include "scene/interiors/plans.h"
 #include "scene/scene_source.h"
 #include "tiny_library.h"
 #include "tool/error.h"

@@ -9,7 +9,7 @@
 
 #include "bake/scene_bake.h"
 #include "tests/runtime_eval/sample_generator.h"
-#include "validate/errors/policy_run.h"
+#include "validate/errors/policy_words.h"
 
 namespace nlg {
 namespace {

@@ -1,11 +1,10 @@
-#include "validate/errors/bootstrap.h"
+#include "validate/errors/statistics.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "runtime_eval/numbers/random.h"
-#include "validate/errors/statistics.h"
 
 namespace nlg {
 namespace {

@@ -1,4 +1,4 @@
-#include "validate/errors/function_error.h"
+#include "validate/errors/measured_word.h"
 
 #include <gtest/gtest.h>
 

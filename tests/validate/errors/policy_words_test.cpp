@@ -7,11 +7,8 @@
 #include "runtime_eval/evaluator/theta_form.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "validate/errors/best_known.h"
-#include "validate/errors/convergence.h"
 #include "validate/errors/figures.h"
-#include "validate/errors/functions_csv.h"
 #include "validate/errors/policy_words.h"
-#include "validate/errors/ratios.h"
 #include "validate/errors/summary_json.h"
 
 namespace nlg {

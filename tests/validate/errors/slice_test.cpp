@@ -1,4 +1,4 @@
-#include "validate/errors/slice.h"
+#include "validate/errors/telling_functions.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "validate/frontier/equal_error.h"
+#include "validate/frontier/front.h"
 
 #include <gtest/gtest.h>
 

@@ -12,8 +12,8 @@
 #include "validate/frontier/fit_points.h"
 #include "validate/frontier/frontier_json.h"
 #include "validate/frontier/frontier_options.h"
-#include "validate/frontier/generator_points.h"
 #include "validate/frontier/point_figures.h"
+#include "validate/frontier/timed_policy.h"
 
 namespace nlg {
 namespace {

@@ -1,4 +1,4 @@
-#include "validate/frontier/function_block.h"
+#include "validate/frontier/chosen_functions.h"
 
 #include <gtest/gtest.h>
 

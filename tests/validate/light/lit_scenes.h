@@ -3,8 +3,8 @@
 
 #include "datagen/probes/probe_placement.h"
 #include "datagen/visibility/link_table.h"
+#include "light/air.h"
 #include "light/air_places.h"
-#include "light/light_extent.h"
 #include "light/light_transport.h"
 #include "light/methods/method_set.h"
 #include "tests/datagen/hand_built_scenes.h"

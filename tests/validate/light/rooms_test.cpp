@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "light/air.h"
-#include "light/light_extent.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/procedural.h"
 

@@ -1,4 +1,4 @@
-#include "validate/light/word_grids.h"
+#include "validate/light/asked_bakes.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include "light/air.h"
 #include "tests/validate/light/lit_scenes.h"
-#include "validate/views/view_surfaces.h"
+#include "validate/views/view_truth.h"
 
 namespace nlg {
 namespace {

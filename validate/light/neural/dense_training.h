@@ -1,11 +1,14 @@
 // Dense networks in libtorch, as they are trained: their numbers are one flat tensor, in the order of DenseNetwork.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include <torch/types.h>
 
-#include <cstdint>
-
 #include "validate/light/neural/dense_network.h"
+#include "validate/light/neural/learner.h"
+#include "validate/light/neural/lit_places.h"
 
 namespace nlg {
 
@@ -21,5 +24,20 @@ torch::Tensor initialParameters(const DenseShape& shape, uint64_t seed);
 torch::Tensor evaluateBatch(const DenseShape& shape, const torch::Tensor& parameters, torch::Tensor input);
 
 std::vector<float> floatsOf(const torch::Tensor& flat);
+
+// Irradiance by one dense network that reads position and normal and nothing else: what voxels hold, and a sine network a whole scene.
+enum class DenseCode {
+  plain,      // outputs are irradiance over the unit; the loss is symmetricShares
+  logarithm,  // … ln(10 x + 1) of it; the loss is the mean square: the target of SIREN GI, without its albedo
+};
+
+// The network's answer as irradiance over the unit, >= 0.
+float decoded(DenseCode code, float output);
+
+// samples   what is learned
+// *record   what training took
+// returns   the network's numbers, not rounded
+std::vector<float> trainDense(const LightSamples& samples, const DenseShape& shape, DenseCode code, int64_t batch,
+                              const TrainingOptions& options, TrainingRecord* record);
 
 }  // namespace nlg

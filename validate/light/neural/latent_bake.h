@@ -7,7 +7,6 @@
 // whose variance says whether to observe more; here it is its mean alone.
 #pragma once
 
-#include "validate/light/neural/learned_light.h"
 #include "validate/light/neural/learner.h"
 #include "validate/light/neural/lit_places.h"
 

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "light/methods/light_method.h"
-#include "validate/light/neural/learned_light.h"
 #include "validate/light/neural/lit_places.h"
 
 namespace nlg {

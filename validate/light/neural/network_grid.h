@@ -5,7 +5,6 @@
 // continuous, so that light has no edges between cells. All networks are trained together, through the blend.
 #pragma once
 
-#include "validate/light/neural/learned_light.h"
 #include "validate/light/neural/learner.h"
 #include "validate/light/neural/lit_places.h"
 

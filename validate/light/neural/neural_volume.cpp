@@ -7,7 +7,7 @@
 
 #include "validate/light/neural/dense_training.h"
 #include "validate/light/neural/hash_grid.h"
-#include "validate/light/neural/light_samples.h"
+#include "validate/light/neural/lit_places.h"
 
 namespace nlg {
 namespace {

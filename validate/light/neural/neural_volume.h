@@ -6,7 +6,6 @@
 
 #include <cstdint>
 
-#include "validate/light/neural/learned_light.h"
 #include "validate/light/neural/learner.h"
 #include "validate/light/neural/lit_places.h"
 

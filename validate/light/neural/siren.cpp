@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "validate/light/neural/dense_light.h"
+#include "validate/light/neural/dense_training.h"
 
 namespace nlg {
 namespace {

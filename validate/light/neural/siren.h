@@ -5,7 +5,6 @@
 // frequency of 20; targets ln(10 light + 1). There each object of a Cornell box has its own, and AdaBound trains it; here it is Adam.
 #pragma once
 
-#include "validate/light/neural/learned_light.h"
 #include "validate/light/neural/learner.h"
 #include "validate/light/neural/lit_places.h"
 

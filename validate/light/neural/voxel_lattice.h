@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "validate/light/neural/light_samples.h"
+#include "validate/light/neural/lit_places.h"
 
 namespace nlg {
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "tool/parallel_for.h"
-#include "validate/light/neural/dense_light.h"
+#include "validate/light/neural/dense_training.h"
 #include "validate/light/neural/voxel_lattice.h"
 
 namespace nlg {

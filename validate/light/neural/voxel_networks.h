@@ -5,7 +5,6 @@
 // blends because of the edges between voxels.
 #pragma once
 
-#include "validate/light/neural/learned_light.h"
 #include "validate/light/neural/learner.h"
 #include "validate/light/neural/lit_places.h"
 

@@ -1,4 +1,4 @@
-#include "validate/light/neural/dense_light.h"
+#include "validate/light/neural/dense_training.h"
 
 #include <gtest/gtest.h>
 #include <torch/utils.h>
@@ -7,7 +7,6 @@
 
 #include "tests/validate/light/neural/learned_places.h"
 #include "tool/error.h"
-#include "validate/light/neural/dense_training.h"
 #include "validate/light/neural/learned_methods.h"
 #include "validate/light/neural/siren.h"
 #include "validate/light/neural/voxel_networks.h"

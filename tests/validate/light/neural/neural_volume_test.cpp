@@ -4,7 +4,7 @@
 
 #include "tests/validate/light/neural/learned_places.h"
 #include "validate/light/neural/dense_training.h"
-#include "validate/light/neural/light_samples.h"
+#include "validate/light/neural/lit_places.h"
 
 namespace nlg {
 namespace {

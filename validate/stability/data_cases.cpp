@@ -1,0 +1,305 @@
+// Stiff and extreme data: weighting functions as a data set may hold them, most of which no geometry makes; principal components of
+// sets that are nearly uniform, lopsided or ill-scaled, against closed forms; generators on coefficients far from all that training saw,
+// against the formulas in double, on every SIMD target.
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/numbers/finite.h"
+#include "runtime_eval/numbers/random.h"
+#include "runtime_eval/simd/simd_target.h"
+#include "train/basis/basis_fit.h"
+#include "validate/stability/extreme_function.h"
+#include "validate/stability/stability_case.h"
+
+namespace nlg {
+namespace {
+
+// Seven products of up to 1024 terms a function, each rounded once: 7 x 1024 x 2^-24, where nothing cancels.
+constexpr double kRelativeBound = 4.3e-4;
+
+// Of a generator with so many, in standard deviations.
+using Coefficient = std::function<double(int k, int count)>;
+
+// The samples that have these coefficients, pattern order; they leave [0, 1] where the coefficients are absurd.
+std::vector<float> samplesOf(const BasisData& basis, const Coefficient& coefficient) {
+  std::vector<double> classes(basis.mean.begin(), basis.mean.end());
+  int k = 0;
+  for (int c = 0; c < kParityClassCount; ++c) {
+    for (const int end = k + basis.class_count[c]; k < end; ++k) {
+      const double amount = coefficient(k, basis.coefficientCount()) * basis.deviation[k];
+      for (int i = 0; i < kOctantPointCount; ++i)
+        classes[c * kOctantPointCount + i] += amount * basis.components[size_t(k) * kOctantPointCount + i];
+    }
+  }
+  std::vector<float> phi(kSupportPointCount);
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    double sum = 0.0;
+    for (int c = 0; c < kParityClassCount; ++c)
+      sum += mirrorSign(c, p / kOctantPointCount) * classes[c * kOctantPointCount + p % kOctantPointCount];
+    phi[p] = static_cast<float>(sum / std::sqrt(8.0));
+  }
+  return phi;
+}
+
+// Largest |theta - reference| over the largest |reference| on the SIMD target in force; *output: of what theta stands for, absolute.
+double relativeError(const NamedGenerator& named, const std::vector<float>& phi, double* output) {
+  const Representation& representation = named.generator.representation();
+  const std::vector<double> reference = generateReference(named.data, std::vector<double>(phi.begin(), phi.end()).data());
+  GeneratorScratch scratch(named.generator);
+  Theta theta(reference.size());
+  named.generator.generate(phi.data(), 1, theta.data(), &scratch);
+  if (!allFinite(theta)) return std::numeric_limits<double>::infinity();
+  double largest = 0.0, error = 0.0;
+  for (size_t k = 0; k < theta.size(); ++k) {
+    largest = std::max(largest, std::fabs(reference[k]));
+    error = std::max(error, std::fabs(theta[k] - reference[k]));
+  }
+  const PointSet points = makePointSet(supportPattern().points);
+  AlignedFloats values(points.padded_count);
+  evaluate(representation, points, theta.data(), values.data());
+  for (int p = 0; p < points.count; p += 61) {
+    if (!std::isfinite(values[p])) return std::numeric_limits<double>::infinity();
+    *output = std::max(*output, std::fabs(values[p] - evaluateReference(representation, pointAt(p), reference.data())));
+  }
+  return error / largest;
+}
+
+void measureCoefficients(const StabilityInputs& inputs, const Coefficient& coefficient, StabilityFigures* figures) {
+  const std::string before(chosenSimdTarget());
+  double output = 0.0;
+  for (const std::string_view target : availableSimdTargets()) {
+    forceSimdTarget(target);
+    double worst = 0.0;
+    for (const NamedGenerator& named : inputs.generators)
+      worst = std::max(worst, relativeError(named, samplesOf(named.data.basis, coefficient), &output));
+    figures->atMost("relative_error_" + std::string(target), worst, kRelativeBound);
+  }
+  forceSimdTarget(before);
+  figures->show("output_error", output);
+  // what a bake makes of the nearest function that can be stored
+  WorstBake bakes;
+  for (const NamedGenerator& named : inputs.generators) {
+    const std::vector<float> phi = samplesOf(named.data.basis, coefficient);
+    bakes.add(inputs, named, sampleFunction([&](int p) { return phi[p]; }).view(), ErrorBound::constant);
+  }
+  bakes.report(figures);
+}
+
+StabilityCase coefficientCase(const std::string& name, StabilityDepth depth, const Coefficient& coefficient) {
+  return {
+      "generator",
+      name,
+      "theta and what it stands for are finite on every SIMD target, theta is within 4.3e-4 of the largest number of the "
+      "formulas in double, no stage of a bake makes it worse, and what the bake stores of the nearest storable function is at "
+      "most as far off as the check allows, or 1.01 times what one constant does",
+      depth,
+      true,
+      [coefficient](const StabilityInputs& inputs, StabilityFigures* figures) {
+        measureCoefficients(inputs, coefficient, figures);
+      }};
+}
+
+// Every coefficient so many deviations out, signs drawn at random.
+Coefficient farOut(double deviations) {
+  return [deviations](int k, int) { return mixSeed(31, static_cast<uint64_t>(k)) & 1 ? deviations : -deviations; };
+}
+
+std::vector<double> falling(std::vector<double> spectrum) {
+  std::sort(spectrum.rbegin(), spectrum.rend());
+  return spectrum;
+}
+
+// Stored samples by the index of a point in the octant: a function that all of its mirror images equal.
+using SymmetricFunction = int (*)(int);
+
+// Many times the one function, once the other. In closed form there is one direction, the difference of the two, and its variance is
+// that of one in count + 1.
+void measureOddOneOut(int64_t count, SymmetricFunction same, SymmetricFunction other, StabilityFigures* figures) {
+  std::vector<uint8_t> block, odd_one;
+  for (int i = 0; i < 512 * kSupportPointCount; ++i) block.push_back(static_cast<uint8_t>(same(i % kOctantPointCount)));
+  for (int p = 0; p < kSupportPointCount; ++p) odd_one.push_back(static_cast<uint8_t>(other(p % kOctantPointCount)));
+  BasisFit fit;
+  for (int64_t done = 0; done < count; done += 512)
+    fit.add(block.data(), static_cast<uint64_t>(std::min<int64_t>(512, count - done)));
+  fit.add(odd_one.data(), 1);
+  const Basis basis = fit.fit(16);
+
+  double square = 0.0, product = 0.0;
+  for (int i = 0; i < kOctantPointCount; ++i) {
+    const double difference = (other(i) - same(i)) / 255.0 * std::sqrt(8.0);
+    square += difference * difference;
+    product += basis.data.components[i] * difference;
+  }
+  const double share = 1.0 / static_cast<double>(count + 1), variance = square * share * (1.0 - share);
+  figures->show("identical_functions", static_cast<double>(count));
+  figures->equals("components", basis.data.coefficientCount(), 1);
+  figures->equals("components_of_even_functions", basis.data.class_count[0], 1);
+  figures->atMost("variance_relative_error", std::fabs(falling(basis.spectrum).front() / variance - 1.0), 1e-6);
+  figures->atMost("one_minus_cosine_to_the_difference", std::fabs(1.0 - std::fabs(product) / std::sqrt(square)), 1e-6);
+}
+
+int ramp(int i) { return 37 * i % 256; }
+int rampWithOtherPoints(int i) { return ramp(i) ^ (i % 16 == 3 ? 64 : 0); }
+
+void measureIdentical(const StabilityInputs& inputs, StabilityFigures* figures) {
+  const int64_t count = inputs.depth == StabilityDepth::lengthy ? 1000000 : inputs.isBrief() ? 4096 : 20000;
+  measureOddOneOut(count, ramp, rampWithOtherPoints, figures);
+  if (inputs.depth != StabilityDepth::lengthy) figures->note = "With --long a million are taken.";
+}
+
+void measureOutlier(const StabilityInputs&, StabilityFigures* figures) {
+  measureOddOneOut(
+      63, [](int i) { return i % 2; }, [](int) { return 255; }, figures);
+  figures->note =
+      "Samples are bytes, so that an outlier of 1e6 cannot enter a training set; 255 among samples of 0 and 1 is the largest "
+      "that can. Float samples of any size at bake time are the generator's cases.";
+}
+
+void measureIllScaled(const StabilityInputs&, StabilityFigures* figures) {
+  // three independent directions of classes 0, 1 and 6: 100 steps at all points, 1 step at all points, 1 step at 8 points
+  const int classes[] = {0, 1, 6}, amplitude[] = {100, 1, 1}, points[] = {kSupportPointCount, kSupportPointCount, kMirrorCount};
+  std::vector<uint8_t> phi;
+  for (int combination = 0; combination < 8; ++combination) {
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      int value = 128;
+      for (int k = 0; k < 3; ++k) {
+        if (k == 2 && p % kOctantPointCount != 77) continue;
+        value += amplitude[k] * (combination >> k & 1 ? -1 : 1) * static_cast<int>(mirrorSign(classes[k], p / kOctantPointCount));
+      }
+      phi.push_back(static_cast<uint8_t>(value));
+    }
+  }
+  BasisFit fit;
+  fit.add(phi.data(), 8);
+  const Basis basis = fit.fit(64);
+  const std::vector<double> spectrum = falling(basis.spectrum);
+  double worst = 0.0;
+  for (int k = 0; k < 3; ++k)
+    worst = std::max(worst, std::fabs(spectrum[k] / (std::pow(amplitude[k] / 255.0, 2) * points[k]) - 1.0));
+  figures->show("largest_variance_over_smallest", spectrum[0] / spectrum[2]);
+  figures->equals("components", basis.data.coefficientCount(), 3);
+  figures->atMost("variance_relative_error", worst, 1e-6);
+  figures->atMost("next_eigenvalue_over_first", spectrum[3] / spectrum[0], 1e-9);
+}
+
+// Cells of a quarter of the spacing, black and white.
+double checkerboard(int p) {
+  int sum = 0;
+  for (const float x : pointAt(p)) sum += static_cast<int>(std::floor(4.0f * (x + 1.0f)));
+  return sum % 2 == 0 ? 1.0 : 0.0;
+}
+
+double distanceFromProbe(int p) { return std::hypot(pointAt(p)[0], pointAt(p)[1], pointAt(p)[2]); }
+
+SampledFunction noise(uint64_t seed) {
+  return sampleFunction([=](int p) { return static_cast<double>(mixSeed(seed, static_cast<uint64_t>(p)) % 256) / 255.0; });
+}
+
+SampledFunction waves(uint64_t seed) {
+  const double length = 2.0 + static_cast<double>(seed % 8);
+  return sampleFunction(
+      [=](int p) { return 0.5 + 0.5 * std::sin(length * (pointAt(p)[0] + 0.7 * pointAt(p)[1] - 0.3 * pointAt(p)[2])); });
+}
+
+SampledFunction hollowSphere(uint64_t seed) {
+  const double radius = 0.2 + 0.1 * static_cast<double>(seed % 8);
+  return sampleFunction([=](int p) { return std::fabs(distanceFromProbe(p) - radius) < 0.1 ? 1.0 : 0.0; });
+}
+
+// A tent of random pieces, some of them in solid.
+SampledFunction scatteredTent(uint64_t seed) {
+  return sampleFunction([=](int p) { return mixSeed(seed, static_cast<uint64_t>(p / 32)) & 1 ? double{tent(pointAt(p))} : 0.0; },
+                        [=](int p) { return mixSeed(seed + 1, static_cast<uint64_t>(p / 16)) % 4 != 0; });
+}
+
+StabilityCase sampledCase(const std::string& name, const std::function<SampledFunction()>& make) {
+  return {
+      "functions",
+      name,
+      "every generator's theta is finite, no stage of the bake makes it worse, and the error of what a bake stores is at most "
+      "what the check allows, or 1.01 times what one constant does at best in the place of the whole network or field",
+      StabilityDepth::brief,
+      true,
+      [make](const StabilityInputs& inputs, StabilityFigures* figures) {
+        WorstBake worst;
+        worst.addAll(inputs, make().view(), ErrorBound::constant);
+        worst.report(figures);
+      }};
+}
+
+// Some functions of a family that no generator was trained on.
+StabilityCase familyCase(const std::string& name, SampledFunction (*make)(uint64_t seed)) {
+  StabilityCase family = sampledCase(name, {});
+  family.measure = [make](const StabilityInputs& inputs, StabilityFigures* figures) {
+    WorstBake worst;
+    for (uint64_t n = 0; n < (inputs.isBrief() ? 1 : 4); ++n) worst.addAll(inputs, make(500 + n).view(), ErrorBound::constant);
+    worst.report(figures);
+  };
+  return family;
+}
+
+void measureBareTent(const StabilityInputs& inputs, StabilityFigures* figures) {
+  PolicyOptions every_function_has_theta;
+  every_function_has_theta.bare_tent_rmse = 0.0;
+  WorstBake worst;
+  worst.addAll(inputs, sampleFunction([](int p) { return tent(pointAt(p)); }).view(), ErrorBound::best_known,
+               every_function_has_theta);
+  worst.report(figures);
+}
+
+}  // namespace
+
+std::vector<StabilityCase> coefficientCases() {
+  const auto brief = StabilityDepth::brief, full = StabilityDepth::full;
+  return {
+      coefficientCase("all coefficients zero", brief, [](int, int) { return 0.0; }),
+      coefficientCase("a single coefficient, 10 deviations out", full,
+                      [](int k, int count) { return k == count / 2 ? 10.0 : 0.0; }),
+      coefficientCase("coefficients 10 deviations out", full, farOut(10.0)),
+      coefficientCase("coefficients 100 deviations out", full, farOut(100.0)),
+      coefficientCase("coefficients 1000 deviations out", brief, farOut(1000.0)),
+  };
+}
+
+std::vector<StabilityCase> pcaCases() {
+  const auto brief = StabilityDepth::brief, full = StabilityDepth::full;
+  const std::string closed_form =
+      "the one component is the difference of the two and its variance that of the closed form, to 1e-6";
+  return {
+      {"pca", "many identical functions and one other", closed_form, brief, false, measureIdentical},
+      {"pca", "one outlier, as large as bytes allow", closed_form, full, false, measureOutlier},
+      {"pca", "ill-scaled directions",
+       "directions whose variances differ ten million times are all found, to 1e-6 of their own variance, and no others", full,
+       false, measureIllScaled},
+  };
+}
+
+std::vector<StabilityCase> sampledFunctionCases() {
+  const auto constant = [](double value, bool valid) {
+    return [=] { return sampleFunction([=](int) { return value; }, [=](int) { return valid; }); };
+  };
+  return {
+      {"functions", "free space",
+       "a bake that gives even the bare tent a theta holds it to what the check allows with every generator, or to 1.5 times the "
+       "best "
+       "known",
+       StabilityDepth::brief, true, measureBareTent},
+      sampledCase("zero at every point", constant(0.0, true)),
+      sampledCase("one at every point", constant(1.0, true)),
+      // in the middle of the octant's curve: not at the probe, not at the border
+      sampledCase("one valid point",
+                  [] { return sampleFunction([](int) { return 1.0; }, [](int p) { return p == kOctantPointCount / 2; }); }),
+      sampledCase("no valid point", constant(0.0, false)),
+      sampledCase("checkerboard", [] { return sampleFunction(checkerboard); }),
+      sampledCase("step from 0 to 1 between neighbours",
+                  [] { return sampleFunction([](int p) { return pointAt(p)[0] > 0.0f ? 1.0 : 0.0; }); }),
+      familyCase("noise", noise),
+      familyCase("waves", waves),
+      familyCase("hollow spheres", hollowSphere),
+      familyCase("scattered tents", scatteredTent),
+  };
+}
+
+}  // namespace nlg
