@@ -1,8 +1,10 @@
 #!/usr/bin/python3
-"""Two runs of nlg-validate on the same held-out functions: what got better or worse, beyond noise.
+"""Runs on the same held-out functions: which options differ, and what got better or worse, beyond noise.
 
-    compare.py OLD/summary.json NEW/summary.json
+    nlg compare OLD NEW ...        (or compare.py)
 
+Each is a run's folder, or a summary.json of nlg-validate. Every further run is compared with the first. Of a folder the validation is taken, and
+its trainings' options and where their curves end are shown besides.
 Functions are paired by the functions.csv beside both. Errors are blend RMSEs of the same functions in both runs, so the noise is that of
 the choice of functions: would another held-out set of the same kind say the same? docs/reference/formats.md says how each figure is
 judged. Exit code 0: nothing is worse; 6: something is, or a representation is gone.
@@ -26,6 +28,7 @@ from scipy import stats
 
 from inputs import WORDS, check_counts, read_functions, read_summary
 from tool.errors import CHECK_FAILED, InputError, run, say
+from tool.input_file import read_json
 
 WORDS_BY_SCENE = ("network", "stored")  # what training makes, and what ships
 
@@ -54,7 +57,33 @@ class Change:
     trend: str = "same"          # where there is a chance: "same" until all figures are judged together
 
 
+def summary_of(path):
+    return os.path.join(path, "validation", "summary.json") if os.path.isdir(path) else path
+
+
+def trainings_of(path):
+    """Of a run's folder: representation → its options, and what the curve ends with. Empty where it is none."""
+    found = {}
+    folder = os.path.join(path, "training")
+    for name in sorted(os.listdir(folder)) if os.path.isdir(folder) else []:
+        config, result = os.path.join(folder, name, "config.json"), os.path.join(folder, f"{name}.json")
+        if os.path.isfile(config) and os.path.isfile(result):
+            found[name] = {**read_json(config).value, **{f"curve: {key}": value for key, value in read_json(result).value.items() if key.endswith("blend_rmse")}}
+    return found
+
+
+def training_lines(old, new):
+    """What two runs were told, and where their curves end."""
+    before, after = trainings_of(old), trainings_of(new)
+    for name in sorted({*before} & {*after}):
+        for key in sorted({*before[name]} | {*after[name]}):
+            values = before[name].get(key, "none"), after[name].get(key, "none")
+            if values[0] != values[1]:
+                yield f"  {name}, {key}: {values[0]} -> {values[1]}"
+
+
 def read_run(path):
+    path = summary_of(path)
     summary = read_summary(path)
     functions = os.path.join(os.path.dirname(path), "functions.csv")
     if not os.path.exists(functions):
@@ -292,15 +321,15 @@ def between(low, high):
 
 def parse_arguments(arguments=None):
     parser = argparse.ArgumentParser(description="Says what got better or worse between two validations of the same held-out functions, beyond noise; exit code 6 where something is worse.")
-    parser.add_argument("old", help="summary.json of the run to compare with")
-    parser.add_argument("new", help="summary.json of the run to judge; functions are paired by the functions.csv beside both")
+    parser.add_argument("old", help="folder or summary.json of the run to compare with")
+    parser.add_argument("new", nargs="+", help="of the runs to judge; functions are paired by the functions.csv beside each summary.json")
     parser.add_argument("--false-alarms", type=between(1e-12, 0.999), default=0.05, help="paired: the chance that noise alone has anything at all called changed (default: %(default)g)")
     parser.add_argument("--smallest-change", type=between(0, 10), default=0.01, help="share of the old value below which a change is none (default: %(default)g)")
     parser.add_argument("--worst-factor", type=between(1, 1e6), default=2.0, help="worse where a function's blend RMSE is above so many times its old one, and tau (default: %(default)g)")
     parser.add_argument("--tolerance", type=between(0, 10), default=0.05, help="share of the old value that may be noise where functions cannot be paired (default: %(default)g)")
     parser.add_argument("--time-tolerance", type=between(0, 1000), default=0.0, help="the same for times; 0: they are shown, never judged (default: %(default)g)")
     parser.add_argument("--all-scenes", action="store_true", help="print scenes where nothing changed too")
-    parser.add_argument("--json", action="store_true", help="one line of JSON")
+    parser.add_argument("--json", action="store_true", help="a line of JSON for each comparison")
     return parser.parse_args(arguments)
 
 
@@ -308,14 +337,17 @@ def main():
     options = parse_arguments()
 
     def work():
-        comparison = compare(read_run(options.old), read_run(options.new), options)
-        print(json_of(comparison, options) if options.json else "\n".join(text_of(comparison, options)))
-        count = comparison.worse_count()
-        if not count:
+        old, worse = read_run(options.old), []
+        for path in options.new:
+            comparison = compare(old, read_run(path), options)
+            if options.json:
+                print(json_of(comparison, options))
+            else:
+                print("\n".join([f"{options.old} -> {path}", *training_lines(options.old, path), *text_of(comparison, options)]))
+            worse += [f"{name} is gone" for name in comparison.lost] + [", ".join(filter(None, (change.representation, change.scene))) + f": {change.figure}" for change in comparison.of("worse")]
+        if not worse:
             return 0
-        worse = comparison.of("worse")
-        first = f"{comparison.lost[0]} is gone" if comparison.lost else ", ".join(filter(None, (worse[0].representation, worse[0].scene))) + f": {worse[0].figure}"
-        say("compare.py", f"new run against old: expected nothing worse beyond noise, got {count} worse, the first of them {first}")
+        say("compare.py", f"new run against old: expected nothing worse beyond noise, got {len(worse)} worse, the first of them {worse[0]}")
         return CHECK_FAILED
     return run("compare.py", work)
 

@@ -197,8 +197,24 @@ class Comparisons(unittest.TestCase):
         changes = json.loads(run(old, worse, "--json").stdout)["changes"]
         self.assertEqual({some["trend"] for some in changes if some["figure"] == "stored, mean blend RMSE"}, {"worse"})
         self.assertEqual(run(old).returncode, USAGE_ERROR)
+        several = run(old, old, worse)
+        self.assertEqual((several.returncode, several.stdout.count(" better, ")), (CHECK_FAILED, 2))
         missing = run(old, "missing.json")
         self.assertEqual((missing.returncode, missing.stderr.count("\n")), (INPUT_ERROR, 1))
+
+    def test_says_which_options_of_runs_differ(self):
+        folders = []
+        for name, rate, error in (("first", 0.003, 0.02), ("second", 0.001, 0.03)):
+            path = self.write(f"{name}/validation")
+            folder = Path(path).parents[1]
+            for file, content in ((f"training/mlp/config.json", {"steps": 9, "learning_rate": rate}), ("training/mlp.json", {"held_out_blend_rmse": error, "elapsed_s": 1})):
+                (folder / file).parent.mkdir(parents=True, exist_ok=True)
+                (folder / file).write_text(json.dumps(content))
+            folders.append(str(folder))
+        found = subprocess.run([SCRIPT, *folders], capture_output=True, text=True)
+        self.assertEqual(found.returncode, 0, found.stderr)
+        self.assertEqual([line.strip() for line in found.stdout.splitlines() if "mlp, " in line],
+                         ["mlp, curve: held_out_blend_rmse: 0.02 -> 0.03", "mlp, learning_rate: 0.003 -> 0.001"])
 
 
 class Chances(unittest.TestCase):
