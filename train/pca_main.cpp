@@ -10,10 +10,12 @@
 #include <nlohmann/json.hpp>
 
 #include "datagen/dataset/function_set.h"
+#include "runtime_eval/evaluator/generator.h"
 #include "tool/atomic_file.h"
 #include "tool/file_info.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
 #include "train/basis/basis_file.h"
 
@@ -26,7 +28,7 @@ struct PcaOptions {
 
 struct Request {
   std::vector<std::string> shards, held_out;
-  std::string out;
+  std::string out, from;
 };
 
 // Mean over the functions, then over their mirror images, and the share of functions in which each point is valid.
@@ -60,6 +62,15 @@ class MeanFunction {
   uint64_t count_ = 0;
 };
 
+// The basis of a generator that goes on being trained; the spectrum stays that of the functions.
+void takeBasis(const std::string& path, Basis* basis) {
+  WeightsFile file;
+  GeneratorData data;
+  requireRead(path, readWeightsFile(path, &file), "the weights of a generator");
+  requireRead(path, generatorFromWeights(file, &data), "the weights of a generator");
+  basis->data = std::move(data.basis);
+}
+
 void fitBasis(const Request& request, const PcaOptions& options, const OptionTable& table) {
   BasisFit fit;
   MeanFunction mean;
@@ -81,7 +92,11 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   }
   const std::vector<int> counts = {32, 64, 128, 256, 512, 1024};
   BasisFile file;
-  const Basis wide = fit.fit(std::max(counts.back(), options.components));
+  Basis wide = fit.fit(std::max(counts.back(), options.components));
+  if (!request.from.empty()) {
+    takeBasis(request.from, &wide);
+    inputs["weights"] = fileSha256(request.from);
+  }
   if (!request.held_out.empty()) {
     const FunctionSet held_out = readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount);
     if (held_out.functionCount() == 0) {
@@ -90,7 +105,7 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
     file.kept_variance = keptVariance(wide, held_out.phi.data(), held_out.functionCount(), counts);
     file.kept_counts.assign(counts.begin(), counts.end());
   }
-  file.basis = truncateBasis(wide, options.components);
+  file.basis = request.from.empty() ? truncateBasis(wide, options.components) : wide;
   file.pattern_hash = supportPattern().hash;
   mean.finish(&file);
   inputs["training_set"] = sha256(hashes);
@@ -140,6 +155,7 @@ int main(int argc, char** argv) {
   table.add("components", &options.components, "components that the generator reads (K)", 1, 1024);
   app.add_option("--shards", request.shards, "training shards")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes, for the variance kept");
+  app.add_option("--from", request.from, "weights whose basis it is, instead of one of these shards: for nlg-train --init");
   app.add_option("--out", request.out, "the basis to write (.h5)")->required();
   return nlg::runTool(argc, argv, app, table, [&] { nlg::fitBasis(request, options, table); });
 }

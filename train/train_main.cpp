@@ -17,6 +17,7 @@
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
+#include "tool/require_read.h"
 #include "tool/tool_main.h"
 #include "train/generator/code_ordering.h"
 #include "train/generator/lost_pages.h"
@@ -28,7 +29,7 @@ namespace nlg {
 namespace {
 
 struct Request {
-  std::string representation, basis, cache, out, run, log;
+  std::string representation, basis, cache, out, run, log, init;
   std::vector<std::string> shards, held_out;
   std::string device = "cpu";
   ProcessGroup::Options processes;
@@ -48,10 +49,11 @@ void readSlurm(ProcessGroup::Options& processes, bool is_given) {
 }
 
 // What makes a run the run that it is. Threads change no bit, and processes none but by rounding: a run may go on with others.
-nlohmann::ordered_json runOptions(const OptionTable& table) {
+nlohmann::ordered_json runOptions(const Request& request, const OptionTable& table) {
   nlohmann::ordered_json options = table.toJson();
   options.erase("processes");
   options.erase("threads");
+  if (!request.init.empty()) options["init_sha256"] = fileSha256(request.init);
   return options;
 }
 
@@ -76,6 +78,32 @@ torch::Device findDevice(const std::string& name) {
   if (name != "cuda") throw UsageError("--device", "cpu or cuda", "'" + name + "'");
   if (!torch::cuda::is_available()) throw UsageError("--device", "cpu: this libtorch finds no CUDA device", "cuda");
   return torch::kCUDA;
+}
+
+// The generator that training begins with: its shape, and coefficients as it knows them, go over the options.
+std::optional<GeneratorData> readInit(const Request& request, Representation* representation, TrainOptions* options) {
+  if (request.init.empty()) return {};
+  WeightsFile file;
+  GeneratorData data;
+  requireRead(request.init, readWeightsFile(request.init, &file), "the weights of a generator");
+  requireRead(request.init, generatorFromWeights(file, &data), "the weights of a generator");
+  if (representationName(data.representation) != request.representation)
+    throw InputError(request.init, "representation", request.representation, representationName(data.representation));
+  options->shape = shapeOf(data, options->shape);
+  options->representation_slope = representation->slope = data.representation.slope;
+  options->whitening = 1.0;
+  options->coefficients = 0;
+  options->begins_trained = true;
+  return data;
+}
+
+// The first layer reads coefficients of its own basis alone.
+void requireBasisOf(const GeneratorData& init, const BasisData& used, const Request& request) {
+  const BasisData& own = init.basis;
+  if (own.class_count == used.class_count && own.mean == used.mean && own.components == used.components &&
+      own.deviation == used.deviation)
+    return;
+  throw InputError(request.basis, "basis", "the one of " + request.init + ": nlg-pca --from " + request.init, "another");
 }
 
 // used   the basis, or as much of it as the options say
@@ -184,13 +212,16 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   std::vector<std::string> inputs = request.shards;
   inputs.insert(inputs.end(), request.held_out.begin(), request.held_out.end());
   inputs.push_back(request.basis);
-  if (!request.cache.empty()) inputs.push_back(request.cache);
+  for (const std::string& input : {request.cache, request.init}) {
+    if (!input.empty()) inputs.push_back(input);
+  }
   for (const std::string& out : {request.out, request.log}) refuseToReplaceInputs(out, inputs);
   Representation representation;
   if (!findRepresentation(request.representation, &representation)) {
     throw UsageError("--representation", representationNames(), "'" + request.representation + "'");
   }
   representation.slope = static_cast<float>(options.representation_slope);
+  const std::optional<GeneratorData> init = readInit(request, &representation, &options);
   options.device = findDevice(request.device);
   computeOnCallingThreads();
   requireThreads(options.threads - 1 + (request.cache.empty() ? 0 : 1));  // one that reads the cache
@@ -202,6 +233,7 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
   const BasisData used = usedBasis(options, basis.basis);
   options.shape.coefficient_count = used.coefficientCount();
   options.shape.code_count = representation.code_count;
+  if (init) requireBasisOf(*init, used, request);
   const TrainingData training = readTrainingData(request, basis, used);
   const TrainingData held_out(readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount), basis.basis.data,
                               used);
@@ -209,12 +241,15 @@ void run(const Request& request, TrainOptions options, const OptionTable& table)
     throw InputError(request.held_out.front(), "functions", "at least one in all shards", "none");
   requireSeparate(request, training, held_out);
 
-  const RunIdentity identity{request.representation, runOptions(table).dump(), fileSha256(request.basis), training.sha256()};
+  const RunIdentity identity{request.representation, runOptions(request, table).dump(), fileSha256(request.basis),
+                             training.sha256()};
   const RunFolder folder(request.run);
   const auto lock = request.processes.rank == 0 ? folder.lock() : nullptr;
   TrainingState state = makeState(options, Theta(representation.thetaCount()));
   resume(request, identity, folder, &state);
-  if (state.step == 0) {
+  if (state.step == 0 && init) {
+    for (GeneratorNetwork* network : {&state.network, &state.average}) (*network)->takeNumbers(*init);
+  } else if (state.step == 0) {
     const Progress progress("theta0, where all functions begin");
     state = makeState(options, fitTheta0(representation, basis, options.start));
   }
@@ -296,6 +331,9 @@ int main(int argc, char** argv) {
   app.add_option("--run", request.run, "the run's folder: checkpoints, curve and origin; a killed run goes on from it")
       ->required();
   app.add_option("--log", request.log, "the training curve to write (.csv)")->required();
+  app.add_option(
+      "--init", request.init,
+      "weights that training begins with (.safetensors), of the same basis: nlg-pca --from; their shape goes over the options'");
   app.add_option("--device", request.device, "of the network: cpu or cuda");
   CLI::Option* rank = app.add_option("--rank", request.processes.rank, "which of the processes that train together this is");
   table.add("processes", &request.processes.count, "processes that train together, among which a batch is split", 1, 4096);

@@ -98,6 +98,7 @@ class Run:
         self.folder = os.path.join(results, self.name)
         self._take_effort(config)
         self._take_representations(config["representations"])
+        self._take_init(config["init"])
         self._take_training()
         self._take_scenes(self.sections["scenes"], environment)
         self._take_split(config.get("split") or {})
@@ -124,6 +125,12 @@ class Run:
         require("representations", found, isinstance(found, dict) and found and set(found) <= set(REPRESENTATIONS),
                 "a list out of " + ", ".join(REPRESENTATIONS) + ", or each of them with options of the train section")
         self.representations = {name: judged(f"representations: {name}", "train", options, is_part=True) for name, options in found.items()}
+
+    def _take_init(self, folder):
+        """The weights that trainings begin with, by representation."""
+        self.init = {name: os.path.join(os.path.abspath(folder), f"{name}.safetensors") for name in self.representations} if folder else {}
+        for path in self.init.values():
+            require("init", path, os.path.isfile(path), "weights of every representation")
 
     def _take_training(self):
         """Processes and threads of each training, which the workflow starts."""
@@ -210,7 +217,7 @@ class Run:
         judged = ["validation", *(["evaluation"] if self.evaluation else [])]
         names = ["basis.h5", "basis.json"]
         for name in self.representations:
-            names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png",
+            names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png", f"training/{name}/events.out.tfevents.0.nlg",
                       f"weights/{name}.safetensors", f"weights/{name}.json"]
         names += [f"{split}/{file}" for split in judged for file in ("summary.json", "functions.csv", "slices.json", "frontier.json")]
         names += [*([] if self.report["stability"] == "short" else ["training_cases.json"]), "stability.json"]

@@ -87,6 +87,13 @@ def main():
         for seed in range(2):
             (other / f"room{seed}.obj").write_text(room(seed))
         assert "keeps both" in run(*pipeline, str(other), code=2).stderr
+        # trained on from these weights, at a rate that changes nothing: the same network, but for what float16 rounds
+        run(*pipeline, "--set", "name=finer", "--set", f"init={out / 'weights'}", "--set", "train.learning_rate=1e-9", str(levels))
+        first, finer = (json.loads((folder / "out" / name / "training/tent_mlp4.json").read_text()) for name in ("six_rooms", "finer"))
+        error = "held_out_network_blend_rmse"
+        assert abs(finer[error] - first[error]) < 2e-3 * first[error], f"{first}\n{finer}"
+        refused = run(*pipeline, "--set", "init=nowhere", str(levels), code=2).stderr
+        assert "nowhere/tent_mlp4.safetensors" in refused, refused
         # what is there is not made again
         again = run(*pipeline, str(levels)).stderr
         assert "nothing to be done" in again, again

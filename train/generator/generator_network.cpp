@@ -69,7 +69,20 @@ DictionaryData roundedDictionary(const GeneratorShape& shape, const std::vector<
   return data;
 }
 
+torch::Tensor toTensor(const std::vector<float>& values, at::IntArrayRef sizes) { return torch::tensor(values).view(sizes); }
+
 }  // namespace
+
+GeneratorShape shapeOf(const GeneratorData& data, GeneratorShape shape) {
+  shape.coefficient_count = data.basis.coefficientCount();
+  shape.layer_count = static_cast<int>(data.layers.size());
+  shape.width = data.layers.back().input_count;
+  shape.slope = data.slope;
+  shape.exact_last_layer = data.exact_last_layer;
+  shape.code_count = data.representation.isCode() ? data.representation.code_count : 0;
+  if (shape.code_count > 0) shape.dictionary_resolution = data.representation.dictionary->resolution();
+  return shape;
+}
 
 GeneratorNetworkImpl::GeneratorNetworkImpl(const GeneratorShape& shape, const Theta& theta0, uint64_t seed) : shape_(shape) {
   const int theta_count = static_cast<int>(theta0.size());
@@ -146,6 +159,28 @@ GeneratorData GeneratorNetworkImpl::toData(const Representation& representation,
   data.theta0 = toVector(theta0_);
   data.output_scale.assign(data.theta0.size(), static_cast<float>(shape_.output_scale));
   return data;
+}
+
+void GeneratorNetworkImpl::takeNumbers(const GeneratorData& data) {
+  const torch::NoGradGuard guard;
+  for (size_t l = 0; l < layers_.size(); ++l) {
+    const GeneratorLayer& layer = data.layers[l];
+    torch::Tensor weight = toTensor(layer.weight, {layer.output_count, layer.input_count}), bias = toTensor(layer.bias, {-1});
+    if (l + 1 == layers_.size()) {
+      const torch::Tensor scale = toTensor(data.output_scale, {-1}) / shape_.output_scale;
+      weight = weight * scale.view({-1, 1}), bias = bias * scale;
+    }
+    layers_[l]->weight.copy_(weight);
+    layers_[l]->bias.copy_(bias);
+  }
+  theta0_.copy_(toTensor(data.theta0, {-1}));
+  if (shape_.code_count == 0) return;
+  const Dictionary& dictionary = *data.representation.dictionary;
+  for (int k = 0; k <= shape_.code_count; ++k) {
+    const float* row = dictionary.row(k);
+    dictionary_.select(1, k).copy_(toTensor({row, row + dictionary.nodeCount()}, {-1}));
+  }
+  deviations_.copy_(toTensor(dictionary.data().deviations, {-1}));
 }
 
 }  // namespace nlg

@@ -21,6 +21,9 @@ struct GeneratorShape {
   int dictionary_resolution = 9;  // of codes: nodes along an axis
 };
 
+// The shape of a generator that exists. output_scale stays as `shape` has it: takeNumbers folds the generator's own into the last layer.
+GeneratorShape shapeOf(const GeneratorData& data, GeneratorShape shape);
+
 // The formulas of GeneratorData (runtime_eval/evaluator/generator.h), differentiable. The last layer starts at zero: the
 // untrained network yields theta0 for every function.
 class GeneratorNetworkImpl : public torch::nn::Module {
@@ -48,6 +51,8 @@ class GeneratorNetworkImpl : public torch::nn::Module {
 
   // Its present numbers for the evaluator. Of codes, the dictionary is rounded to what a file holds.
   GeneratorData toData(const Representation& representation, const BasisData& basis) const;
+  // The other way: a generator of this very shape goes on being trained. Its basis and representation are for the caller.
+  void takeNumbers(const GeneratorData& data);
 
  private:
   GeneratorShape shape_;

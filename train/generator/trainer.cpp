@@ -57,6 +57,7 @@ double largestLoss(const TrainOptions& options) {
 // Dark points count as much as lit ones at the first step and their whole weight at the last, and grow by equal factors: held against walls
 // from the start, sigmoids shut where light is yet to be learned, and fits start badly there (docs/lab/training.md).
 LossOptions lossAt(const TrainOptions& options, int64_t step) {
+  if (options.begins_trained) return options.loss;
   return {std::pow(options.loss.dark_weight, static_cast<double>(step) / options.steps), options.loss.blend_floor};
 }
 
@@ -68,7 +69,7 @@ torch::Tensor codeLosses(const TrainOptions& options, const TrainingData& data, 
                          TrainingState& state) {
   const torch::Device device = state.network->parameters().front().device();
   const torch::Tensor z = state.network->forward(coefficientBatch(data, samples).to(device)).cpu();
-  const double phase = static_cast<double>(state.step) / options.steps;
+  const double phase = options.begins_trained ? 1.0 : static_cast<double>(state.step) / options.steps;
   const DictionaryLossOptions loss{kStartLeak * std::max(0.0, 1.0 - phase / kLeakEnd), lossAt(options, state.step)};
   const torch::Tensor mean_squares = codeMeanSquares(state.network, z, data, samples, samples.front().batch, loss);
   return (mean_squares + 1e-6).pow(options.error_power).clamp_max(largestLoss(options));

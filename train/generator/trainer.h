@@ -39,6 +39,8 @@ struct TrainOptions {
   double divergence_ratio = 10;              // a loss over so many times the running median takes training back (loss_guard.h)
   double representation_slope = 0.01;        // LeakyReLU of the tiny network
   GeneratorShape shape;
+  bool begins_trained =
+      false;  // with a generator's numbers: dark points have their whole weight from the first step, codes no leak
   StartOptions start{.candidates = 2048};  // most random starts end badly: a good theta0 is found once and serves all functions
   int checkpoint_steps = 1000;             // a checkpoint and a validation every so many steps
   int validation_functions = 2048;         // at most so many held-out functions in the validation loss

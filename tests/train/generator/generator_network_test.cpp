@@ -4,6 +4,7 @@
 #include <torch/torch.h>
 
 #include "tests/runtime_eval/sample_generator.h"
+#include "tests/train/code_network.h"
 #include "tests/train/sample_set.h"
 #include "train/generator/theta_stages.h"
 
@@ -89,6 +90,40 @@ TEST(GeneratorNetwork, CopiesItsNumbersIntoTheData) {
   EXPECT_EQ(data.output_scale, std::vector<float>(ThetaLayout::count, 0.3f));
   shake(network);
   EXPECT_NE(network->toData({}, basis()).layers[0].weight, data.layers[0].weight) << "a copy, not a view";
+}
+
+// As a file holds them: of another output scale, rounded where a dictionary is.
+TEST(GeneratorNetwork, TakesTheNumbersOfAGenerator) {
+  for (const bool is_code : {false, true}) {
+    GeneratorNetwork first = is_code ? codeNetwork(5, 4) : GeneratorNetwork(shapeOf(32, 3), randomTheta({}, 4), 8);
+    if (!is_code) shake(first);
+    Representation representation = Representation::tentMlp(0.01f);
+    if (is_code) {
+      representation.kind = RepresentationKind::code;
+      representation.code_count = kCodeCount;
+    }
+    GeneratorData data = first->toData(representation, basis());
+    std::fill(data.output_scale.begin(), data.output_scale.end(), 0.4f);
+    const GeneratorShape shape = nlg::shapeOf(data, {});
+    EXPECT_EQ(shape.width, 32);
+    EXPECT_EQ(shape.layer_count, 3);
+    EXPECT_EQ(shape.code_count, is_code ? kCodeCount : 0);
+    GeneratorNetwork second(shape, Theta(data.theta0.size()), 99);
+    second->takeNumbers(data);
+    const GeneratorData again = second->toData(data.representation, basis());
+    EXPECT_EQ(again.theta0, data.theta0);
+    if (is_code) {
+      EXPECT_EQ(again.representation.dictionary->data(), data.representation.dictionary->data());
+    }
+    for (size_t l = 0; l < data.layers.size(); ++l) {
+      // the last layer holds what the output scale was
+      const float scale = l + 1 == data.layers.size() ? data.output_scale[0] / again.output_scale[0] : 1.0f;
+      for (size_t i = 0; i < data.layers[l].weight.size(); ++i)
+        ASSERT_NEAR(again.layers[l].weight[i], scale * data.layers[l].weight[i], 1e-6f * std::fabs(again.layers[l].weight[i]));
+      for (size_t i = 0; i < data.layers[l].bias.size(); ++i)
+        ASSERT_NEAR(again.layers[l].bias[i], scale * data.layers[l].bias[i], 1e-6f * std::fabs(again.layers[l].bias[i]));
+    }
+  }
 }
 
 }  // namespace
