@@ -28,8 +28,10 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
   const auto tryFrom = [&](const Theta& from, int steps) {
     if (fails()) consider(fitOn(representation, function, from, steps));
   };
-  // what is stuck in a poor minimum gets round it from elsewhere; a field from coarse to fine
+  // what is stuck in a poor minimum gets round it from elsewhere; a field from coarse to fine. A code's fits end at one minimum,
+  // wherever they start (docs/lab/training.md)
   const auto tryOtherStarts = [&](int steps) {
+    if (representation.isCode()) return;
     if (!theta0.empty()) tryFrom(theta0, steps);
     for (uint64_t seed = 1; seed <= kRandomStarts && representation.isNetwork(); ++seed) {
       tryFrom(randomTheta(representation, seed), steps);
