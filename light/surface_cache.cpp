@@ -23,6 +23,7 @@ constexpr int kLeastRays = 8;  // of a point that gathers
 constexpr int kMostIterations = 64;
 constexpr float kSettled = 1e-4f;             // of the largest irradiance: a change that ends the exchange
 constexpr float kMarginShare = 0.05f;         // of a cell: how far beyond the points that were found it holds
+constexpr double kFewestHits = 0.5;           // of a cell, by all rays of all places: measuring it takes as long as some paths
 constexpr float kReflectanceStep = 0x1p-13f;  // up to 8: what is scattered back by a veil, as a path takes it, may be beyond 1
 constexpr float kLiftShare = 0.05f;           // of a cell: off the surface, to see whether two of its points see each other
 
@@ -116,6 +117,7 @@ void SurfaceCache::findCells(const LightTransport& transport, const std::vector<
         const auto [u, v] = lattice.point(ray, options.discovery_rays);
         const glm::vec3 direction = sphereDirection(u, v);
         const auto find = [&](const LightHit& hit) {
+          if (hit.distance > options.reach_m) return;
           const glm::vec3 point = from + direction * hit.distance;
           found.push_back({spotOf(point, hit.normal).key, point, hit.normal});
         };
@@ -314,6 +316,9 @@ std::unique_ptr<SurfaceCache> makeSurfaceCache(const LightTransport& transport, 
   const float share = 0.25f * std::clamp(std::sqrt(64.0f / static_cast<float>(light.place.rays)), 1.0f, 2.0f);
   options.cell_m = std::max(1e-6f, std::min(share * static_cast<float>(spacing_m), glm::length(bounds.max - bounds.min) / 48.0f));
   options.rays_per_cell = std::clamp(light.place.rays / 2, kLeastRays, options.rays_per_cell);
+  // a cell d off that faces a place takes cell² / 4 pi d² of its rays
+  const double rays = static_cast<double>(places.size()) * light.place.rays;
+  options.reach_m = options.cell_m * static_cast<float>(std::sqrt(rays / (4.0 * kPi * kFewestHits)));
   options.seed = light.seed;
   return std::make_unique<SurfaceCache>(transport, places, options, thread_count);
 }

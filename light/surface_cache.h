@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -16,9 +17,10 @@
 namespace nlg {
 
 struct SurfaceCacheOptions {
-  float cell_m = 0.25f;     // side of a cube, > 0
-  int rays_per_cell = 16;   // >= 8
-  int discovery_rays = 24;  // from every place, to find the cells
+  float cell_m = 0.25f;      // side of a cube, > 0
+  int rays_per_cell = 16;    // >= 8
+  int discovery_rays = 24;   // from every place, to find the cells
+  float reach_m = INFINITY;  // no place finds cells that are further off
   uint64_t seed = 1;
 };
 
@@ -90,7 +92,7 @@ class SurfaceCache {
 };
 
 // As every bake has it, and whoever is held against one: cells of a quarter of the probes' spacing, bounces that probes cannot tell
-// apart anyway; finer in scenes that are small beside it. Where places have few rays, as in a preview, cells are larger and have few, too.
+// apart anyway; finer in scenes that are small beside it. None so far off that hardly one ray of all places would end there. Where places have few rays, as in a preview, cells are larger and have few, too.
 // light     of the places, whose light is then measured
 // returns   null where it asks for none, and of a scene with baked light, whose rays end at their first hit
 std::unique_ptr<SurfaceCache> makeSurfaceCache(const LightTransport& transport, const std::vector<glm::dvec3>& places,
