@@ -3,20 +3,82 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "datagen/dataset/function_rows.h"
+#include "datagen/shards/function_collector.h"
+#include "datagen/visibility/link_table.h"
+#include "datagen/visibility/ray_scene.h"
+#include "datagen/weighting/weighting_builder.h"
+#include "runtime_eval/fit/theta_policy.h"
 #include "scene/light_sets.h"
 #include "scene/scene_size.h"
 #include "tool/printable.h"
+#include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
 
-// Of nine scenes from 210 to 110,000 probes, on two idle cores of a server: they took .4 to 1.7 times as long as this says, and .5 to
-// 1.8 times the memory. Levels of which much is solid take least.
-constexpr double kFunctionSeconds = 0.33e-3;  // of a thread, for a probe: air, function, theta
-constexpr double kLightSeconds = 0.65e-6;     // for a ray of a place, bounces between surfaces included
+// What the sample below does not see. Of twenty scenes: docs/lab/performance.md.
+constexpr double kLightSeconds = 0.65e-6;  // of a thread, for a ray of a place, bounces between surfaces included
 constexpr double kBaseBytes = 75e6, kProbeBytes = 6e3, kTriangleBytes = 400.0;
 
+constexpr double kMostSampleSeconds = 0.25;  // for functions, and as much again for their theta
+constexpr size_t kThetaAtOnce = 4;
+
 constexpr double kMarginShare = 0.05;  // of a spacing: with so much air over a roof its cells find places in it (air_places.h)
+
+// Of a function that takes a theta, on average over as many as there is time for.
+double thetaSeconds(const FunctionRows& rows, const BakeOptions& options, const std::vector<Generator>& generators) {
+  std::vector<const Generator*> pointers;
+  for (const Generator& generator : generators) pointers.push_back(&generator);
+  ThetaPolicy policy(pointers, options.policy);
+  std::vector<StoredFunction> functions;
+  for (uint64_t n = 0; n < rows.functionCount(); ++n) {
+    const StoredFunction function = storedFunction(rows, n);
+    if (!takesBareTent(policy.checkBareTent(function), options.policy)) functions.push_back(function);
+  }
+  double seconds = 0.0;
+  size_t made_count = 0;
+  while (made_count < functions.size() && seconds < kMostSampleSeconds) {
+    const size_t count = std::min(kThetaAtOnce, functions.size() - made_count);
+    std::vector<MadeTheta> made(count);
+    const double start = threadSeconds();
+    policy.bake(&functions[made_count], static_cast<int>(count), made.data());
+    seconds += threadSeconds() - start;
+    made_count += count;
+  }
+  return made_count == 0 ? 0.0 : seconds / static_cast<double>(made_count);
+}
+
+// Seconds of a thread that a probe's function and theta take, on average over a sample of probes.
+double functionSeconds(const PlacedSample& sample, const RayScene& rays, const BakeOptions& options,
+                       const std::vector<Generator>& generators) {
+  const LinkTable links = makeLinkTable({});
+  WeightingBuilder builder(rays, links, options.diffusion);
+  ProbeEyes eyes(sample.frame);
+  FunctionChecker checker;
+  GeneratedFunction function;
+  FunctionRows rows;
+  rows.point_count = kSupportPointCount;
+  double seconds = 0.0;
+  size_t visited = 0, with_theta = 0;
+  for (const PlacedSample::Probe& probe : sample.probes) {
+    if (seconds > kMostSampleSeconds) break;
+    const double start = threadSeconds();
+    ++visited;
+    // of probes in solid most are left out before anybody looks at them
+    if (builder.begin(probe.position_m, probe.spacing_m, InSolid::left_out, &eyes)) continue;
+    if (builder.look() == ProbeOutcome::function && builder.generate(&function) == ProbeOutcome::function) {
+      appendFunction(function, probe.position_m, probe.spacing_m, &rows);
+      builder.sumBlend(function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
+      const StoredFunction stored = storedFunction(rows, rows.functionCount() - 1);
+      with_theta += !takesBareTent(checker.checkBareTent(stored, options.policy.check()), options.policy);
+    }
+    seconds += threadSeconds() - start;
+  }
+  return visited == 0 ? 0.0
+                      : (seconds + static_cast<double>(with_theta) * thetaSeconds(rows, options, generators)) /
+                            static_cast<double>(visited);
+}
 
 std::string sidesText(const glm::dvec3& sides) { return fmt::format("{:.4g} x {:.4g} x {:.4g} m", sides.x, sides.y, sides.z); }
 
@@ -41,7 +103,8 @@ ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& 
   return placement;
 }
 
-BakePlan planBake(const SceneSource& source, const BakeOptions& options, int thread_count) {
+BakePlan planBake(const SceneSource& source, const BakeOptions& options, const std::vector<Generator>& generators,
+                  int thread_count) {
   const Scene& scene = source.scene;
   const ProbePlacementOptions placement = placementOf(source, options);
   BakePlan plan;
@@ -51,10 +114,11 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, int thr
   const ExtentBox box = probeExtent(scene, placement);
   plan.extent_m = box.high_m - box.low_m;
   plan.spacing_m = options.spacing_m;
-  plan.probes = estimateProbes(scene, placement, options.seed);
+  PlacedSample sample;
+  plan.probes = estimateProbes(scene, placement, options.seed, &sample);
   plan.memory_bytes = kBaseBytes + kProbeBytes * plan.probes + kTriangleBytes * static_cast<double>(scene.triangles.size());
   plan.machine_bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-  double seconds = kFunctionSeconds;
+  double seconds = generators.empty() ? 0.0 : functionSeconds(sample, RayScene(scene), options, generators);
   if (options.light != "none")
     seconds += kLightSeconds * options.light_rays * options.light_places * static_cast<double>(litScenes(source).size());
   plan.seconds = 0.2 + seconds * plan.probes / thread_count;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "bake/bake_options.h"
 #include "datagen/probes/probe_placement.h"
+#include "runtime_eval/evaluator/generator.h"
 
 namespace nlg {
 
@@ -20,12 +22,14 @@ struct BakePlan {
   double spacing_m = 0.0;
   double probes = 0.0;                       // estimated, before those without air are left out
   double machine_bytes = 0.0;                // of memory that this machine has
-  double memory_bytes = 0.0, seconds = 0.0;  // rough: within a factor of two and a half
+  double memory_bytes = 0.0, seconds = 0.0;  // rough: within a factor of two
 };
 
-// Takes about a second for a million triangles.
-// throws   UsageError on a setting that cannot be used, and on far too many probes
-BakePlan planBake(const SceneSource& source, const BakeOptions& options, int thread_count);
+// Takes about a second for a million triangles: some probes' functions and theta are made, and some rays traced, to see what they take.
+// generators   of the bake; none: light alone is made
+// throws       UsageError on a setting that cannot be used, and on far too many probes
+BakePlan planBake(const SceneSource& source, const BakeOptions& options, const std::vector<Generator>& generators,
+                  int thread_count);
 
 std::string toText(const BakePlan& plan, int thread_count);
 

@@ -133,9 +133,17 @@ void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, R
     throw UsageError("--keep", "another file than the light grid", request->kept);
 }
 
-BakeScene readScene(const Request& request, const BakeOptions& options, int threads, const KnownAir& known = {}) {
+// generators   of the functions that will be made; none: light alone is
+BakeScene readScene(const Request& request, const BakeOptions& options, const std::vector<Generator>& generators, int threads,
+                    const KnownAir& known = {}) {
   SceneSource source = loadLitScene(request.scene, options);
-  std::cerr << toText(planBake(source, options, threads), threads);
+  try {
+    std::cerr << toText(planBake(source, options, generators, threads), threads);
+  } catch (const ToolError&) {
+    // they may say what is wrong with it
+    tellNotes("nlg-bake", source);
+    throw;
+  }
   for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
   tellNotes("nlg-bake", source);
   for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
@@ -193,7 +201,7 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   const auto start = std::chrono::steady_clock::now();
   BakedGrid baked = readBakedGrid(request.relit);
   const int threads = threadsOf(options);
-  const BakeScene scene = readScene(request, options, threads, knownAir(request.relit, baked));
+  const BakeScene scene = readScene(request, options, {}, threads, knownAir(request.relit, baked));
   requireFunctionsOf(scene, table, options.representation, request.relit, baked);
   if (!baked.grid.groups.empty() && lightGroupNames(scene.source).empty())
     std::cerr << "light: the grid's " << baked.grid.groups.size()
@@ -255,7 +263,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
     origin = functionOrigin(table, weights_sha256);
     kept = readKept(request.kept, origin, representationsOf(generators), &told);
   }
-  const BakeScene scene = readScene(request, options, threads);
+  const BakeScene scene = readScene(request, options, generators, threads);
   if (!told.empty()) std::cerr << "kept: " << told << '\n';
   const double load_s = secondsSince(start);
   chooseOut(scene, inputs, &request);

@@ -3,21 +3,14 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <ctime>
 
 #include "benchmarks/fma_peak.h"
 #include "benchmarks/random_generator.h"
 #include "runtime_eval/simd/simd_target.h"
+#include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
-
-// Seconds of this thread's own: a shared machine takes time away, not work.
-double threadSeconds() {
-  timespec time;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 // GFLOP/s of fused multiply-adds on registers, the best of some milliseconds, on the target in use.
 double measuredPeak() {

@@ -1,7 +1,6 @@
 #include "datagen/commands.h"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "datagen/dataset/nameless_file.h"
 #include "tool/printable.h"
+#include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
@@ -18,12 +18,6 @@ namespace {
 constexpr uint64_t kSampleProbes = 20000;                // at most: most probes of a sparse scene cost next to nothing
 constexpr double kFileBytes = 7.4e3;                     // attributes and HDF5's own bookkeeping
 constexpr double kIndexBytes = 200.0 / kChunkFunctions;  // HDF5's bookkeeping a chunk, nine arrays
-
-double threadSeconds() {
-  timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 struct Sample {
   ShardCounts counts;

@@ -133,11 +133,14 @@ int32_t cellSideAt(const LatticePoint& unit, const Density& density) {
 }
 
 constexpr int kEstimatePlaces = 4096;
+constexpr size_t kSampledProbes = 256;
 
 // Cells by evenly spread places, each with the share of the extent that one cell there is; probes as a box of cells has.
-double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double growth) {
-  if (growth == 0.0) return lattice.probeLimit();
+double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double growth, PlacedSample* sample = nullptr) {
+  if (growth == 0.0 && sample == nullptr) return lattice.probeLimit();
   const Density density(nearby, lattice.frame, lattice.first, lattice.last, growth);
+  std::vector<ProbeCell> cells;
+  std::vector<double> shares;  // of all cells up to each
   double share = 0.0;
   for (int i = 0; i < kEstimatePlaces; ++i) {
     // Roberts's sequence: any number of its first points is evenly spread
@@ -145,10 +148,19 @@ double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double gr
     LatticePoint unit;
     for (int axis = 0; axis < 3; ++axis)
       unit[axis] = lattice.first[axis] + static_cast<int32_t>(at[axis] * (lattice.last[axis] - lattice.first[axis] + 1));
-    const double side = cellSideAt(unit, density);
-    share += 1.0 / (side * side * side);
+    const int32_t side = cellSideAt(unit, density);
+    for (int axis = 0; axis < 3; ++axis) unit[axis] &= -side;
+    cells.push_back({unit, side});
+    shares.push_back(share += 1.0 / (double{side} * side * side));
   }
-  return lattice.probeLimit() * share / kEstimatePlaces;
+  for (size_t n = 0; sample != nullptr && n < kSampledProbes; ++n) {
+    const double at = share * (static_cast<double>(n) + 0.5) / static_cast<double>(kSampledProbes);
+    const ProbeCell& cell = cells[static_cast<size_t>(std::lower_bound(shares.begin(), shares.end() - 1, at) - shares.begin())];
+    const ProbeTreeFrame& frame = lattice.frame;
+    const auto along = [&](int axis) { return frame.first_m[axis] + frame.spacing_m * cell.low[axis]; };
+    sample->probes.push_back({{along(0), along(1), along(2)}, static_cast<float>(frame.spacing_m * cell.side)});
+  }
+  return growth == 0.0 ? lattice.probeLimit() : lattice.probeLimit() * share / kEstimatePlaces;
 }
 
 // A finest spacing that keeps the limit: for certain where all of the extent may be finest, else by the estimate, with room for
@@ -168,6 +180,48 @@ double fittingSpacing(const ExtentBox& box, const NearbyTriangles& nearby, doubl
   return spacing_m;
 }
 
+constexpr size_t kMostFarObjects = 4;
+constexpr double kMuchSmaller = 0.25;
+
+// A few objects without which the scene would be much smaller, in words; empty where there are none.
+std::string farObjects(const Scene& scene) {
+  std::vector<std::pair<const SceneObject*, ExtentBox>> left;
+  for (const SceneObject& object : scene.objects) {
+    const Bounds bounds = objectBounds(scene, object);
+    left.push_back({&object, {bounds.min, bounds.max}});
+  }
+  const auto join = [](const ExtentBox& a, const ExtentBox& b) {
+    return ExtentBox{glm::min(a.low_m, b.low_m), glm::max(a.high_m, b.high_m)};
+  };
+  // a flat scene has a size, too
+  const auto sizeOf = [](const ExtentBox& box) {
+    const glm::dvec3 sides = box.high_m - box.low_m + 1.0;
+    return sides.x * sides.y * sides.z;
+  };
+  double whole = 0.0;
+  std::string names;
+  for (size_t count = 0; count <= kMostFarObjects && left.size() > 1; ++count) {
+    // boxes of all objects before each, and of all from each on
+    const ExtentBox nothing{glm::dvec3(HUGE_VAL), glm::dvec3(-HUGE_VAL)};
+    std::vector<ExtentBox> before(left.size() + 1, nothing), from(left.size() + 1, nothing);
+    for (size_t i = 0; i < left.size(); ++i) before[i + 1] = join(before[i], left[i].second);
+    for (size_t i = left.size(); i-- > 0;) from[i] = join(from[i + 1], left[i].second);
+    if (count == 0) whole = sizeOf(from[0]);
+    const glm::dvec3 sides = from[0].high_m - from[0].low_m;
+    if (count > 0 && sizeOf(from[0]) <= kMuchSmaller * whole)
+      return "without " + names + " " + numberText(sides.x) + " x " + numberText(sides.y) + " x " + numberText(sides.z) +
+             " m; a box named nlg_extent, or extent_m, says where probes are needed";
+    size_t furthest = 0;
+    const auto sizeWithout = [&](size_t i) { return sizeOf(join(before[i], from[i + 1])); };
+    for (size_t i = 1; i < left.size(); ++i) {
+      if (sizeWithout(i) < sizeWithout(furthest)) furthest = i;
+    }
+    names += (names.empty() ? "'" : ", '") + left[furthest].first->name.substr(0, 40) + "'";
+    left.erase(left.begin() + static_cast<ptrdiff_t>(furthest));
+  }
+  return "";
+}
+
 [[noreturn]] void refuse(const Scene& scene, const ExtentBox& box, double spacing_m, double probes, const NearbyTriangles& nearby,
                          const ProbePlacementOptions& options) {
   const double fitting = fittingSpacing(box, nearby, spacing_m, options.density_growth, options.max_probes);
@@ -175,16 +229,18 @@ double fittingSpacing(const ExtentBox& box, const NearbyTriangles& nearby, doubl
       "at most " + std::to_string(options.max_probes) + " probes" + (options.max_probes < kMaxTreeProbes ? " (max_probes)" : "") +
       (std::isfinite(fitting) ? ", which a finest spacing of " + numberText(1.001 * fitting) + " m keeps" : "");
   const glm::dvec3 side_m = box.high_m - box.low_m;
+  const std::string smaller = options.extent || scene.extent ? "" : farObjects(scene);
   throw UsageError(scene.id, expected,
                    (probes > 0.0 ? "about " + roughCountText(probes, "probe") + ": " : "") + "spacing " + numberText(spacing_m) +
-                       " m over " + numberText(side_m.x) + " x " + numberText(side_m.y) + " x " + numberText(side_m.z) + " m");
+                       " m over " + numberText(side_m.x) + " x " + numberText(side_m.y) + " x " + numberText(side_m.z) + " m" +
+                       (smaller.empty() ? "" : "; " + smaller));
 }
 
 // The estimate, where it is not far beyond the limit; a uniform tree's is no estimate.
 double acceptedEstimate(const Scene& scene, const ExtentBox& box, const Lattice& lattice, const NearbyTriangles& nearby,
-                        const ProbePlacementOptions& options) {
+                        const ProbePlacementOptions& options, PlacedSample* sample = nullptr) {
   const auto limit = static_cast<double>(options.max_probes);
-  const double probes = probesOn(lattice, nearby, options.density_growth);
+  const double probes = probesOn(lattice, nearby, options.density_growth, sample);
   const bool is_certain = options.density_growth == 0.0 && lattice.cellCount() > limit;
   if (is_certain || probes > kCertainlyMore * limit) refuse(scene, box, lattice.frame.spacing_m, probes, nearby, options);
   return probes;
@@ -243,15 +299,17 @@ ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options) 
   return box;
 }
 
-double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed) {
+double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, PlacedSample* sample) {
   checkOptions(options);
+  if (sample != nullptr) *sample = {};
   if (!hasExtent(scene, options)) return 0.0;
   const Draw draw = drawOf(options, seed);
   const ExtentBox box = extentToCover(scene, options, draw.spacing_m);
   const NearbyTriangles nearby(scene);
   const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
   if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
-  return acceptedEstimate(scene, box, *lattice, nearby, options);
+  if (sample != nullptr) sample->frame = lattice->frame;
+  return acceptedEstimate(scene, box, *lattice, nearby, options, sample);
 }
 
 ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed) {

@@ -33,7 +33,16 @@ ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options);
 // How many probes the tree below will have: by a few thousand places, without building it. Within some percent, and more where
 // geometry is a speck of the extent. 0 for a scene without extent.
 // throws   UsageError as placeProbes does; of max_probes, when it is far beyond them
-double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed);
+// sample   where some of them will stand, in proportion to how many there are of each spacing; overwritten. Null: nobody asks
+struct PlacedSample {
+  ProbeTreeFrame frame;
+  struct Probe {
+    glm::dvec3 position_m;  // relative to the scene's origin
+    float spacing_m;
+  };
+  std::vector<Probe> probes;
+};
+double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, PlacedSample* sample = nullptr);
 
 // The tree over the extent, its frame relative to the scene's origin. The finest spacing, and the shift of the lattice by up to
 // one root node (none with align_lattice), are drawn from seed; the tree is a pure function of (scene, options, seed), the same on every machine.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bake/bake_report.h"
+#include "tests/runtime_eval/sample_generator.h"
 #include "tests/scene/built_scenes.h"
 
 namespace nlg {
@@ -19,7 +20,7 @@ SceneSource groundOf(float side_m) {
 
 TEST(BakePlan, SaysSizeUnitProbesMemoryAndTimeInOneLine) {
   const SceneSource source = groundOf(20);
-  const BakePlan plan = planBake(source, {}, 2);
+  const BakePlan plan = planBake(source, {}, {}, 2);
   // 20 x 2.5 x 20 spacings, on a shifted lattice: 21 or 22 probes along the sides, 4 or 5 upwards
   EXPECT_GE(plan.probes, 21.0 * 4 * 21);
   EXPECT_LE(plan.probes, 22.0 * 5 * 22);
@@ -31,7 +32,7 @@ TEST(BakePlan, SaysSizeUnitProbesMemoryAndTimeInOneLine) {
 }
 
 TEST(BakePlan, SaysWhereTheMachineHasTooLittleMemory) {
-  BakePlan plan = planBake(groundOf(20), {}, 2);
+  BakePlan plan = planBake(groundOf(20), {}, {}, 2);
   EXPECT_GT(plan.machine_bytes, 1e8);
   EXPECT_EQ(toText(plan, 2).find("of this machine"), std::string::npos);
   plan.machine_bytes = 50e6;
@@ -42,31 +43,50 @@ TEST(BakePlan, TakesLessTimeWithoutLightAndOnMoreThreads) {
   const SceneSource source = groundOf(200);
   BakeOptions dark;
   dark.light = "none";
-  EXPECT_LT(planBake(source, dark, 1).seconds, planBake(source, {}, 1).seconds);
-  EXPECT_LT(planBake(source, {}, 4).seconds, 0.5 * planBake(source, {}, 1).seconds);
+  EXPECT_LT(planBake(source, dark, {}, 1).seconds, planBake(source, {}, {}, 1).seconds);
+  EXPECT_LT(planBake(source, {}, {}, 4).seconds, 0.5 * planBake(source, {}, {}, 1).seconds);
+}
+
+// A room with a slab in it: probes have functions, and these take a theta.
+TEST(BakePlan, SeesWhatFunctionsTake) {
+  SceneSource source;
+  source.scene = sceneOfMaterial(false);
+  addRoom(source.scene, {0, 0, 0}, {6, 2.5f, 6});
+  addBox(source.scene, {2, 0, 1}, {2.1f, 2, 5});
+  BakeOptions options;
+  options.light = "none";
+  options.spacing_m = 0.5;
+  std::vector<Generator> generators;
+  generators.emplace_back(sampleGenerator(Representation::tentMlp(0.01f), 32, 3, 1));
+  const double without = planBake(source, options, {}, 1).seconds;
+  const BakePlan plan = planBake(source, options, generators, 1);
+  // a function takes a tenth of a millisecond at the very least
+  EXPECT_GT(plan.seconds, without + 0.3e-4 * plan.probes);
+  options.policy.refine_rounds = options.policy.adam_steps = 0;
+  EXPECT_LT(planBake(source, options, generators, 1).seconds, plan.seconds) << "fits take most of it";
 }
 
 TEST(BakePlan, KeepsToTheExtentThatWasNamed) {
   SceneSource source = groundOf(20);
   source.scene.extent = ExtentBox{{0, 0, 0}, {4, 4, 4}};
-  EXPECT_EQ(planBake(source, {}, 1).extent_m, glm::dvec3(4));
+  EXPECT_EQ(planBake(source, {}, {}, 1).extent_m, glm::dvec3(4));
   BakeOptions options;
   options.extent_m = {"0", "0", "0", "7", "7", "7"};
-  EXPECT_EQ(planBake(source, options, 1).extent_m, glm::dvec3(7));
+  EXPECT_EQ(planBake(source, options, {}, 1).extent_m, glm::dvec3(7));
 }
 
 TEST(BakePlan, ReachesAsFarAsTheLampsOfAllLightSets) {
   SceneSource source = groundOf(20);
-  const double by_day_m = planBake(source, {}, 1).extent_m.y;
+  const double by_day_m = planBake(source, {}, {}, 1).extent_m.y;
   source.light_sets = {"day", "night"};
   source.lit_otherwise = {source.scene};
   Lamp lamp;
   lamp.position = {0, 9, 0};
   source.lit_otherwise[0].light.lamps.push_back(lamp);
-  const double with_night_m = planBake(source, {}, 1).extent_m.y;
+  const double with_night_m = planBake(source, {}, {}, 1).extent_m.y;
   EXPECT_GT(with_night_m, by_day_m + 4.0);
   std::swap(source.scene, source.lit_otherwise[0]);
-  EXPECT_EQ(planBake(source, {}, 1).extent_m.y, with_night_m);
+  EXPECT_EQ(planBake(source, {}, {}, 1).extent_m.y, with_night_m);
 }
 
 // A roof of 2.995 m, over cells that end at 3 m: half a centimetre of air, in which no place is found, would leave it dark.

@@ -373,6 +373,28 @@ TEST(ProbePlacement, RefusesByTheEstimateWhatIsFarTooMuch) {
       << "no spacing makes one probe of a scene";
 }
 
+// Two strays kilometres off on either side; the room by itself has a few hundred probes.
+TEST(ProbePlacement, NamesTheObjectsThatMakeASceneTooLarge) {
+  Scene scene = boxScene(glm::vec3(0), glm::vec3(8, 3, 6));
+  scene.objects = {{"room", 0, static_cast<uint32_t>(scene.triangles.size())}};
+  const auto addStray = [&](const char* name, float x) {
+    const auto first = static_cast<uint32_t>(scene.positions.size());
+    for (const glm::vec3 corner : {glm::vec3(x, 0, 0), glm::vec3(x + 1, 0, 0), glm::vec3(x, 0, 1)})
+      scene.positions.push_back(corner);
+    scene.objects.push_back({name, static_cast<uint32_t>(scene.triangles.size()), 1});
+    scene.triangles.push_back({first, first + 1, first + 2});
+    scene.triangle_material.push_back(0);
+  };
+  addStray("barrel", 3000.0f);
+  addStray("crate", -5000.0f);
+  ProbePlacementOptions options{.spacing_min_m = 0.5, .spacing_max_m = 0.5};
+  options.max_probes = 1000;
+  const std::string error = errorOf(scene, options);
+  EXPECT_NE(error.find("without 'crate', 'barrel' 8 x 3 x 6 m; a box named nlg_extent"), std::string::npos) << error;
+  options.extent = ExtentBox{glm::dvec3(0), glm::dvec3(500, 3, 6)};
+  EXPECT_EQ(errorOf(scene, options).find("crate"), std::string::npos) << "an extent that was asked for is nobody else's";
+}
+
 TEST(ProbePlacement, CoversWhatTheSceneNamesAndWhatIsInReach) {
   Scene scene = boxScene(glm::vec3(-2), glm::vec3(2));
   scene.origin_m = {100, 0, 0};

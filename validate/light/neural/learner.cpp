@@ -4,21 +4,15 @@
 #include <torch/utils.h>
 
 #include <cmath>
-#include <ctime>
 
 #include "tool/error.h"
+#include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
 
 constexpr float kFirstDecay = 0.9f, kSecondDecay = 0.99f, kTiny = 1e-15f;
 constexpr double kPi = 3.14159265358979323846;
-
-double processorSeconds() {
-  timespec time{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 class Adam {
  public:
@@ -58,7 +52,7 @@ class Adam {
 
 TrainingRecord train(Learner* learner, const TrainingOptions& options) {
   NLG_CHECK(options.check_steps, >=, 1);
-  const double start_s = processorSeconds();
+  const double start_s = threadSeconds();
   Adam adam(learner->parameters());
   Random random(options.seed);
   TrainingRecord record;
@@ -83,7 +77,7 @@ TrainingRecord train(Learner* learner, const TrainingOptions& options) {
   }
   const torch::NoGradGuard no_gradients;
   for (size_t t = 0; t < best.size(); ++t) learner->parameters()[t].copy_(best[t]);
-  record.processor_s = processorSeconds() - start_s;
+  record.processor_s = threadSeconds() - start_s;
   return record;
 }
 
