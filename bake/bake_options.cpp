@@ -19,7 +19,9 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.group("Generators");
   table.add("representation", &o.representation, "whose shipped weights to take where --weights names none");
   table.group("Probes");
-  table.add("spacing_m", &o.spacing_m, "finest distance between probes, metres", 1e-4, 1e5);
+  table.add("spacing_m", &o.spacing_m,
+            "finest distance between probes, metres. 0: chosen, half a metre where that takes few probes (docs/guide/bake.md)",
+            0.0, 1e5);
   table.add("density_growth", &o.density_growth,
             "how fast probes thin out: their distance from each other over that from the nearest triangle. 0: finest everywhere",
             0.0, 1e3);

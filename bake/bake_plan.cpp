@@ -86,15 +86,16 @@ std::string sidesText(const glm::dvec3& sides) { return fmt::format("{:.4g} x {:
 
 ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& options) {
   ProbePlacementOptions placement;
-  placement.spacing_min_m = placement.spacing_max_m = options.spacing_m;
   placement.density_growth = options.density_growth;
   placement.align_lattice = options.align_lattice;
   placement.max_probes = options.max_probes;
   placement.extent = extentFromNumbers(options.extent_m);
+  placement.spacing_min_m = placement.spacing_max_m =
+      options.spacing_m > 0.0 ? options.spacing_m : chooseSpacing(source.scene, placement).spacing_m;
   if (placement.extent || source.scene.extent) return placement;
   // as far as the lamps of all light sets
   for (const Scene* lit : litScenes(source)) {
-    const std::optional<ExtentBox> reach = reachBeyondBounds(*lit, kMarginShare * options.spacing_m);
+    const std::optional<ExtentBox> reach = reachBeyondBounds(*lit, kMarginShare * placement.spacing_min_m);
     if (!reach) continue;
     if (!placement.reach) placement.reach = reach;
     placement.reach->low_m = glm::min(placement.reach->low_m, reach->low_m);
@@ -113,7 +114,8 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, const s
   plan.scene_m = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
   const ExtentBox box = probeExtent(scene, placement);
   plan.extent_m = box.high_m - box.low_m;
-  plan.spacing_m = options.spacing_m;
+  plan.spacing_m = placement.spacing_min_m;
+  if (options.spacing_m == 0.0) plan.chosen = chooseSpacing(scene, placement);
   PlacedSample sample;
   plan.probes = estimateProbes(scene, placement, options.seed, &sample);
   plan.memory_bytes = kBaseBytes + kProbeBytes * plan.probes + kTriangleBytes * static_cast<double>(scene.triangles.size());
@@ -131,9 +133,14 @@ std::string toText(const BakePlan& plan, int thread_count) {
   if (glm::length(plan.extent_m - plan.scene_m) > 0.5 * plan.spacing_m) text += ", probes in " + sidesText(plan.extent_m);
   const std::string machine =
       plan.memory_bytes > plan.machine_bytes ? " (more than the " + bytesText(plan.machine_bytes) + " of this machine)" : "";
-  return text + fmt::format(", {:g} m apart: about {} before those without air are left out; about {}{}, roughly {} on {}\n",
-                            plan.spacing_m, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes), machine,
-                            durationText(plan.seconds), countText(static_cast<uint64_t>(thread_count), "thread"));
+  text += fmt::format(", {:.3g} m apart: about {} before those without air are left out; about {}{}, roughly {} on {}\n",
+                      plan.spacing_m, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes), machine,
+                      durationText(plan.seconds), countText(static_cast<uint64_t>(thread_count), "thread"));
+  if (!plan.chosen) return text;
+  const ChosenSpacing& chosen = *plan.chosen;
+  return text + fmt::format("spacing: {:.3g} m was chosen (--spacing-m); {:.3g} m would take about {}, {:.3g} m about {}\n",
+                            plan.spacing_m, chosen.finer_m, roughCountText(chosen.probes_of_finer, "probe"), chosen.coarser_m,
+                            roughCountText(chosen.probes_of_coarser, "probe"));
 }
 
 }  // namespace nlg

@@ -1,6 +1,7 @@
 // What a bake is going to be, before anything expensive: its first line.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct BakePlan {
   glm::dvec3 scene_m{0.0};   // sides of the scene
   glm::dvec3 extent_m{0.0};  // sides of what has probes
   double spacing_m = 0.0;
+  std::optional<ChosenSpacing> chosen;       // where nobody named a spacing
   double probes = 0.0;                       // estimated, before those without air are left out
   double machine_bytes = 0.0;                // of memory that this machine has
   double memory_bytes = 0.0, seconds = 0.0;  // rough: within a factor of two
@@ -31,6 +33,7 @@ struct BakePlan {
 BakePlan planBake(const SceneSource& source, const BakeOptions& options, const std::vector<Generator>& generators,
                   int thread_count);
 
+// A line; another one where the spacing was chosen.
 std::string toText(const BakePlan& plan, int thread_count);
 
 }  // namespace nlg

@@ -70,9 +70,9 @@ struct LitSet {
 };
 
 // Bounces between surfaces, once for all places of a set.
-void cacheSurfaces(const BakeScene& scene, double spacing_m, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
+void cacheSurfaces(const BakeScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
   for (LitSet& set : *sets) {
-    set.cache = makeSurfaceCache(set.transport, scene.air.places, spacing_m, set.options, threads);
+    set.cache = makeSurfaceCache(set.transport, scene.air.places, scene.tree.frame().spacing_m, set.options, threads);
     if (set.cache == nullptr) continue;
     statistics->cache_cells += set.cache->cellCount();
     statistics->cache_divided += set.cache->dividedCount();
@@ -168,8 +168,8 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   double error = options.thin_error;
   if (error == 0.0 && isWithin(lit)) return lit;
   const Progress progress("thinning");
-  const std::vector<glm::dvec3> beside =
-      placesBesideSurfaces(inputs.scene.rays, inputs.scene.air.places, options.spacing_m, options.seed, kBesideEvery);
+  const std::vector<glm::dvec3> beside = placesBesideSurfaces(inputs.scene.rays, inputs.scene.air.places,
+                                                              inputs.scene.tree.frame().spacing_m, options.seed, kBesideEvery);
   const ProbeLight whole = std::move(lit);
   std::vector<const std::vector<LightSh>*> light;
   addLights(whole.light, whole.groups, &light);
@@ -187,7 +187,8 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
       continue;
     }
     if (error == kMostThinError) {
-      throw UsageError("max_bytes", fmt::format("{} or more, or a spacing_m above {:g}", bytesNow(lit), options.spacing_m),
+      throw UsageError("max_bytes",
+                       fmt::format("{} or more, or a spacing_m above {:g}", bytesNow(lit), inputs.scene.tree.frame().spacing_m),
                        fmt::format("{:.0f}", options.max_bytes));
     }
     error = std::min(kMostThinError, std::max(kFirstError, kErrorGrowth * error));
@@ -270,7 +271,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.rays_per_place = static_cast<uint64_t>(light_options.place.rays);
 
   Clock::time_point start = Clock::now();
-  cacheSurfaces(scene, options.spacing_m, threads, &sets, &statistics);
+  cacheSurfaces(scene, threads, &sets, &statistics);
   statistics.cache_wall_s = secondsSince(start);
 
   start = Clock::now();

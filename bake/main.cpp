@@ -364,6 +364,7 @@ int main(int argc, char** argv) {
       "nlg-bake"};
   nlg::Request request;
   nlg::BakeOptions options;
+  options.spacing_m = 0.0;  // chosen by the scene
   nlg::OptionTable table("bake");
   nlg::describe(options, table);
   table.addNote(nlg::stagesHelp({}));

@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
       "nlg-view"};
   ViewRequest request;
   BakeOptions bake;
+  bake.spacing_m = 0.0;  // chosen by the scene
   OptionTable table("bake");
   describe(bake, table);
   table.addNote(stagesHelp({}));

@@ -396,7 +396,7 @@ Json makeView(ViewRequest request, BakeOptions options) {
     const double spacing_m = grid.tree.frame().spacing_m;
     // probes stand as far apart as the nearest float says
     const bool is_other = static_cast<float>(options.spacing_m) != static_cast<float>(spacing_m);
-    if (options.spacing_m != BakeOptions().spacing_m && is_other)
+    if (options.spacing_m != 0.0 && is_other)
       throw UsageError("spacing_m", fmt::format("with --grid, that of the grid: {:g}", spacing_m),
                        fmt::format("{:g}", options.spacing_m));
     options.spacing_m = spacing_m;

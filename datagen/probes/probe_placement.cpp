@@ -312,6 +312,32 @@ double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, 
   return acceptedEstimate(scene, box, *lattice, nearby, options, sample);
 }
 
+ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options) {
+  constexpr double kRoomSpacing = 0.5, kCellsOfSmall = 8.0, kOrdinary = 1.0;
+  ChosenSpacing chosen;
+  if (!hasExtent(scene, options)) return chosen;
+  const NearbyTriangles nearby(scene);
+  const glm::dvec3 sides = probeExtent(scene, options).high_m - probeExtent(scene, options).low_m;
+  const double largest = std::max({sides.x, sides.y, sides.z});
+  const auto probesAt = [&](double spacing_m) {
+    const auto lattice = latticeOver(extentToCover(scene, options, spacing_m), spacing_m, glm::dvec3(0.5), false);
+    return lattice ? probesOn(*lattice, nearby, options.density_growth) : HUGE_VAL;
+  };
+  const double finest = largest > 0.0 ? std::min(kRoomSpacing, largest / kCellsOfSmall) : kOrdinary;
+  const auto spacingAt = [&](int step) { return finest * std::exp2(0.5 * step); };
+  int step = 0;
+  double probes = probesAt(finest);
+  while (probes > (spacingAt(step) < kOrdinary ? kManyProbes : kMostChosenProbes)) {
+    // only its author knows what so large a scene is for: it is refused at a metre, with a hint
+    if (spacingAt(step) > largest) return chosen;
+    probes = probesAt(spacingAt(++step));
+  }
+  chosen.spacing_m = spacingAt(step), chosen.probes = probes;
+  chosen.finer_m = spacingAt(step - 1), chosen.probes_of_finer = probesAt(chosen.finer_m);
+  chosen.coarser_m = spacingAt(step + 1), chosen.probes_of_coarser = probesAt(chosen.coarser_m);
+  return chosen;
+}
+
 ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed) {
   checkOptions(options);
   ProbeTree tree;

@@ -44,6 +44,17 @@ struct PlacedSample {
 };
 double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, PlacedSample* sample = nullptr);
 
+// A finest spacing for who names none: half a metre, which rooms are well lit with, or the root of half where that takes more than
+// kManyProbes; else a metre, and more where that takes more than kMostChosenProbes. Finer for what is smaller than four metres.
+// options   but for their spacing
+struct ChosenSpacing {
+  double spacing_m = 1.0, probes = 0.0;             // as estimated
+  double coarser_m = 0.0, probes_of_coarser = 0.0;  // what the next coarser one would take
+  double finer_m = 0.0, probes_of_finer = 0.0;      // … and the next finer one
+};
+inline constexpr double kManyProbes = 12000, kMostChosenProbes = 200000;
+ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options);
+
 // The tree over the extent, its frame relative to the scene's origin. The finest spacing, and the shift of the lattice by up to
 // one root node (none with align_lattice), are drawn from seed; the tree is a pure function of (scene, options, seed), the same on every machine.
 //

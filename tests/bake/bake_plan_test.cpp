@@ -66,6 +66,16 @@ TEST(BakePlan, SeesWhatFunctionsTake) {
   EXPECT_LT(planBake(source, options, generators, 1).seconds, plan.seconds) << "fits take most of it";
 }
 
+TEST(BakePlan, SaysWhatSpacingItChose) {
+  BakeOptions options;
+  options.spacing_m = 0.0;
+  const BakePlan plan = planBake(groundOf(20), options, {}, 2);
+  EXPECT_EQ(plan.spacing_m, 0.5);
+  const std::string text = toText(plan, 2);
+  EXPECT_NE(text.find("\nspacing: 0.5 m was chosen (--spacing-m); 0.354 m would take about "), std::string::npos) << text;
+  EXPECT_EQ(toText(planBake(groundOf(20), {}, {}, 2), 2).find("chosen"), std::string::npos);
+}
+
 TEST(BakePlan, KeepsToTheExtentThatWasNamed) {
   SceneSource source = groundOf(20);
   source.scene.extent = ExtentBox{{0, 0, 0}, {4, 4, 4}};

@@ -31,8 +31,8 @@ class NLG_settings(PropertyGroup):
     )
     spacing_m: FloatProperty(
         name="Spacing",
-        description="Finest distance between probes, in metres",
-        default=1.0, min=0.01, soft_max=10.0, max=1000.0, precision=2, step=10,
+        description="Finest distance between probes, in metres. 0: half a metre in rooms, up to a metre in levels",
+        default=0.0, min=0.0, soft_max=10.0, max=1000.0, precision=2, step=10,
     )
     has_world: BoolProperty(
         name="World as sky",

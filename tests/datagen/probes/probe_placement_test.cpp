@@ -373,6 +373,33 @@ TEST(ProbePlacement, RefusesByTheEstimateWhatIsFarTooMuch) {
       << "no spacing makes one probe of a scene";
 }
 
+// A room is small enough for half a metre, a level is not, and a world not even for one.
+TEST(ProbePlacement, ChoosesASpacingByWhatItTakes) {
+  const ProbePlacementOptions options{.density_growth = 0.5};
+  const auto chosenFor = [&](const glm::vec3& sides) { return chooseSpacing(boxScene(glm::vec3(0), sides), options); };
+  const ChosenSpacing room = chosenFor({8, 3, 6}), tiny = chosenFor({0.8f, 0.3f, 0.6f}), world = chosenFor({3000, 30, 3000});
+  EXPECT_EQ(room.spacing_m, 0.5);
+  EXPECT_LE(room.probes, kManyProbes);
+  EXPECT_NEAR(room.finer_m, 0.354, 1e-3);
+  EXPECT_NEAR(room.coarser_m, 0.707, 1e-3);
+  EXPECT_GT(room.probes_of_finer, room.probes);
+  EXPECT_LT(room.probes_of_coarser, room.probes);
+  EXPECT_NEAR(tiny.spacing_m, 0.1, 1e-6);
+  EXPECT_GT(world.spacing_m, 1.0);
+  EXPECT_LE(world.probes, kMostChosenProbes);
+  EXPECT_GT(world.probes_of_finer, kMostChosenProbes);
+  // between them a metre, however many probes it takes up to there
+  double last = 0.0;
+  for (const float side : {10.0f, 20.0f, 40.0f, 80.0f, 160.0f, 320.0f}) {
+    const ChosenSpacing chosen = chosenFor({side, 6, side});
+    EXPECT_GE(chosen.spacing_m, last) << side;
+    EXPECT_TRUE(chosen.probes <= kManyProbes || chosen.spacing_m >= 1.0)
+        << side << ": " << chosen.spacing_m << " m, " << chosen.probes;
+    last = chosen.spacing_m;
+  }
+  EXPECT_EQ(chooseSpacing(Scene(), options).spacing_m, 1.0);
+}
+
 // Two strays kilometres off on either side; the room by itself has a few hundred probes.
 TEST(ProbePlacement, NamesTheObjectsThatMakeASceneTooLarge) {
   Scene scene = boxScene(glm::vec3(0), glm::vec3(8, 3, 6));
