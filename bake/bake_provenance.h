@@ -13,11 +13,11 @@
 
 namespace nlg {
 
-// Roles of inputs.
+// Roles of inputs. That of light has another name whenever the list of what the hashes are of becomes another one (scene/scene.cpp).
 inline constexpr const char* kWeightsRole = "weights of ";
-inline constexpr const char* kLightRole = "light of the scene";
-inline constexpr const char* kUngroupedRole = "light of the scene without its groups";  // of scenes that have any
-inline constexpr const char* kSearchedRole = "cells searched for air";                  // BakeScene::searched_sha256
+inline constexpr const char* kLightRole = "scene and light";
+inline constexpr const char* kUngroupedRole = "scene and light without groups";  // of scenes that have any
+inline constexpr const char* kSearchedRole = "cells searched for air";           // BakeScene::searched_sha256
 
 // The settings that what a grid holds depends on.
 nlohmann::ordered_json bakedOptions(const OptionTable& table);

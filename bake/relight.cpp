@@ -28,6 +28,8 @@ Json originOf(const std::string& path, const BakedGrid& baked) {
   Json origin = found == baked.metadata.end() ? Json() : Json::parse(found->second, nullptr, false);
   if (!origin.is_object() || !origin["options"].is_object() || !origin["inputs"].is_object())
     throw InputError(path, "provenance", "a grid that nlg-bake wrote", "a text that does not say what it was baked of");
+  if (!origin["inputs"].contains(kLightRole))
+    throw InputError(path, "provenance", "a grid of this version of nlg-bake: bake it again", "one of another version");
   return origin;
 }
 
@@ -101,13 +103,17 @@ std::vector<std::string> changesSince(const std::string& path, const BakedGrid& 
                                       const OptionTable& table, const std::map<std::string, std::string>& weights) {
   const Json origin = originOf(path, baked);
   std::vector<std::string> changes;
-  if (!sameGeometry(source, baked, origin)) changes.push_back("geometry changed");
+  const bool is_same = sameGeometry(source, baked, origin);
+  if (!is_same) changes.push_back("geometry changed");
   // the hash of light holds geometry, too
   const std::string light = origin["inputs"].value(kLightRole, std::string());
-  if (changes.empty() && light != lightSha256(source)) {
+  if (is_same && light != lightSha256(source)) {
     const std::string ungrouped = origin["inputs"].value(kUngroupedRole, light);
     changes.push_back(ungrouped == ungroupedLightSha256(source) ? kGroupsChanged : kLightChanged);
   }
+  // the grid holds its name
+  if (const auto id = baked.metadata.find("scene"); is_same && (id == baked.metadata.end() || id->second != source.id))
+    changes.push_back("the scene's name changed to " + source.id);
   forEachChange(table, origin, [&](const std::string& name, const std::string& before, const std::string& now) {
     // the instructions of another machine are no change of mind
     if (name != "simd") changes.push_back("setting changed: " + name + " from " + before + " to " + now);

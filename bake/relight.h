@@ -41,7 +41,7 @@ inline constexpr const char* kLightChanged = "light changed";
 inline constexpr const char* kGroupsChanged = "groups of light changed";  // and nothing else of it
 
 // What has changed since a grid was baked, a line each: "geometry changed", kLightChanged, kGroupsChanged,
-// "setting changed: spacing_m from 1.0 to 0.5", "weights changed". None: a bake would make the same grid, but for what another revision of
+// "the scene's name changed to hall", "setting changed: spacing_m from 1.0 to 0.5", "weights changed". None: a bake would make the same grid, but for what another revision of
 // the bake, or another machine's instructions, do otherwise, and for where light moves probes to (standsWhere).
 //
 // weights   SHA-256 by role, those that a bake would take now

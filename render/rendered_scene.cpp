@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bake/bake_provenance.h"
 #include "bake/default_weights.h"
 #include "bake/load_generators.h"
 #include "bake/scene_bake.h"
@@ -92,7 +93,7 @@ BakedAs bakedAs(const GridMetadata& metadata) {
   };
   const auto text = [](const Json& value) { return value.is_string() ? value.get<std::string>() : std::string(); };
   const Json spacing = at("/options/spacing_m");
-  return {textOf("scene"), text(at("/options/light_direct")), text(at("/inputs/light of the scene")),
+  return {textOf("scene"), text(at("/options/light_direct")), text(at((std::string("/inputs/") + kLightRole).c_str())),
           spacing.is_number() ? spacing.get<double>() : 0.0};
 }
 

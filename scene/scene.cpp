@@ -57,52 +57,85 @@ void dropFlatTriangles(Scene& scene) {
   scene.objects = std::move(objects);
 }
 
-class HashedBytes {
+// What a part of a scene has a say in: functions, and so light, which is made by them; or light alone.
+enum class Of : uint8_t { functions, light };
+
+// SHA-256 of the parts that have a say in what is asked for. Lists and texts go in with their lengths: other parts are other bytes.
+class PartsHash {
  public:
-  template <class Value>
-  void add(const Value& value) {
-    static_assert(std::is_trivially_copyable_v<Value>);
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(Value));
+  explicit PartsHash(Of asked) : asked_(asked) {}
+  template <class... Values>
+  void add(Of of, const Values&... values) {
+    if (of <= asked_) (addOne(values), ...);
   }
-  template <class Value>
-  void addAll(const std::vector<Value>& values) {
-    static_assert(std::is_trivially_copyable_v<Value>);
-    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
-  }
-  template <class Value>
-  void addCounted(const std::vector<Value>& values) {
-    add<uint64_t>(values.size());
-    addAll(values);
-  }
-  void addText(const std::string& text) { bytes_ += text; }
   std::string hash() const { return sha256(bytes_); }
 
  private:
+  template <class Value>
+  void addOne(const Value& value) {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  template <class Value>
+  void addOne(const std::vector<Value>& values) {
+    addOne(uint64_t{values.size()});
+    if constexpr (std::is_trivially_copyable_v<Value>) {
+      bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
+    } else {
+      for (const Value& value : values) addOne(value);
+    }
+  }
+  void addOne(const std::string& text) { addOne(std::vector<char>(text.begin(), text.end())); }
+
+  Of asked_;
   std::string bytes_;
 };
 
-// Images, vertices' colours and veils: nothing for a scene that has none.
-void addLooks(const Scene& scene, HashedBytes& bytes) {
-  const bool has_veils = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                     [](const Material& material) { return material.veil != Veil::none; });
-  if (scene.images.empty() && scene.vertex_colours.empty() && !has_veils) return;
-  for (const TextureImage& image : scene.images) {
-    bytes.add(image.width);
-    bytes.addCounted(image.texels);
+// ---- The one list of what a bake depends on. Members are bound by name: one that is new does not compile until it is told here what it
+// has a say in. Those that are not added have none.
+
+void addParts(const Material& material, PartsHash* parts) {
+  const auto& [base_color, emissive, double_sided, veil, opacity, transmission, base, shining, transmitting, label] = material;
+  parts->add(Of::light, base_color, emissive, double_sided, veil, opacity, transmission);
+  for (const TextureUse& use : {base, shining, transmitting}) {
+    const auto& [image, wrap_u, wrap_v] = use;
+    parts->add(Of::light, image, wrap_u, wrap_v);
   }
-  for (const Material& material : scene.materials) {
-    bytes.add(material.opacity);
-    bytes.add(material.transmission);
-    for (const TextureUse* use : {&material.base_image, &material.emissive_image, &material.transmission_image}) {
-      bytes.add(use->image);
-      bytes.add(use->wrap_u);
-      bytes.add(use->wrap_v);
-    }
-  }
-  bytes.addCounted(scene.triangle_material);
-  bytes.addCounted(scene.base_places);
-  bytes.addCounted(scene.emissive_places);
-  bytes.addCounted(scene.vertex_colours);
+}
+
+// groups   those that the lights are in
+void addParts(const SceneLight& light, const LightGroups& groups, PartsHash* parts) {
+  const auto& [writer, sky, lamps, suns, lamp_labels, sun_labels, own_groups, sky_faces, baked, quake_grid] = light;
+  const auto& [sky_positions, sky_triangles, shine] = sky_faces;
+  // whether a place is in solid
+  parts->add(Of::functions, sky_positions, sky_triangles);
+  static_assert(sizeof(Lamp) == 12 * sizeof(float) && sizeof(Sun) == 7 * sizeof(float), "nothing between members");
+  parts->add(Of::light, lamps, suns, shine);
+  const auto& [zenith, horizon, ground, image] = sky;
+  const auto& [width, height, texels] = image;
+  parts->add(Of::light, zenith, horizon, ground, width, height, texels);
+  const auto& [page_side, page_texels, triangle_page, vertex_place, vertex_light, ambient] = baked;
+  parts->add(Of::light, page_side, page_texels, triangle_page, vertex_place, vertex_light, ambient);
+  const auto& [names, of_lamp, of_sun, of_material, of_sky, of_shine, of_baked] = groups;
+  if (!names.empty()) parts->add(Of::light, names, of_lamp, of_sun, of_material, of_sky, of_shine, of_baked);
+}
+
+std::string sha256Of(const Scene& scene, const LightGroups& groups, Of asked) {
+  const auto& [id, origin_m, positions, triangles, triangle_material, materials, images, base_places, emissive_places,
+               vertex_colours, objects, dropped_count, light, viewpoints, cavity_m, extent] = scene;
+  PartsHash parts(asked);
+  parts.add(Of::functions, origin_m, positions, triangles, extent.has_value());
+  // of cavity_m the file says nothing: it is a setting, limited by sides
+  if (extent) parts.add(Of::functions, extent->low_m, extent->high_m);
+  for (const uint32_t material : triangle_material)
+    parts.add(Of::functions, materials[material].double_sided, materials[material].veil);
+  for (const auto& [name, first_triangle, triangle_count, movable] : objects)
+    parts.add(Of::functions, first_triangle, triangle_count, movable);
+  for (const Material& material : materials) addParts(material, &parts);
+  for (const auto& [width, height, texels] : images) parts.add(Of::light, width, height, texels);
+  parts.add(Of::light, triangle_material, base_places, emissive_places, vertex_colours);
+  addParts(light, groups, &parts);
+  return parts.hash();
 }
 
 // Sorts triangles of one object by component, components by their first triangle, and appends an object for each.
@@ -196,26 +229,7 @@ std::vector<glm::vec3> relativeTo(const glm::dvec3& origin_m, const std::vector<
   return positions;
 }
 
-std::string sceneSha256(const Scene& scene) {
-  HashedBytes bytes;
-  bytes.add(scene.origin_m);
-  bytes.addAll(scene.positions);
-  bytes.addAll(scene.triangles);
-  for (const uint32_t material : scene.triangle_material) {
-    const Material& m = scene.materials[material];
-    bytes.add<char>(static_cast<char>((m.double_sided ? 1 : 0) + 2 * static_cast<int>(m.veil)));
-  }
-  for (const SceneObject& object : scene.objects) {
-    bytes.add(object.first_triangle);
-    bytes.add(object.triangle_count);
-    bytes.add<char>(object.movable ? 1 : 0);
-  }
-  if (scene.extent) {
-    bytes.add(scene.extent->low_m);
-    bytes.add(scene.extent->high_m);
-  }
-  return bytes.hash();
-}
+std::string sceneSha256(const Scene& scene) { return sha256Of(scene, {}, Of::functions); }
 
 std::string geometryDifference(const Scene& scene, const Scene& other) {
   const auto counted = [](size_t count, const char* what, size_t not_count) {
@@ -251,39 +265,7 @@ std::string geometryDifference(const Scene& scene, const Scene& other) {
 
 std::string sceneLightSha256(const Scene& scene) { return sceneLightSha256(scene, scene.light.groups); }
 
-std::string sceneLightSha256(const Scene& scene, const LightGroups& groups) {
-  HashedBytes bytes;
-  bytes.addText(sceneSha256(scene));
-  for (const uint32_t material : scene.triangle_material) {
-    bytes.add(scene.materials[material].base_color);
-    bytes.add(scene.materials[material].emissive);
-  }
-  addLooks(scene, bytes);
-  const SceneLight& light = scene.light;
-  bytes.add(light.sky.zenith);
-  bytes.add(light.sky.horizon);
-  bytes.add(light.sky.ground);
-  if (!light.sky.image.empty()) {
-    bytes.add(light.sky.image.width);
-    bytes.addCounted(light.sky.image.texels);
-  }
-  if (!groups.names.empty()) {
-    for (const std::string& group : groups.names) bytes.addText(group);
-    for (const std::vector<uint8_t>* of_lights : {&groups.of_lamp, &groups.of_sun, &groups.of_material})
-      bytes.addCounted(*of_lights);
-  }
-  bytes.addCounted(light.lamps);
-  bytes.addCounted(light.suns);
-  bytes.addCounted(light.sky_faces.positions);
-  bytes.addCounted(light.sky_faces.triangles);
-  bytes.addCounted(light.sky_faces.shine);
-  bytes.add(light.baked.page_side);
-  bytes.addCounted(light.baked.texels);
-  bytes.addCounted(light.baked.triangle_page);
-  bytes.addCounted(light.baked.vertex_place);
-  bytes.addCounted(light.baked.vertex_light);
-  return bytes.hash();
-}
+std::string sceneLightSha256(const Scene& scene, const LightGroups& groups) { return sha256Of(scene, groups, Of::light); }
 
 void splitConnectedComponents(Scene& scene, double structure_share) {
   const double limit = structure_share * largestSide(geometryBounds(scene));

@@ -85,7 +85,7 @@ Bounds objectBounds(const Scene& scene, const SceneObject& object);
 Bounds sceneBounds(const Scene& scene);
 
 // SHA-256 of what weighting functions can depend on, as it was read from whatever files: positions, triangles, which of them are
-// double-sided, objects, and the origin. Neither colours nor light count.
+// double-sided or let light through, faces of sky, objects, nlg_extent and the origin. Neither colours nor light count.
 std::string sceneSha256(const Scene& scene);
 // What of two scenes differs that weighting functions, or the ends of rays, can depend on, in words: "1,200 triangles, not 1,212". Empty
 // where nothing does.

@@ -101,6 +101,12 @@ TEST(Relight, RefusesWhatFunctionsAreNotOf) {
   BakedGrid nameless = baked;
   nameless.metadata.erase("provenance");
   EXPECT_NE(refusalOf("house:3", settings, nameless).find("nlg-bake wrote"), std::string::npos);
+  // of before the list of what hashes are of became another one
+  BakedGrid old = baked;
+  std::string& origin = old.metadata.at("provenance");
+  origin.replace(origin.find(kLightRole), std::string(kLightRole).size(), "light of the scene");
+  EXPECT_NE(refusalOf("house:3", settings, old).find("another version"), std::string::npos)
+      << refusalOf("house:3", settings, old);
 }
 
 TEST(ChangesSince, NameWhatABakeWouldDoOtherwise) {
