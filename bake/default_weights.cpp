@@ -7,6 +7,7 @@
 
 #include "runtime_eval/evaluator/representation.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 
 namespace nlg {
 namespace {
@@ -40,6 +41,7 @@ std::vector<std::string> shippedWeights(const std::vector<std::string>& represen
     for (const std::string& name : names) {
       const std::string path = (fs::path(folder) / name).string();
       std::error_code error;
+      noteInput(path);
       (fs::is_regular_file(path, error) ? found : missing).push_back(path);
     }
     if (missing.empty()) return found;

@@ -12,6 +12,7 @@ LoadedGenerators loadGenerators(const std::vector<std::string>& paths) {
   OneFileEach given("--weights", "representation");
   for (const std::string& path : paths) {
     Generator generator;
+    noteInput(path);
     requireRead(path, Generator::load(path, &generator), "the weights of a generator");
     given.add(path, representationName(generator.representation()));
     const int parameters = generator.representation().thetaCount();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <mutex>
 #include <utility>
 
@@ -226,11 +225,10 @@ std::vector<std::string> unreadImageNotes(const LoadedImages& loaded) {
 
 ImageBytes imageBeside(const std::string& scene_path, const std::string& name, SceneBudget& bytes_left) {
   ImageBytes bytes;
-  std::error_code error;
   std::string file;
   if (name.empty()) {
     bytes.problem = "lies in another place and is not opened";
-  } else if (std::filesystem::status(folderOf(scene_path) + "/" + name, error).type() == std::filesystem::file_type::not_found) {
+  } else if (isMissingBeside(scene_path, name)) {
     bytes.problem = "is not there";
   }
   if (!bytes.problem.empty()) return bytes;

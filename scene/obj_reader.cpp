@@ -37,10 +37,7 @@ ObjLibrary librariesBeside(const std::string& path, SceneBudget& bytes_left) {
     ObjLibraryFile file;
     const bool is_beside = !isElsewhere(name);
     if (!is_beside) file.problem = "is a path of another place: not opened";
-    std::error_code error;
-    const bool is_missing =
-        std::filesystem::status(folderOf(path) + "/" + name, error).type() == std::filesystem::file_type::not_found;
-    if (is_beside && is_missing) file.problem = "is not there";
+    if (is_beside && isMissingBeside(path, name)) file.problem = "is not there";
     if (!file.problem.empty()) return file;
     file.path = fileBeside(path, name, placeOf(name));
     // by whatever name it goes

@@ -73,6 +73,7 @@ std::string extensionOf(const std::string& path) { return lowerCase(fs::path(pat
 
 std::vector<std::string> archiveFiles(const std::string& path, const std::string& extension) {
   std::error_code error;
+  noteInput(path);  // a folder may get another archive
   if (!fs::is_directory(path, error)) return {path};
   std::vector<std::string> files;
   for (fs::directory_iterator i(path, error), end; !error && i != end; i.increment(error)) {

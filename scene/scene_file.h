@@ -18,6 +18,9 @@ std::vector<unsigned char> readSceneFile(const std::string& path, const std::str
 // The folder that a scene's file lies in; ".", when its path names none.
 std::string folderOf(const std::string& path);
 
+// Whether nothing is there by a name that fileBeside takes. Noted as an input: it may come yet.
+bool isMissingBeside(const std::string& scene_path, const std::string& name);
+
 // The path of a file that a scene names, if it lies in the scene's folder or below when all links are followed.
 // scene_path   the scene's file; name: relative to its folder; place: for errors
 // throws       InputError naming scene and place on a link out of the folder, and on what is no regular file

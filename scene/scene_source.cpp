@@ -20,6 +20,7 @@
 #include "scene/scene_size.h"
 #include "scene/surface_look.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 #include "tool/printable.h"
 
 namespace nlg {
@@ -34,6 +35,7 @@ size_t archiveColon(const std::string& request) {
   std::error_code error;
   if (colon == std::string::npos || fs::is_regular_file(request, error)) return std::string::npos;
   const std::string path = request.substr(0, colon);
+  noteInput(path);
   const bool is_archive = extensionOf(path) == ".pk3" || fs::is_directory(path, error);
   return is_archive ? colon : std::string::npos;
 }

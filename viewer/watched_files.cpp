@@ -6,11 +6,12 @@
 
 namespace nlg {
 
+// By when it came to be what it is here (ctime): a copy may keep the time of what it was made of.
 WatchedFiles::Stamp WatchedFiles::stampOf(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return {};
   return {status.st_dev, status.st_ino, static_cast<uint64_t>(status.st_size),
-          int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
+          int64_t{status.st_ctim.tv_sec} * 1'000'000'000 + status.st_ctim.tv_nsec};
 }
 
 void WatchedFiles::watch(const std::vector<std::string>& paths, int64_t since_ns) {
