@@ -178,22 +178,20 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   if (error > 0.0) thinner.thinTo(error);
   // light that is solved for anew takes about as many bytes a probe: it is made when those would do
   lit = whole;
-  for (bool is_solved = false;;) {
-    const bool is_within = isWithin(lit);
-    if (is_within && is_solved) break;
-    if (is_within) {
+  for (;;) {
+    if (isWithin(lit) || error == kMostThinError) {
       lit = inputs.solve();
-      is_solved = true;
-      continue;
+      if (isWithin(lit)) break;
     }
     if (error == kMostThinError) {
+      // a size that is taken: the file names it, and other digits are some bytes more or less
+      const size_t least = (bytesNow(lit) + 32 + 99) / 100 * 100;
       throw UsageError("max_bytes",
-                       fmt::format("{} or more, or a spacing_m above {:g}", bytesNow(lit), inputs.scene.tree.frame().spacing_m),
+                       fmt::format("{} or more, or a spacing_m above {:g}", least, inputs.scene.tree.frame().spacing_m),
                        fmt::format("{:.0f}", options.max_bytes));
     }
     error = std::min(kMostThinError, std::max(kFirstError, kErrorGrowth * error));
     thinner.thinTo(error);
-    is_solved = false;
   }
   statistics->functions_whole = grid->functionCount();
   grid->dropUnusedFunctions();
