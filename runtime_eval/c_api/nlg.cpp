@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <string>
 #include <string_view>
@@ -148,6 +149,11 @@ nlg_made madeOf(const nlg::MadeTheta& made, const nlg::CheckOptions& options) {
           record.elapsedUs(nlg::ThetaWord::stored)};
 }
 
+template <class... Pointers>
+bool isAnyNull(const Pointers*... pointers) {
+  return (... || (pointers == nullptr));
+}
+
 nlg_status refuseArgument(std::string_view what, char* detail, size_t detail_size) {
   fillDetail(what, detail, detail_size);
   return NLG_INVALID_ARGUMENT;
@@ -209,19 +215,21 @@ nlg_status nlg_generator_load_bytes(const void* bytes, size_t byte_count, nlg_ge
 void nlg_generator_free(nlg_generator* generator) { delete generator; }
 
 const char* nlg_representation_name(const nlg_generator* generator) {
-  return nlg::representationName(generator->generator.representation());
+  return generator == nullptr ? nullptr : nlg::representationName(generator->generator.representation());
 }
 
-float nlg_representation_slope(const nlg_generator* generator) { return generator->generator.representation().slope; }
+float nlg_representation_slope(const nlg_generator* generator) {
+  return generator == nullptr ? 0.0f : generator->generator.representation().slope;
+}
 
 size_t nlg_theta_count(const nlg_generator* generator) {
-  return static_cast<size_t>(generator->generator.representation().thetaCount());
+  return generator == nullptr ? 0 : static_cast<size_t>(generator->generator.representation().thetaCount());
 }
 
-const float* nlg_theta0(const nlg_generator* generator) { return generator->generator.theta0(); }
+const float* nlg_theta0(const nlg_generator* generator) { return generator == nullptr ? nullptr : generator->generator.theta0(); }
 
 nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash) {
-  if (points_xyz == nullptr || pattern_hash == nullptr) return NLG_INVALID_ARGUMENT;
+  if (isAnyNull(points_xyz, pattern_hash)) return NLG_INVALID_ARGUMENT;
   return withMemory([&] {
     const nlg::SupportPattern& pattern = nlg::supportPattern();
     *points_xyz = pattern.points.front().data();
@@ -259,11 +267,13 @@ nlg_status nlg_scratch_create(const nlg_generator* generator, const nlg_policy_o
 void nlg_scratch_free(nlg_scratch* scratch) { delete scratch; }
 
 void nlg_generate(const nlg_generator* generator, const uint8_t* phi, size_t count, float* theta, nlg_scratch* scratch) {
+  if (isAnyNull(generator, phi, theta, scratch)) return;
   generateAll(generator->generator, phi, count, theta, &scratch->generator);
 }
 
 void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t count, const float* x, const float* y,
                   const float* z, float* values, nlg_scratch* scratch) {
+  if (isAnyNull(generator, theta, x, y, z, values, scratch)) return;
   for (size_t first = 0; first < count; first += kPointsAtOnce) {
     const size_t piece = std::min(kPointsAtOnce, count - first);
     evaluatePiece(generator->generator.representation(), theta, piece, x + first, y + first, z + first, values + first, scratch);
@@ -272,6 +282,8 @@ void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t cou
 
 nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const uint8_t* blend_sum,
                           const float* theta, nlg_scratch* scratch) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (isAnyNull(generator, phi, validity, theta, scratch)) return {kNone, kNone, kNone, kNone, 0};
   const nlg::CheckOptions& check = scratch->policy.options().check();
   const nlg::StoredFunction function{phi, validity, nullptr, blend_sum};
   return checkOf(scratch->checker.check(generator->generator.representation(), function, theta, check), check);
@@ -279,8 +291,8 @@ nlg_check nlg_check_theta(const nlg_generator* generator, const uint8_t* phi, co
 
 nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, const uint8_t* blend_sum,
                           size_t count, float* theta, nlg_made* made, nlg_scratch* scratch) {
-  if (generator == nullptr || scratch == nullptr || scratch->of != &generator->generator) return NLG_INVALID_ARGUMENT;
-  if (count > 0 && (phi == nullptr || validity == nullptr || theta == nullptr)) return NLG_INVALID_ARGUMENT;
+  if (isAnyNull(generator, scratch) || scratch->of != &generator->generator) return NLG_INVALID_ARGUMENT;
+  if (count > 0 && isAnyNull(phi, validity, theta)) return NLG_INVALID_ARGUMENT;
   const auto theta_count = static_cast<size_t>(generator->generator.representation().thetaCount());
   return withMemory([&] {
     std::vector<nlg::StoredFunction> functions;
@@ -323,18 +335,20 @@ nlg_status nlg_light_grid_load_bytes(const void* bytes, size_t byte_count, nlg_l
 
 void nlg_light_grid_free(nlg_light_grid* grid) { delete grid; }
 
-size_t nlg_light_grid_probe_count(const nlg_light_grid* grid) { return grid->grid.tree.probeCount(); }
+size_t nlg_light_grid_probe_count(const nlg_light_grid* grid) { return grid == nullptr ? 0 : grid->grid.tree.probeCount(); }
 
-int nlg_light_grid_has_light(const nlg_light_grid* grid) { return grid->grid.light.empty() ? 0 : 1; }
+int nlg_light_grid_has_light(const nlg_light_grid* grid) { return grid == nullptr || grid->grid.light.empty() ? 0 : 1; }
 
-size_t nlg_light_grid_group_count(const nlg_light_grid* grid) { return grid->grid.groups.size(); }
+size_t nlg_light_grid_group_count(const nlg_light_grid* grid) { return grid == nullptr ? 0 : grid->grid.groups.size(); }
 
 const char* nlg_light_grid_group_name(const nlg_light_grid* grid, size_t group) {
-  return group < grid->grid.groups.size() ? grid->grid.groups[group].name.c_str() : nullptr;
+  return group < nlg_light_grid_group_count(grid) ? grid->grid.groups[group].name.c_str() : nullptr;
 }
 
 nlg_status nlg_light_grid_mix(nlg_light_grid* grid, const float* colours) {
+  if (grid == nullptr) return NLG_INVALID_ARGUMENT;
   if (grid->grid.groups.empty()) return NLG_OK;
+  if (colours == nullptr) return NLG_INVALID_ARGUMENT;
   return withMemory([&] {
     std::vector<std::array<float, 3>> of_groups(grid->grid.groups.size());
     for (size_t g = 0; g < of_groups.size(); ++g) std::copy_n(&colours[3 * g], 3, of_groups[g].begin());
@@ -343,6 +357,7 @@ nlg_status nlg_light_grid_mix(nlg_light_grid* grid, const float* colours) {
 }
 
 nlg_light_status nlg_irradiance(const nlg_light_grid* grid, const double* position_m, const float* normal, float* rgb) {
+  if (isAnyNull(grid, position_m, normal, rgb)) return NLG_OUTSIDE;
   const nlg::PositionM position{position_m[0], position_m[1], position_m[2]};
   return static_cast<nlg_light_status>(nlg::lookUpIrradiance(grid->grid, position, normal, rgb));
 }
@@ -361,6 +376,7 @@ void nlg_look_up_scratch_free(nlg_look_up_scratch* scratch) { delete scratch; }
 
 void nlg_irradiances(const nlg_light_grid* grid, const double* positions_m, const float* normals, size_t count, float* rgb,
                      uint8_t* status, nlg_look_up_scratch* scratch) {
+  if (isAnyNull(grid, positions_m, normals, rgb, status, scratch)) return;
   nlg::lookUpIrradiances(grid->grid, reinterpret_cast<const nlg::PositionM*>(positions_m), normals, count, rgb,
                          reinterpret_cast<nlg::LightStatus*>(status), &scratch->scratch);
 }

@@ -9,8 +9,9 @@
  * Memory    nlg_generate, nlg_evaluate, nlg_check_theta and both look-ups allocate nothing and cannot fail: all they need
  *           comes with the generator or grid and the scratch. nlg_make_theta allocates. Every handle is freed by its own
  *           function; a null handle may be freed.
- * Pointers  Never null, except where it is said. Arrays have no alignment to keep. What returns a status answers a null pointer with
- *           NLG_INVALID_ARGUMENT; what cannot fail does not look.
+ * Pointers  Never null, except where it is said. Arrays have no alignment to keep. Every function looks: what returns a status answers a
+ *           null pointer with NLG_INVALID_ARGUMENT, what returns a count, a text or a pointer with 0 or null, nlg_check_theta with NaN and
+ *           a 0 for passes, nlg_irradiance with NLG_OUTSIDE; the others then write nothing.
  */
 #ifndef NLG_C_API_NLG_H_
 #define NLG_C_API_NLG_H_
@@ -205,7 +206,7 @@ const char* nlg_light_grid_group_name(const nlg_light_grid* grid, size_t group);
  * with, but for light sets after the first, which are 0. About 30 multiply-adds a probe and group. No other thread may look up in this
  * grid meanwhile.
  *
- * colours   3 floats a group, red, green and blue, linear, finite
+ * colours   3 floats a group, red, green and blue, linear, finite; may be null where there are no groups
  * returns   NLG_OK; NLG_OUT_OF_MEMORY; or NLG_INVALID_ARGUMENT where light would be beyond 2^30, and it stays as it was */
 nlg_status nlg_light_grid_mix(nlg_light_grid* grid, const float* colours);
 

@@ -311,6 +311,67 @@ TEST(CApi, AnswersArgumentsThatAreNoneWithAStatus) {
   nlg_scratch_free(nullptr);
 }
 
+TEST(CApi, LooksAtEveryPointer) {
+  EXPECT_EQ(nlg_representation_name(nullptr), nullptr);
+  EXPECT_EQ(nlg_representation_slope(nullptr), 0.0f);
+  EXPECT_EQ(nlg_theta_count(nullptr), 0u);
+  EXPECT_EQ(nlg_theta0(nullptr), nullptr);
+  EXPECT_EQ(nlg_light_grid_probe_count(nullptr), 0u);
+  EXPECT_EQ(nlg_light_grid_has_light(nullptr), 0);
+  EXPECT_EQ(nlg_light_grid_group_count(nullptr), 0u);
+  EXPECT_EQ(nlg_light_grid_group_name(nullptr, 0), nullptr);
+  LightGrid lit = litGrid(smallTree(), 1);
+  lit.groups = {{"a", lit.light}, {"b", std::vector<float>(lit.light.size(), 0.0f)}};
+  std::string bytes;
+  ASSERT_TRUE(serializeLightGrid(lit, {}, {}, &bytes).ok());
+  nlg_light_grid* grid = nullptr;
+  nlg_look_up_scratch* look_up = nullptr;
+  ASSERT_EQ(nlg_light_grid_load_bytes(bytes.data(), bytes.size(), &grid, nullptr, 0), NLG_OK);
+  ASSERT_EQ(nlg_look_up_scratch_create(&look_up), NLG_OK);
+  const float colours[6] = {1, 1, 1, 1, 1, 1};
+  EXPECT_EQ(nlg_light_grid_mix(nullptr, colours), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_light_grid_mix(grid, nullptr), NLG_INVALID_ARGUMENT);
+  EXPECT_EQ(nlg_light_grid_mix(grid, colours), NLG_OK);
+  // one pointer after another is null: each call is a bit of `missing`
+  const auto here = [](unsigned missing, unsigned bit, auto* pointer) { return missing >> bit & 1 ? nullptr : pointer; };
+  const double position[3] = {0, 1e4, 1};
+  const float normal[3] = {0, 1, 0};
+  const Loaded loaded(sampleData());
+  const EngineFunctions functions(1);
+  for (unsigned bit = 0; bit < 7; ++bit) {
+    const unsigned missing = 1u << bit;
+    float rgb[3] = {-7, -7, -7};
+    uint8_t status = 9;
+    if (bit < 4) {
+      EXPECT_EQ(
+          nlg_irradiance(here(missing, 0, grid), here(missing, 1, position), here(missing, 2, normal), here(missing, 3, rgb)),
+          NLG_OUTSIDE);
+    }
+    if (bit < 6)
+      nlg_irradiances(here(missing, 0, grid), here(missing, 1, position), here(missing, 2, normal), 1, here(missing, 3, rgb),
+                      here(missing, 4, &status), here(missing, 5, look_up));
+    EXPECT_EQ(rgb[0], -7.0f) << bit;
+    EXPECT_EQ(status, 9) << bit;
+    std::vector<float> theta(nlg_theta_count(loaded.generator), -7.0f);
+    if (bit < 4)
+      nlg_generate(here(missing, 0, loaded.generator), here(missing, 1, functions.phi.data()), 1, here(missing, 2, theta.data()),
+                   here(missing, 3, loaded.scratch));
+    EXPECT_EQ(theta[0], -7.0f) << bit;
+    float value = -7.0f;
+    const float x = 0.5f;
+    nlg_evaluate(here(missing, 0, loaded.generator), here(missing, 1, nlg_theta0(loaded.generator)), 1, here(missing, 2, &x),
+                 here(missing, 3, &x), here(missing, 4, &x), here(missing, 5, &value), here(missing, 6, loaded.scratch));
+    EXPECT_EQ(value, -7.0f) << bit;
+    if (bit >= 5) continue;
+    const nlg_check check = nlg_check_theta(here(missing, 0, loaded.generator), here(missing, 1, functions.phi.data()),
+                                            here(missing, 2, functions.validity.data()), nullptr,
+                                            here(missing, 3, nlg_theta0(loaded.generator)), here(missing, 4, loaded.scratch));
+    EXPECT_TRUE(std::isnan(check.rmse) && check.passes == 0) << bit;
+  }
+  nlg_look_up_scratch_free(look_up);
+  nlg_light_grid_free(grid);
+}
+
 // Every option has a value of its own, so that two of them taken for one another would show.
 TEST(CApi, MakesThetaOfAnyNumberOfFunctionsAsTheLibraryDoes) {
   constexpr size_t kCount = 2 * kBatchCount + 5;
