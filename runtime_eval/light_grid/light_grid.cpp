@@ -288,26 +288,6 @@ PackedLight packedLightOf(const LightGrid& grid, double max_error) {
   return holdsPackedLight(grid) ? grid.packed_light : packedAnew(grid, max_error, &packing);
 }
 
-FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, size_t group_count,
-                           std::vector<std::vector<float>>* light) {
-  const auto with_weight =
-      probe_function.size() - static_cast<size_t>(std::count(probe_function.begin(), probe_function.end(), kNoWeight));
-  std::vector<float> of_weighted;
-  light->clear();
-  FileResult result = unpackLight(packed, with_weight * group_count, &of_weighted);
-  if (!result.ok()) return result;
-  auto next = of_weighted.begin();
-  for (size_t group = 0; group < group_count; ++group) {
-    std::vector<float>& of_group = light->emplace_back(probe_function.size() * kShFloats, 0.0f);
-    for (size_t probe = 0; probe < probe_function.size(); ++probe) {
-      if (probe_function[probe] == kNoWeight) continue;
-      std::copy_n(next, kShFloats, of_group.begin() + static_cast<ptrdiff_t>(probe * kShFloats));
-      next += kShFloats;
-    }
-  }
-  return {};
-}
-
 FileResult checkLight(const std::vector<float>& light) { return checkValues("light", light, kMaxGridLight); }
 
 void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {

@@ -72,6 +72,9 @@ FileResult addOwnMetadata(const LightGrid& grid, bool has_light, GridMetadata* m
   return {};
 }
 
+// As GridCounts has it.
+uint64_t lightGroups(const LightGrid& grid, bool has_light) { return has_light ? std::max<size_t>(1, grid.groups.size()) : 0; }
+
 bool hasLight(const LightGrid& grid, const GridPrecision& precision) {
   return !grid.light.empty() && precision.light_error.has_value();
 }
@@ -99,17 +102,33 @@ FileResult readFrame(const TensorFileReader& reader, ProbeTreeFrame* frame) {
   return result;
 }
 
+// Bricks of nodes with cells in use have slots for their corners.
+void countNodes(const PackedNodes& nodes, GridCounts* counts) {
+  counts->nodes = nodes.kind.size();
+  for (const uint8_t kind : nodes.kind) {
+    const uint64_t edge = (uint64_t{1} << (kind & 3)) + 1;
+    counts->slots += kind >> 4 == 0 ? 0 : edge * edge * edge;
+  }
+}
+
+void countRecords(const PackedLight& packed, GridCounts* counts) {
+  counts->words = static_cast<uint64_t>(lightWords(packed));
+  counts->fields = packed.axes.size() + 1;
+}
+
 FileResult refuseTree(const std::string& fault) {
   return fault.empty() ? FileResult{} : refuse(FileStatus::value_out_of_range, "probe tree: " + fault);
 }
 
 // After probe_function, which says how many probes there are.
-FileResult readTree(const TensorFileReader& reader, LightGrid* grid) {
+FileResult readTree(const TensorFileReader& reader, GridCounts* counts, LightGrid* grid) {
   ProbeTreeData data;
   PackedNodes nodes;
   FileResult result = readFrame(reader, &data.frame);
-  takeFirst(&result, readCoded(reader, "node.kind", {}, &nodes.kind));
-  takeFirst(&result, readCoded(reader, "node.bits", {}, &nodes.bits));
+  takeFirst(&result, readCoded(reader, "node.kind", {}, &nodes.kind, mostGridMemory(reader.byteCount()) / kLeastOfNode));
+  countNodes(nodes, counts);
+  if (result.ok()) result = checkMemory(reader, *counts);
+  if (result.ok()) result = readCoded(reader, "node.bits", {}, &nodes.bits, 16 * nodes.kind.size());
   if (result.ok()) result = refuseTree(unpackNodes(nodes, &data));
   if (result.ok()) result = refuseTree(makeProbeTree(data, grid->probe_function.size(), &grid->tree));
   return result;
@@ -215,7 +234,7 @@ FileResult takeGroups(GridMetadata* metadata, LightGrid* grid) {
 }
 
 // After the functions of probes, which say whose light there is, and the groups.
-FileResult readLight(const TensorFileReader& reader, LightGrid* grid) {
+FileResult readLight(const TensorFileReader& reader, GridCounts* counts, LightGrid* grid) {
   PackedLight& packed = grid->packed_light;
   std::vector<uint8_t> bits, records;
   std::vector<int32_t> offsets;
@@ -236,6 +255,10 @@ FileResult readLight(const TensorFileReader& reader, LightGrid* grid) {
     axis.offset = offsets[k];
     std::copy_n(axes.begin() + static_cast<ptrdiff_t>(k * kShFloats), kShFloats, axis.direction.begin());
   }
+  result = checkLightLayout(packed);
+  countRecords(packed, counts);
+  if (result.ok()) result = checkMemory(reader, *counts);
+  if (!result.ok()) return result;
   result =
       decodeRecords(records, recordsBefore(grid->tree, grid->probe_function), std::max<size_t>(1, grid->groups.size()), &packed);
   return result.ok() ? takePackedLight(grid) : result;
@@ -253,9 +276,10 @@ FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadat
   for (const auto& [key, text] : *metadata) {
     if (isOwnKey(key)) return refuse(FileStatus::value_out_of_range, "metadata " + key + ": expected no such key");
   }
-  result = readFunctions(reader, grid);
-  if (result.ok()) result = readTree(reader, grid);
-  if (result.ok() && has_light) result = readLight(reader, grid);
+  GridCounts counts{.representations = grid->representations, .light_groups = lightGroups(*grid, has_light)};
+  result = readFunctions(reader, &counts, grid);
+  if (result.ok()) result = readTree(reader, &counts, grid);
+  if (result.ok() && has_light) result = readLight(reader, &counts, grid);
   if (result.ok()) result = checkWithoutBricks(*grid);
   if (result.ok()) grid->makeBricks();
   return result;
@@ -323,6 +347,17 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
     writer.add("light.offsets", light_offsets);
     writer.add("light.axes", light_axes);
   }
+  GridCounts counts{grid.representations, grid.functionCount(), grid.probe_function.size()};
+  counts.light_groups = lightGroups(grid, has_light);
+  countNodes(nodes, &counts);
+  if (has_light) countRecords(light, &counts);
+  result = writer.serialize(texts, bytes);
+  const uint64_t most = mostGridMemory(bytes->size()), memory = counts.memory();
+  if (!result.ok() || memory <= most) return result;
+  // up to 1 MB bytes are for the rule alone
+  const uint64_t least = std::max<uint64_t>(bytes->size(), kSmallGridFile);
+  const std::vector<uint8_t> room(least - bytes->size() + (memory - std::min(memory, mostGridMemory(least))) / 256 + 1);
+  writer.add("room", room);  // readers pass it by
   return writer.serialize(texts, bytes);
 }
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "runtime_eval/light_grid/light_grid.h"
+
 namespace nlg {
 namespace {
 
@@ -453,6 +455,30 @@ FileResult checkPacked(const PackedLight& packed, size_t probe_count) {
   return {};
 }
 
+// Unpacks the records of light that is checked, one after another: into kShFloats zeros each, which placeOf gives.
+template <class PlaceOf>
+void unpackRecords(const PackedLight& packed, size_t count, const PlaceOf& placeOf) {
+  const std::vector<LightField> fields = lightFields(packed);
+  const auto words = static_cast<size_t>(lightWords(packed));
+  std::vector<Numbers> axes(packed.axes.size());
+  for (size_t k = 0; k < axes.size(); ++k)
+    std::transform(packed.axes[k].direction.begin(), packed.axes[k].direction.end(), axes[k].begin(), floatFromHalf);
+  for (size_t i = 0; i < (words > 0 ? count : 0); ++i) {
+    float* const light = placeOf(i);
+    const uint32_t* record = &packed.records[i * words];
+    const uint32_t s = lightNumber(record, fields[0]);
+    if (s == 0) continue;
+    // exact until the last product: whatever a machine fuses, the floats are the same
+    Numbers sum{};
+    for (size_t k = 0; k < axes.size(); ++k) {
+      const auto steps = static_cast<double>(static_cast<int32_t>(lightNumber(record, fields[k + 1])) + packed.axes[k].offset);
+      for (size_t n = 0; n < kShFloats; ++n) sum[n] += steps * axes[k][n];
+    }
+    const double scale = double{packed.unit} * scaleOf(s);
+    for (size_t n = 0; n < kShFloats; ++n) light[n] = static_cast<float>(scale * sum[n]);
+  }
+}
+
 }  // namespace
 
 FileResult checkLightLayout(const PackedLight& packed) {
@@ -494,26 +520,25 @@ FileResult unpackLight(const PackedLight& packed, size_t probe_count, std::vecto
   light->clear();
   FileResult result = checkPacked(packed, probe_count);
   if (!result.ok()) return result;
-  const std::vector<LightField> fields = lightFields(packed);
-  const auto words = static_cast<size_t>(lightWords(packed));
   light->resize(probe_count * kShFloats);
-  if (words == 0) return {};
-  std::vector<Numbers> axes(packed.axes.size());
-  for (size_t k = 0; k < axes.size(); ++k)
-    std::transform(packed.axes[k].direction.begin(), packed.axes[k].direction.end(), axes[k].begin(), floatFromHalf);
-  for (size_t probe = 0; probe < probe_count; ++probe) {
-    const uint32_t* record = &packed.records[probe * words];
-    const uint32_t s = lightNumber(record, fields[0]);
-    if (s == 0) continue;
-    // exact until the last product: whatever a machine fuses, the floats are the same
-    Numbers sum{};
-    for (size_t k = 0; k < packed.axes.size(); ++k) {
-      const auto steps = static_cast<double>(static_cast<int32_t>(lightNumber(record, fields[k + 1])) + packed.axes[k].offset);
-      for (size_t i = 0; i < kShFloats; ++i) sum[i] += steps * axes[k][i];
-    }
-    const double scale = double{packed.unit} * scaleOf(s);
-    for (size_t i = 0; i < kShFloats; ++i) (*light)[probe * kShFloats + i] = static_cast<float>(scale * sum[i]);
+  unpackRecords(packed, probe_count, [&](size_t probe) { return &(*light)[probe * kShFloats]; });
+  return {};
+}
+
+FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, size_t group_count,
+                           std::vector<std::vector<float>>* light) {
+  std::vector<uint32_t> weighted;
+  for (uint32_t probe = 0; probe < probe_function.size(); ++probe) {
+    if (probe_function[probe] != kNoWeight) weighted.push_back(probe);
   }
+  light->clear();
+  FileResult result = checkPacked(packed, weighted.size() * group_count);
+  if (!result.ok()) return result;
+  light->resize(group_count);
+  for (std::vector<float>& of_group : *light) of_group.resize(probe_function.size() * kShFloats);
+  unpackRecords(packed, weighted.size() * group_count, [&](size_t record) {
+    return &(*light)[record / weighted.size()][size_t{weighted[record % weighted.size()]} * kShFloats];
+  });
   return {};
 }
 

@@ -30,7 +30,7 @@ class ProbeTreeNumbering {
   static constexpr uint32_t kRead = 0;  // a slot that waits for its number
   uint64_t probe_limit_;
   ProbeTree& tree_;
-  size_t merge_at_ = size_t{1} << 20;
+  size_t merge_at_ = size_t{1} << 18;
 };
 
 }  // namespace nlg

@@ -105,13 +105,15 @@ std::vector<uint16_t> columnsOfNames(size_t count) {
   return columns;
 }
 
-FileResult readProbeFunctions(const TensorFileReader& reader, std::vector<uint32_t>* probe_function) {
+FileResult readProbeFunctions(const TensorFileReader& reader, GridCounts* counts, std::vector<uint32_t>* probe_function) {
   uint32_t count = 0;
   std::vector<uint8_t> kinds, names;
   FileResult result = readNumbers<1>(reader, "probe.count", &count);
-  takeFirst(&result, readCoded(reader, "probe.kind", {}, &kinds));
-  if (!result.ok()) return result;
+  counts->probes = count;
+  takeFirst(&result, checkMemory(reader, *counts));
   const size_t bytes = (size_t{count} + kProbesAByte - 1) / kProbesAByte;
+  if (result.ok()) result = readCoded(reader, "probe.kind", {}, &kinds, bytes);
+  if (!result.ok()) return result;
   if (kinds.size() != bytes) return refuseCount("probe.kind", bytes, kinds.size());
   const auto kindOf = [&](size_t probe) { return kinds[probe / kProbesAByte] >> 2 * (probe % kProbesAByte) & 3; };
   size_t named = 0;
@@ -120,6 +122,7 @@ FileResult readProbeFunctions(const TensorFileReader& reader, std::vector<uint32
   if (!result.ok()) return result;
   uint32_t next = 0;
   const uint8_t* name = names.data();
+  probe_function->reserve(count);
   for (size_t probe = 0; probe < count; ++probe) {
     const uint32_t kind = kindOf(probe);
     uint32_t function = kind == kTentProbe ? kFreeSpace : kNoWeight;
@@ -169,7 +172,8 @@ ThetaColumns thetaColumns(const LightGrid& grid, const std::vector<int>& steps_o
 FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   PackedTheta packed;
   FileResult result;
-  if (!reader.dtypeOf("theta.groups").empty()) result = readCoded(reader, "theta.groups", {}, &packed.groups);
+  if (!reader.dtypeOf("theta.groups").empty())
+    result = readCoded(reader, "theta.groups", {}, &packed.groups, grid->functionCount());
   if (!result.ok()) return result;
   // functions whose representation does not exist are for checkLightGrid to name
   const auto representationOf = [&](uint8_t r) { return r < grid->representations.size() ? &grid->representations[r] : nullptr; };
@@ -227,10 +231,13 @@ FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   return {};
 }
 
-FileResult readThetas(const TensorFileReader& reader, LightGrid* grid) {
-  FileResult result = readCoded(reader, "function.representation", {}, &grid->function_representation);
-  takeFirst(&result, readProbeFunctions(reader, &grid->probe_function));
+FileResult readThetas(const TensorFileReader& reader, GridCounts* counts, LightGrid* grid) {
+  FileResult result = readCoded(reader, "function.representation", {}, &grid->function_representation,
+                                mostGridMemory(reader.byteCount()) / kLeastOfFunction);
+  counts->functions = grid->functionCount();
+  if (result.ok()) result = readProbeFunctions(reader, counts, &grid->probe_function);
   if (!result.ok()) return result;
+  grid->theta_begin.reserve(grid->functionCount() + 1);
   for (const uint8_t representation : grid->function_representation) {
     // those that do not exist are for checkLightGrid to name
     const int count = representation < grid->representations.size() ? grid->representations[representation].thetaCount() : 0;
@@ -372,8 +379,8 @@ size_t dictionaryBytes(const StoredFunctions& stored) {
   return bytes;
 }
 
-FileResult readFunctions(const TensorFileReader& reader, LightGrid* grid) {
-  FileResult result = readThetas(reader, grid);
+FileResult readFunctions(const TensorFileReader& reader, GridCounts* counts, LightGrid* grid) {
+  FileResult result = readThetas(reader, counts, grid);
   return result.ok() ? readDictionaries(reader, grid) : result;
 }
 

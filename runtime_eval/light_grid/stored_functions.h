@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/light_grid/grid_memory.h"
 #include "runtime_eval/light_grid/light_grid.h"
 #include "runtime_eval/weights_file/tensor_file.h"
 
@@ -38,6 +39,7 @@ size_t thetaBytes(const StoredFunctions& stored);
 size_t dictionaryBytes(const StoredFunctions& stored);
 
 // The inverse: probe_function, function_representation, theta, and dictionaries of representations, whose names are known.
-FileResult readFunctions(const TensorFileReader& reader, LightGrid* grid);
+// counts   receives those of functions and probes; what light there is is known
+FileResult readFunctions(const TensorFileReader& reader, GridCounts* counts, LightGrid* grid);
 
 }  // namespace nlg

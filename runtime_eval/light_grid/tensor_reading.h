@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "runtime_eval/light_grid/grid_memory.h"
 #include "runtime_eval/numbers/coded_bytes.h"
 #include "runtime_eval/weights_file/safetensors_layout.h"
 #include "runtime_eval/weights_file/tensor_file.h"
@@ -34,14 +35,23 @@ FileResult readNumbers(const TensorFileReader& reader, const std::string& name, 
   return {};
 }
 
-// A tensor of bytes that codedBytes made.
+inline FileResult checkMemory(const TensorFileReader& reader, const GridCounts& counts) {
+  const uint64_t most = mostGridMemory(reader.byteCount());
+  if (counts.memory() <= most) return {};
+  return refuse(FileStatus::value_out_of_range, "memory: expected a grid that takes at most " + std::to_string(most) +
+                                                    " bytes, as one of a file of " + std::to_string(reader.byteCount()) +
+                                                    " may, got one that takes more; bake it again");
+}
+
+// A tensor of bytes that codedBytes made, of which there are columns, or at most so many.
 inline FileResult readCoded(const TensorFileReader& reader, const std::string& name, const std::vector<uint16_t>& columns,
-                            std::vector<uint8_t>* bytes) {
+                            std::vector<uint8_t>* bytes, size_t most = kMaxCodedBytes) {
   std::vector<uint8_t> coded;
   FileResult result = reader.read(name, &coded);
-  if (!result.ok() || decodeBytes(coded, columns, bytes)) return result;
+  if (!result.ok() || decodeBytes(coded, columns, bytes, most)) return result;
   return refuse(FileStatus::tensor_unexpected,
-                name + ": not the code of " + (columns.empty() ? std::string("any") : std::to_string(columns.size())) + " bytes");
+                name + ": not the code of " +
+                    (columns.empty() ? "at most " + std::to_string(most) : std::to_string(columns.size())) + " bytes");
 }
 
 }  // namespace nlg

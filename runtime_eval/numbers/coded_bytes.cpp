@@ -26,14 +26,15 @@ std::vector<uint8_t> codedBytes(const std::vector<uint8_t>& bytes, const std::ve
   return encoder.finish();
 }
 
-bool decodeBytes(const std::vector<uint8_t>& coded, const std::vector<uint16_t>& columns, std::vector<uint8_t>* bytes) {
+bool decodeBytes(const std::vector<uint8_t>& coded, const std::vector<uint16_t>& columns, std::vector<uint8_t>* bytes,
+                 size_t most) {
   bytes->clear();
   if (coded.empty()) return columns.empty();
   RangeDecoder decoder(coded.data(), coded.size());
   NumberModel of_count(kByteBits);
   size_t count = 0;
   for (int i = 0; i < kCountBytes; ++i) count |= size_t{decoder.next(&of_count)} << kByteBits * i;
-  bool is_right = count > 0 && (columns.empty() || columns.size() == count);
+  bool is_right = count > 0 && count <= most && (columns.empty() || columns.size() == count);
   std::vector<NumberModel> models = modelsOf(columns);
   // what the bytes that are there cannot say is not made
   for (size_t i = 0; i < count && is_right; ++i) {

@@ -31,6 +31,7 @@ FileResult TensorFileReader::open(ByteSource source) {
   if (!result.ok()) return result;
   header_ = std::move(header);
   data_offset_ = data_offset;
+  byte_count_ = source.size;
   read_ = std::move(source.read);
   return result;
 }

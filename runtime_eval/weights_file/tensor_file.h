@@ -49,6 +49,8 @@ class TensorFileReader {
 
   // But for the digest, which openFile and openBytes have compared with every byte.
   const std::map<std::string, std::string>& metadata() const { return header_.metadata; }
+  // Of all that was opened.
+  uint64_t byteCount() const { return byte_count_; }
   bool hasDigest() const { return header_.digest_offset > 0; }
   // The dtype of a tensor; empty when there is none of that name.
   std::string_view dtypeOf(const std::string& name) const;
@@ -71,7 +73,7 @@ class TensorFileReader {
   FileResult fetch(const std::string& name, const TensorEntry& entry, void* to) const;
 
   WeightsHeader header_;
-  uint64_t data_offset_ = 0;
+  uint64_t data_offset_ = 0, byte_count_ = 0;
   std::function<bool(uint64_t offset, void* to, size_t count)> read_;
 };
 

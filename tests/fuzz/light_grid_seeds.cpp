@@ -42,7 +42,11 @@ LightGrid smallGrid(int32_t finest) {
 Seeds seeds() {
   Seeds seeds;
   for (const int32_t finest : {32, 8, 2}) {
-    const LightGrid grid = smallGrid(finest);
+    LightGrid grid = smallGrid(finest);
+    // one light, then two groups, then four of which some begin dark
+    for (int32_t g = 0; g < 16 / finest && finest < 32; g += finest == 8 ? 1 : 2)
+      grid.groups.push_back({"group " + std::to_string(g), grid.light, g > 3});
+    if (!grid.groups.empty()) FUZZ_CHECK(mixLight(startingColours(grid), &grid).ok(), "groups");
     const std::string name = std::to_string(finest);
     const GridPrecision precisions[] = {
         {ThetaPrecision::float32, std::nullopt}, {ThetaPrecision::int8, 0.02}, {ThetaPrecision::float16, 0.2}};
