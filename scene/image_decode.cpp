@@ -165,7 +165,8 @@ bool decodePng(std::string_view* bytes, Canvas* canvas) {
   }
   png_set_read_fn(png, bytes, readPngBytes);
   png_set_chunk_malloc_max(png, size_t{8} << 20);
-  png_set_user_limits(png, 0x7fffffff, 0x7fffffff);  // the canvas says which is too large
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // texts, profiles: inflated for nothing
+  png_set_user_limits(png, 0x7fffffff, 0x7fffffff);                       // the canvas says which is too large
   png_read_info(png, info);
   bool is_good = canvas->open(png_get_image_width(png, info), png_get_image_height(png, info));
   if (is_good) {

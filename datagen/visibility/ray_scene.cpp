@@ -212,6 +212,7 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     if (made != nullptr) rtcCommitScene(made);
   }
   if (const RTCError error = rtcGetDeviceError(embree()); error != RTC_ERROR_NONE) {
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();  // of the machine, not of the file
     throw InputError(scene.id, "acceleration structure", "Embree to build it", "Embree error " + std::to_string(error));
   }
 }

@@ -35,8 +35,8 @@ struct LightHit {
 class RayScene {
  public:
   // Copies what it needs of the scene. Sky faces end rays of light (lightHit) and no others; veils end none of these, and those that
-  // are thin no others either: whatever says "surface" or "triangle" below means all but thin veils, and for light all but veils. throws InputError when Embree cannot
-  // build (out of memory)
+  // are thin no others either: whatever says "surface" or "triangle" below means all but thin veils, and for light all but veils. throws std::bad_alloc when there is no
+  // memory; InputError when Embree cannot build
   explicit RayScene(const Scene& scene);
   ~RayScene();
   RayScene(const RayScene&) = delete;
