@@ -27,6 +27,10 @@ def tool(context, name):
     return found
 
 
+# A .blend may be anybody's: what it says in More must not say which files are written, or replaced.
+OF_FILES = ["--out", "--json", "--inputs", "--keep", "--relight", "--check", "--config"]
+
+
 def of_bake(scene, exported):
     """What a grid depends on."""
     chosen = settings.of(scene)
@@ -34,6 +38,8 @@ def of_bake(scene, exported):
         more = shlex.split(chosen.more)
     except ValueError as error:
         raise ToolError(f"More: {error}") from error
+    if of_files := [word for word in more if word.partition("=")[0] in OF_FILES]:
+        raise ToolError(f"More: {of_files[0]} names files, which the add-on chooses")
     return [
         exported.level, "--unit", f"{settings.metres_per_unit(scene):.7g}", "--light-unit", "file", f"--sky={exported.sky}",
         "--spacing-m", f"{chosen.spacing_m:.7g}", "--light-direct", chosen.direct, "--light-groups", chosen.light_groups, *more,

@@ -4,6 +4,7 @@ import atexit
 import contextlib
 import os
 import shutil
+import tempfile
 from pathlib import Path
 
 import bpy
@@ -76,6 +77,7 @@ class ToolOperator(Operator):
         state.said += exported.notes
 
     def refuse(self, error):
+        self.clean_up()
         state.said = [*state.said, str(error)]
         self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
@@ -137,6 +139,8 @@ class ToolOperator(Operator):
 
 class GridOperator(ToolOperator):
     """Makes a grid, and shows its probes."""
+    made = None
+
     def finish(self, context, job):
         job.check()
         self.keep()
@@ -178,14 +182,19 @@ class NLG_OT_relight(GridOperator):
     def commands(self, context, exported):
         self.grid = settings.grid_path(context.scene)
         # beside it, so that it takes its place at once or not at all
-        self.made = str(Path(self.grid).with_suffix(".relit.safetensors"))
+        try:
+            number, self.made = tempfile.mkstemp(".safetensors", f"{Path(self.grid).stem}.relit.", os.path.dirname(self.grid))
+        except OSError as error:
+            raise ToolError(f"{self.grid}: {error.strerror}") from error
+        os.close(number)
         return [command.relight(context, exported, self.grid, self.made), command.probes(context, self.made)]
 
     def keep(self):
         os.replace(self.made, self.grid)
 
     def clean_up(self):
-        remove(self.made)
+        if self.made is not None:
+            remove(self.made)
 
 
 class NLG_OT_check(ToolOperator):

@@ -90,6 +90,9 @@ def grid_path(scene):
     path = of(scene).grid or f"//{scene_name()}.safetensors"
     if path.startswith("//") and not bpy.data.filepath:
         raise ToolError("Light grid: save the .blend first, or choose a file")
+    # a .blend may be anybody's, and nlg-bake replaces nothing but a light grid
+    if not path.endswith(".safetensors"):
+        raise ToolError(f"Light grid: expected a name that ends in .safetensors, got {path}")
     return bpy.path.abspath(path)
 
 
