@@ -16,6 +16,7 @@
 #include "bake/default_weights.h"
 #include "bake/kept_functions_file.h"
 #include "bake/load_generators.h"
+#include "bake/own_files.h"
 #include "bake/policy_options.h"
 #include "bake/probe_list.h"
 #include "bake/relight.h"
@@ -89,10 +90,12 @@ void warnOfNothing(const BakeScene& scene, const BakeOptions& options, const Bak
 
 // path   "-": stdout; empty: nowhere
 void writeJson(const std::string& path, const nlohmann::ordered_json& json) {
+  // a name that the level's file brings may be no UTF-8
+  const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   if (path == "-") {
-    std::cout << json.dump() << '\n';
+    std::cout << text;
   } else if (!path.empty()) {
-    writeFileAtomically(path, json.dump() + "\n");
+    writeFileAtomically(path, text);
   }
 }
 
@@ -104,30 +107,31 @@ bool isSameFile(const std::string& a, const std::string& b) {
   return whole(a) == whole(b);
 }
 
+void checkOutput(const std::string& path, const OwnFiles& own, const char* flag, const std::vector<std::string>& inputs) {
+  refuseToReplaceInputs(path, inputs, flag);
+  refuseToReplaceOthers(path, own, flag);
+  requireOutputFile(path);
+}
+
 // Before anything is read: a bake takes minutes.
 void checkOutputs(const Request& request, const std::vector<std::string>& inputs) {
-  if (request.out_is_given) {
-    refuseToReplaceInputs(request.out, inputs);
-    requireOutputFile(request.out);
-  }
+  if (request.out_is_given) checkOutput(request.out, kGridFiles, "--out", inputs);
   if (!request.kept.empty()) {
     refuseToReplaceInputs(request.kept, inputs, "--keep");
     requireOutputFile(request.kept);
   }
   if (!request.json.empty() && request.json != "-") {
-    refuseToReplaceInputs(request.json, inputs, "--json");
+    checkOutput(request.json, kReportFiles, "--json", inputs);
     if (!request.kept.empty() && isSameFile(request.json, request.kept))
       throw UsageError("--json", "another file than --keep", request.json);
     if (isSameFile(request.json, request.out)) throw UsageError("--json", "another file than --out", request.json);
-    requireOutputFile(request.json);
   }
 }
 
 void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, Request* request) {
   if (!request->out_is_given) {
     request->out = scene.source.id + ".safetensors";
-    refuseToReplaceInputs(request->out, inputs);
-    requireOutputFile(request->out);
+    checkOutput(request->out, kGridFiles, "--out", inputs);
   }
   if (!request->kept.empty() && isSameFile(request->kept, request->out))
     throw UsageError("--keep", "another file than the light grid", request->kept);
@@ -302,11 +306,10 @@ void bakeOrCheck(const Request& request, const BakeOptions& options, const Optio
     std::vector<std::string> others = request.weights;
     others.insert(others.end(),
                   {request.scene, request.config, request.relit, request.checked, request.out, request.json, request.kept});
-    refuseToReplaceInputs(request.inputs, others, "--inputs");
-    requireOutputFile(request.inputs);
+    checkOutput(request.inputs, kInputsFiles, "--inputs", others);
   }
   const auto writeInputs = [&] {
-    if (!request.inputs.empty()) writeFileAtomically(request.inputs, nlohmann::ordered_json(inputsSoFar()).dump() + "\n");
+    if (!request.inputs.empty()) writeFileAtomically(request.inputs, inputsText(inputsSoFar()));
   };
   try {
     if (!request.checked.empty()) {
@@ -316,7 +319,7 @@ void bakeOrCheck(const Request& request, const BakeOptions& options, const Optio
     } else {
       run(request, options, table);
     }
-  } catch (const ToolError&) {
+  } catch (const std::exception&) {
     writeInputs();
     throw;
   }
@@ -389,9 +392,10 @@ int main(int argc, char** argv) {
       "where it is not, for build systems");
   app.add_option("--json", request.json,
                  "write all that the bake says of itself to a file, as one line of JSON. -: to standard output");
-  app.add_option("--inputs", request.inputs,
-                 "write the names of all files that this reads or looks for, grids and programs apart, to a file, as a list of "
-                 "JSON: whichever of them changes asks for another bake. Where it ends in an error, too");
+  app.add_option(
+      "--inputs", request.inputs,
+      "write the names of all files and folders that this reads or looks for, grids and programs apart, to a file, as a list of "
+      "JSON: whichever of them changes asks for another bake. Where it ends in an error, too");
   app.add_flag("--verbose", request.is_verbose, "end with all stages, errors and savings as tables, too");
   return nlg::runTool(argc, argv, app, table, [&] {
     const CLI::Option* config = app.get_option("--config");

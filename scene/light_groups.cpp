@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "runtime_eval/light_grid/light_grid.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
 
-// One line of text.
-std::string oneLine(std::string name) {
+// One line of UTF-8, as grids hold it.
+std::string oneLine(const std::string& text) {
+  using Json = nlohmann::json;
+  auto name = Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c < ' '; }, ' ');
   return name;

@@ -2,8 +2,10 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -41,6 +43,20 @@ void refuseToReplaceInputs(const std::string& out, const std::vector<std::string
     std::error_code error;
     if (fs::equivalent(out, input, error)) throw UsageError(flag, "a file that is no input", out);
   }
+}
+
+bool mayReplace(const std::string& out, const OwnFiles& own) {
+  std::error_code error;
+  // what else there may be is for whoever writes to refuse
+  if (!fs::is_regular_file(out, error)) return true;
+  std::string bytes(std::min<uintmax_t>(fs::file_size(out, error), uintmax_t{16} << 20), '\0');
+  std::ifstream(out, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return bytes.empty() || own.are(bytes);
+}
+
+void refuseToReplaceOthers(const std::string& out, const OwnFiles& own, const char* flag) {
+  if (!mayReplace(out, own))
+    throw UsageError(flag, std::string("a new file, or ") + own.name + " to replace", out + ", which is something else");
 }
 
 void requireOutputFolder(const std::string& out, const char* flag) {

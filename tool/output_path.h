@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace nlg {
@@ -10,6 +11,18 @@ namespace nlg {
 // out, inputs   paths; an input that does not exist is none
 // throws        UsageError naming the flag when it is empty, ends as a folder does or is the same file as one of the inputs
 void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs, const char* flag = "--out");
+
+// Files that a tool writes, by which it knows them again.
+struct OwnFiles {
+  const char* name;                     // "a light grid"
+  bool (*are)(std::string_view bytes);  // of the file's first 16 MiB
+};
+
+// What somebody else wrote would be gone for good, too: an existing file is replaced only where the tool wrote it, in whatever version,
+// or where it is empty.
+bool mayReplace(const std::string& out, const OwnFiles& own);
+// throws   UsageError naming the flag where it may not
+void refuseToReplaceOthers(const std::string& out, const OwnFiles& own, const char* flag = "--out");
 
 // Whether files can be written into a folder, before a long run begins: it is one that may be written to, or can be made.
 // throws        UsageError naming the flag when it is empty; OutputError with the system's reason

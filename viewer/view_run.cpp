@@ -47,6 +47,13 @@ const std::vector<std::string> kShownRivals = {"trilinear", "trilinear:solved", 
 
 Json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
+const OwnFiles kScripts = {"a script of a page of nlg-view",
+                           [](std::string_view bytes) { return bytes.starts_with("nlgReceive(\""); }};
+const OwnFiles kPages = {"a page of nlg-view", [](std::string_view bytes) {
+                           return bytes.find("nlgReceive") != std::string_view::npos ||
+                                  bytes.find("<title>light grid</title>") != std::string_view::npos;
+                         }};
+
 // A name among file names and in the page.
 std::string scriptName(const std::string& method) {
   std::string name = method;
@@ -135,13 +142,14 @@ class ViewFolder {
   }
 
  private:
-  // What a run before left that this one has not: the names are ours.
+  // What a run before left that this one has not.
   void removeOthers() const {
     std::error_code error;
     for (const fs::directory_entry& entry : fs::directory_iterator(request_.out, error)) {
       const std::string name = entry.path().filename().string();
-      const bool is_ours = (name.starts_with("method-") || name.starts_with("truth-")) && name.ends_with(".js");
-      if (is_ours && !said_["files"].contains(name)) fs::remove(entry.path(), error);
+      const bool is_named = (name.starts_with("method-") || name.starts_with("truth-")) && name.ends_with(".js");
+      if (is_named && !said_["files"].contains(name) && mayReplace(entry.path().string(), kScripts))
+        fs::remove(entry.path(), error);
     }
   }
 
@@ -341,6 +349,15 @@ std::string folderOfView(const std::string& scene) {
   return name;
 }
 
+void refuseToReplaceOthersOf(const ViewRequest& request) {
+  const fs::path folder(request.out);
+  for (const PageFile& file : pageFiles()) refuseToReplaceOthers((folder / file.name).string(), kPages);
+  std::vector<std::string> scripts = {"scene", "probes", "method-grid"};
+  for (const std::string& rival : request.rivals) scripts.push_back("method-" + scriptName(rival));
+  for (int view = 0; view < request.truth_views; ++view) scripts.push_back(fmt::format("truth-{}", view));
+  for (const std::string& script : scripts) refuseToReplaceOthers((folder / (script + ".js")).string(), kScripts);
+}
+
 void describe(ViewRequest& r, CLI::App& app) {
   app.add_option("scene", r.scene, "a scene, as nlg-bake takes it")->required();
   app.add_option("--out", r.out, "the folder to write, in which index.html is the page. None: here, by the name of the scene");
@@ -387,6 +404,7 @@ Json makeView(ViewRequest request, BakeOptions options) {
   std::vector<std::string> inputs = {request.scene, request.grid};
   inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
   for (const PageFile& file : pageFiles()) refuseToReplaceInputs((fs::path(request.out) / file.name).string(), inputs);
+  refuseToReplaceOthersOf(request);
   if (!request.grid.empty() && !request.weights.empty())
     throw UsageError("--weights", "none beside --grid", request.weights.front());
   if (!request.grid.empty()) {

@@ -34,6 +34,9 @@ struct ViewRequest {
 // Where a page of this scene lies unless told otherwise: "house" of levels/house.glb.
 std::string folderOfView(const std::string& scene);
 
+// throws   UsageError where a file in the folder that the page is to be written to is of that name and no view wrote it
+void refuseToReplaceOthersOf(const ViewRequest& request);
+
 // Adds all settings to the command line.
 void describe(ViewRequest& request, CLI::App& app);
 

@@ -1,0 +1,19 @@
+// Files that nlg-bake and nlg-view write: what they may replace (tool/output_path.h), whatever version of them wrote it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tool/output_path.h"
+
+namespace nlg {
+
+extern const OwnFiles kGridFiles, kKeptFiles, kReportFiles, kInputsFiles;
+
+// What --inputs writes: names of files, sorted, as a list of JSON in one line. Of a name that is no UTF-8 each byte is a character, behind
+// U+0001.
+std::string inputsText(const std::vector<std::string>& paths);
+// The inverse.
+std::vector<std::string> inputsOf(const std::string& text);
+
+}  // namespace nlg
