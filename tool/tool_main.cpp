@@ -1,9 +1,11 @@
 #include "tool/tool_main.h"
 
+#include <sys/prctl.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
@@ -208,6 +210,15 @@ int endOfParsing(CLI::App& app, const OptionTable& table, const CLI::ParseError&
   return static_cast<int>(ExitCode::success);
 }
 
+void endWithParent() {
+  const char* const parent = std::getenv(kEndsWith);
+  if (parent == nullptr) return;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  // gone before that
+  if (parent != std::to_string(::getppid())) std::raise(SIGTERM);
+  ::unsetenv(kEndsWith);
+}
+
 }  // namespace
 
 int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run) {
@@ -216,6 +227,7 @@ int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std:
   // past a limit on file sizes write fails with an error, as on a full disk
   std::signal(SIGXFSZ, SIG_IGN);
   removeTemporariesOnSignals();
+  endWithParent();
   const std::string name = toolName(app, argc, argv);
   try {
     try {

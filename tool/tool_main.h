@@ -13,6 +13,9 @@ class App;
 
 namespace nlg {
 
+// Names the process that a tool is started by and ends with, however that ends: its id, in the environment.
+inline constexpr const char* kEndsWith = "NLG_ENDS_WITH";
+
 // Runs a tool: adds `--config FILE` and the table's flags to app, parses the command line, reads the tool's section of the
 // file, applies the flags, then calls run(). Every exception ends here: one line on stderr, "nlg-pca: error: …", and the exit
 // code of error.h (std::bad_alloc: internal_error, said as "out of memory"; other exceptions: internal_error).

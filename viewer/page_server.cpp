@@ -1,7 +1,12 @@
 #include "viewer/page_server.h"
 
 #include <httplib.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 
 #include <nlohmann/json.hpp>
@@ -14,6 +19,45 @@ namespace nlg {
 namespace {
 
 constexpr const char* kAddress = "127.0.0.1";
+constexpr int kClients = 16;                    // at once
+constexpr size_t kMostRequestBytes = 32 << 10;  // whoever sends more has nothing to ask for here
+constexpr auto kMostAsking = std::chrono::seconds(2), kMostAnswering = std::chrono::seconds(30);
+
+// One request of one client, and no longer than that takes: what comes in drips counts as a whole.
+class Client : public httplib::Stream {
+ public:
+  Client(socket_t socket, const std::atomic<bool>& is_ended) : socket_(socket), is_ended_(is_ended) {}
+
+  bool is_readable() const override { return waitFor(POLLIN, kMostAsking); }
+  bool is_writable() const override { return waitFor(POLLOUT, kMostAnswering); }
+  ssize_t read(char* to, size_t count) override {
+    if (bytes_left_ == 0 || !is_readable()) return -1;
+    const ssize_t got = ::recv(socket_, to, std::min(count, bytes_left_), 0);
+    bytes_left_ -= static_cast<size_t>(std::max<ssize_t>(0, got));
+    return got;
+  }
+  ssize_t write(const char* from, size_t count) override {
+    return is_writable() ? ::send(socket_, from, count, MSG_NOSIGNAL | MSG_DONTWAIT) : -1;
+  }
+  void get_remote_ip_and_port(std::string& ip, int& port) const override { ip = kAddress, port = 0; }
+  void get_local_ip_and_port(std::string& ip, int& port) const override { ip = kAddress, port = 0; }
+  socket_t socket() const override { return socket_; }
+
+ private:
+  bool waitFor(short what, std::chrono::seconds most) const {
+    constexpr int kLookEveryMs = 50;
+    while (!is_ended_ && std::chrono::steady_clock::now() < begin_ + most) {
+      pollfd polled{socket_, what, 0};
+      if (::poll(&polled, 1, kLookEveryMs) > 0) return true;
+    }
+    return false;
+  }
+
+  const socket_t socket_;
+  const std::atomic<bool>& is_ended_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  size_t bytes_left_ = kMostRequestBytes;
+};
 
 void answer(httplib::Response* response, int status, const std::string& text, const char* kind = "text/plain") {
   response->status = status;
@@ -28,8 +72,29 @@ std::string servedPage(std::string page) {
 
 }  // namespace
 
+class PageServer::Server : public httplib::Server {
+ public:
+  void end() {
+    is_ended_ = true;
+    stop();
+  }
+
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    Client client(socket, is_ended_);
+    bool is_closed = false;
+    // parts of scripts nobody needs, and many parts of one are more than it has
+    const bool is_done = process_request(client, true, is_closed, [](httplib::Request& request) { request.ranges.clear(); });
+    ::shutdown(socket, SHUT_RDWR);
+    ::close(socket);
+    return is_done;
+  }
+
+  std::atomic<bool> is_ended_ = false;
+};
+
 PageServer::PageServer(int port)
-    : server_(std::make_unique<httplib::Server>()),
+    : server_(std::make_unique<Server>()),
       shown_(static_cast<uint64_t>(std::chrono::system_clock::now().time_since_epoch() / std::chrono::milliseconds(1))) {
   // the library's own way lets two servers share a port, so that a browser reaches now one, now the other
   server_->set_socket_options([](socket_t socket) {
@@ -39,7 +104,10 @@ PageServer::PageServer(int port)
   port_ = port == 0 ? server_->bind_to_any_port(kAddress) : server_->bind_to_port(kAddress, port) ? port : -1;
   if (port_ < 0) throw UsageError("--port", "a free port, or 0 for any", std::to_string(port));
   server_->set_payload_max_length(0);  // nobody has anything to send
-  server_->set_default_headers({{"Cache-Control", "no-store"}, {"Cross-Origin-Resource-Policy", "same-origin"}});
+  server_->new_task_queue = [] { return new httplib::ThreadPool(kClients); };
+  server_->set_default_headers({{"Cache-Control", "no-store"},
+                                {"Content-Security-Policy", "frame-ancestors 'none'"},
+                                {"Cross-Origin-Resource-Policy", "same-origin"}});
   server_->set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
     const std::string host = request.get_header_value("Host"), port_text = ":" + std::to_string(port_);
     if (host == kAddress + port_text || host == "localhost" + port_text) return httplib::Server::HandlerResponse::Unhandled;
@@ -70,7 +138,7 @@ PageServer::PageServer(int port)
 }
 
 PageServer::~PageServer() {
-  server_->stop();
+  server_->end();
   thread_.join();
 }
 

@@ -5,7 +5,8 @@
 //                   stage, how far a bake is in words, and share, of that stage, or null
 //     /NAME.js?N    a script of the set N
 //
-// Everything comes out of memory. Another site may find a page on 127.0.0.1 by giving it a name of its own; requests for any name but
+// Everything comes out of memory. A client has two seconds to ask and thirty to be answered, and a connection of its own for each
+// request, so that none holds the page or its end. Another site may find a page on 127.0.0.1 by giving it a name of its own; requests for any name but
 // this address are refused, and so is what another site includes of it.
 #pragma once
 
@@ -16,10 +17,6 @@
 #include <optional>
 #include <string>
 #include <thread>
-
-namespace httplib {
-class Server;
-}
 
 namespace nlg {
 
@@ -49,7 +46,8 @@ class PageServer {
  private:
   void addPage();
 
-  std::unique_ptr<httplib::Server> server_;
+  class Server;
+  std::unique_ptr<Server> server_;
   int port_ = 0;
   std::mutex mutex_;  // of all below
   uint64_t shown_;    // begins with the time: a page that stays open over two servers sees other numbers

@@ -1,6 +1,7 @@
 #include "viewer/watch.h"
 
 #include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -15,11 +16,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "bake/own_files.h"
 #include "bake/relight.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/output_path.h"
 #include "tool/printable.h"
+#include "tool/tool_main.h"
 #include "viewer/child_process.h"
 #include "viewer/watched_files.h"
 
@@ -32,6 +35,9 @@ using Words = std::vector<std::string>;
 constexpr int kAskEveryMs = 250;
 // of a preview
 constexpr int kPreviewRays = 16, kPreviewPlaces = 4, kPreviewProbeRays = 64;
+
+const OwnFiles kSettingsFiles = {"settings of a watch",
+                                 [](std::string_view bytes) { return bytes.starts_with("{\n \"bake\": {"); }};
 
 std::atomic<bool> is_stopped = false;  // by a signal, on any thread
 
@@ -66,9 +72,12 @@ class Watch {
         kept_((own_ / "functions.kept").string()),
         settings_((own_ / "settings.yaml").string()),
         inputs_((own_ / "inputs.json").string()),
+        settings_text_(nlohmann::ordered_json{{"bake", table.toJson()}}.dump(1) + "\n"),  // JSON is YAML
         server_(request.port) {
-    // JSON is YAML
-    writeFileAtomically(settings_, nlohmann::ordered_json{{"bake", table.toJson()}}.dump(1) + "\n");
+    for (const auto& [path, own] : {std::pair(preview_, kGridFiles), std::pair(kept_, kKeptFiles),
+                                    std::pair(settings_, kSettingsFiles), std::pair(inputs_, kInputsFiles)})
+      refuseToReplaceOthers(path, own);
+    writeFileAtomically(settings_, settings_text_);
     files_.watch({request.scene}, nowNs());
   }
 
@@ -113,6 +122,8 @@ class Watch {
   Ran runTool(const char* tool, Words words) {
     words.insert(words.begin(), {(programs_ / tool).string(), request_.scene});
     words.insert(words.end(), {"--config", settings_});
+    // the folder may have been cleaned up
+    if (std::error_code error; !fs::exists(settings_, error)) writeFileAtomically(settings_, settings_text_);
     ChildProcess child(words);
     while (child.isRunning(kAskEveryMs)) {
       if (is_stopped) return {End::stopped, 0, "", ""};
@@ -129,7 +140,7 @@ class Watch {
     const int64_t since_ns = nowNs();
     Ran ran = runTool("nlg-bake", std::move(words));
     if (ran.end != End::done || !fs::exists(inputs_, gone)) return ran;
-    auto inputs = nlohmann::json::parse(readFile(inputs_)).get<std::vector<std::string>>();
+    std::vector<std::string> inputs = inputsOf(readFile(inputs_));
     inputs.push_back(request_.scene);
     files_.watch(inputs, since_ns);
     return ran;
@@ -205,7 +216,7 @@ class Watch {
       }
       words.insert(words.end(), {"--out", bake.grid});
       Ran baked = runBake(words);
-      if (isOfKept(baked)) {
+      if (isOfKept(baked) && mayReplace(kept_, kKeptFiles)) {
         tellDoing(lastLine(baked.errors) + "; it is made anew");
         fs::remove(kept_);
         baked = runBake(words);
@@ -228,7 +239,7 @@ class Watch {
   const ViewRequest& request_;
   const BakeOptions& options_;
   const fs::path programs_, own_;
-  const std::string preview_, kept_, settings_, inputs_;
+  const std::string preview_, kept_, settings_, inputs_, settings_text_;
   PageServer server_;
   WatchedFiles files_;
   std::string shown_;  // what the page shows, in words
@@ -274,6 +285,9 @@ void watchScene(ViewRequest request, const BakeOptions& options, const OptionTab
   requireOutputFolder(request.out);
   if (request.grid.empty()) request.grid = (fs::path(request.out) / "grid.safetensors").string();
   refuseToReplaceInputs(request.grid, {request.scene}, "--grid");
+  refuseToReplaceOthers(request.grid, kGridFiles, "--grid");
+  refuseToReplaceOthersOf(request);
+  ::setenv(kEndsWith, std::to_string(::getpid()).c_str(), 1);
   ::setenv("NLG_PROGRESS", "lines", 1);  // of the tools that it starts
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { is_stopped = true; });
   Watch(request, options, table).run();

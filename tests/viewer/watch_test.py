@@ -4,10 +4,12 @@
     watch_test.py BUILD_FOLDER served
     watch_test.py BUILD_FOLDER SCREENSHOT_FOLDER page    in a real browser; exit code 77, a skipped test, where there is none
 """
+import contextlib
 import http.client
 import json
 import os
 import re
+import shutil
 import signal
 import socket
 import struct
@@ -83,6 +85,14 @@ def replace(path, content):
     other.rename(path)
 
 
+def is_running(process):
+    """Whether it is there, and no zombie that nobody has asked after."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
 class Watch:
     def __init__(self, folder, settings):
         self.folder = folder
@@ -134,7 +144,7 @@ class Case(unittest.TestCase):
 
     def watch(self, settings=SETTINGS):
         watch = Watch(self.folder, settings)
-        self.addCleanup(lambda: watch.process.poll() is None and watch.end(signal.SIGKILL))
+        self.addCleanup(lambda: watch.process and watch.process.poll() is None and watch.end(signal.SIGKILL))
         return watch
 
     def assert_as_baked_by_hand(self):
@@ -219,6 +229,60 @@ class Served(Case):
         second = subprocess.run([BUILD / "bin/nlg-view", "level.gltf", "--watch", "--port", str(watch.port)], cwd=self.folder, capture_output=True, text=True, timeout=SECONDS)
         self.assertEqual(second.returncode, 2)
         self.assertIn("--port: expected a free port", second.stderr)
+
+    def test_no_client_holds_the_page_or_its_end(self):
+        watch = self.watch()
+        watch.final_after(0)
+        page = watch.get("/")[0]
+        self.assertEqual(page.getheader("Content-Security-Policy"), "frame-ancestors 'none'")
+
+        def asked(request):
+            """What a request is answered, as it is."""
+            with socket.create_connection(("127.0.0.1", watch.port), SECONDS) as client:
+                with contextlib.suppress(ConnectionError):
+                    client.sendall(request)
+                answer = b""
+                with contextlib.suppress(ConnectionError):
+                    while part := client.recv(1 << 16):
+                        answer += part
+                return answer
+
+        host = f"Host: 127.0.0.1:{watch.port}\r\n".encode()
+        whole = len(watch.get("/viewer.js")[1])
+        ranges = ",".join(["0-"] * 200).encode()
+        self.assertLess(len(asked(b"GET /viewer.js HTTP/1.1\r\n" + host + b"Range: bytes=" + ranges + b"\r\n\r\n")), whole + 1000)
+        # headers and bodies without end
+        for request in (b"GET / HTTP/1.1\r\n" + host + b"X: y\r\n" * 1000000, b"POST / HTTP/1.1\r\n" + host + b"Transfer-Encoding: chunked\r\n\r\n" + b"10000\r\n" + b"x" * 65536 * 64):
+            self.assertLess(len(asked(request)), 1000)
+        # clients that say nothing, or a byte now and then
+        clients = [socket.create_connection(("127.0.0.1", watch.port), SECONDS) for _ in range(30)]
+        for client in clients[:15]:
+            client.sendall(b"GET / HT")
+        self.assertEqual(watch.get("/state")[0].status, 200)
+        clients += [socket.create_connection(("127.0.0.1", watch.port), SECONDS) for _ in range(16)]
+        self.assertEqual(watch.end(), 0)
+        for client in clients:
+            client.close()
+
+    def test_what_it_started_ends_with_it(self):
+        watch = self.watch(["--light-rays", "1048576", "--light-places", "4096"])
+        watch.waited(lambda: "baking: final" in watch.state()["text"], "preview")
+        bake = self.child_of(watch)
+        watch.end(signal.SIGKILL)
+        watch.process = None
+        end = time.monotonic() + SECONDS
+        while is_running(bake) and time.monotonic() < end:
+            time.sleep(.02)
+        self.assertFalse(is_running(bake), "a bake outlives its watch")
+
+    def test_goes_on_without_the_folder_of_its_own(self):
+        watch = self.watch()
+        first = watch.final_after(0)
+        shutil.rmtree(self.folder / "level/watch")
+        self.level.candela["warm"] = 100.0
+        self.level.save()
+        watch.final_after(first["shown"])
+        self.assert_as_baked_by_hand()
 
     def test_begins_anew_when_it_is_saved_meanwhile_and_ends_at_any_moment(self):
         # a bake that would take hours
