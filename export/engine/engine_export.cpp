@@ -12,6 +12,7 @@
 
 #include "export/engine/engine_format.h"
 #include "export/engine/sh_texture.h"
+#include "export/shader/shader_export.h"
 #include "runtime_eval/light_grid/light_grid_file.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
@@ -34,6 +35,7 @@ const Format* findNamed(const std::vector<Format>& formats, const std::string& n
 
 struct EngineRequest {
   std::string grid, format, out;
+  std::vector<double> origin_m = {0.0, 0.0, 0.0};
 };
 
 struct EngineOptions {
@@ -146,6 +148,7 @@ void writeGrid(const LightGrid& grid, const GridFormat& format, const EngineRequ
   if (!result.ok()) throw InputError(request.grid, fileStatusName(result.status), "a grid that shaders can show", result.detail);
   const std::vector<EngineFile> files = gridFiles(format, packed);
   line["bytes"] = bytesOf(files);
+  line["corner_error_m"] = cornerErrorM(grid.tree.frame());
   line["error"] = errorJson(resamplingError(grid, nullptr, gridIrradiance(files.front().bytes), options.places));
   writeFiles(files, request);
   std::cout << line.dump() << '\n';
@@ -162,9 +165,11 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   if (request.out.empty()) throw UsageError("--out", "the name of a folder", "an empty text");
   GridMetadata metadata;
   LightGrid grid = readGrid(request.grid, options.intensity, &metadata);
+  moveToOrigin(request.origin_m, &grid);
   nlohmann::ordered_json line = {{"scene", metadata.contains("scene") ? metadata["scene"] : ""},
                                  {"format", request.format},
-                                 {"intensity", options.intensity}};
+                                 {"intensity", options.intensity},
+                                 {"origin_m", request.origin_m}};
   if (grid_format != nullptr) return writeGrid(grid, *grid_format, request, options, std::move(line));
 
   const std::vector<float> factors = groupFactors(grid, options.light_groups);
@@ -188,6 +193,7 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   line["light_groups"] = place["light_groups"] = groups;
   line["texels"] = {{"lit", volume.lit}, {"filled", volume.filled}};
   place["format"] = request.format;
+  place["origin_m"] = request.origin_m;
   place["intensity"] = options.intensity;
   place["provenance"] = provenance("nlg-export engine", table.toJson(), {{"grid", fileSha256(request.grid)}});
   const std::vector<EngineFile> files = {format->file(box, texels), {kPlace, place.dump(2) + "\n"}};
@@ -219,6 +225,7 @@ int engineMain(int argc, char** argv) {
   app.add_option("--grid", request.grid, "a light grid with light (.safetensors)")->required();
   app.add_option("--format", request.format, formatNames())->required();
   app.add_option("--out", request.out, "the folder to write the format's files to")->required();
+  addOriginOption(app, &request.origin_m);
   return runTool(argc, argv, app, table, [&] { run(request, options, table); });
 }
 

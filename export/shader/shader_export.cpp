@@ -24,12 +24,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFiles[] = {"grid.bin", "look_up.glsl", "resample.comp", "resampled.glsl"};
 
-void run(const std::string& grid_path, const std::string& folder) {
+void run(const std::string& grid_path, const std::string& folder, const std::vector<double>& origin_m) {
   requireOutputFolder(folder);
   for (const char* name : kFiles) refuseToReplaceInputs((fs::path(folder) / name).string(), {grid_path});
   LightGrid grid;
   GridMetadata metadata;
   requireRead(grid_path, readLightGridFile(grid_path, &grid, &metadata), "a light grid");
+  moveToOrigin(origin_m, &grid);
   ShaderGrid packed;
   const FileResult result = packShaderGrid(grid, &packed);
   if (!result.ok()) throw InputError(grid_path, fileStatusName(result.status), "a grid that shaders can show", result.detail);
@@ -38,6 +39,8 @@ void run(const std::string& grid_path, const std::string& folder) {
   const nlohmann::ordered_json line = {
       {"scene", metadata.contains("scene") ? metadata["scene"] : ""},
       {"probes", grid.tree.probeCount()},
+      {"origin_m", origin_m},
+      {"corner_error_m", cornerErrorM(grid.tree.frame())},
       {"bytes", packed.words.size() * kWord},
       {"tree_bytes", packed.tree_bytes},
       {"light_bytes", packed.light_bytes},
@@ -76,6 +79,19 @@ void writeShader(const ShaderGrid& grid, const std::string& folder) {
   for (size_t i = 0; i < std::size(kFiles); ++i) writeFileAtomically((fs::path(folder) / kFiles[i]).string(), texts[i]);
 }
 
+void addOriginOption(CLI::App& app, std::vector<double>* origin_m) {
+  app.add_option(
+         "--origin-m", *origin_m,
+         "x,y,z, metres: the place of the level from which the engine counts positions; for levels far from their origin, since "
+         "files of engines hold floats")
+      ->delimiter(',')
+      ->expected(3);
+}
+
+void moveToOrigin(const std::vector<double>& origin_m, LightGrid* grid) {
+  grid->tree.moveBy({-origin_m[0], -origin_m[1], -origin_m[2]});
+}
+
 PixelReads pixelReads(const ShaderGrid& grid) {
   PixelReads reads;
   // the low corner's slot says whether the cell is used, and is read again as a corner
@@ -88,10 +104,12 @@ PixelReads pixelReads(const ShaderGrid& grid) {
 int shaderMain(int argc, char** argv) {
   CLI::App app{"Writes a light grid as shaders read it, and the shader's look-up for it.", "nlg-export shader"};
   std::string grid, out;
+  std::vector<double> origin_m(3, 0.0);
   OptionTable table("export");
   app.add_option("--grid", grid, "a light grid with light (.safetensors)")->required();
   app.add_option("--out", out, "the folder to write grid.bin, look_up.glsl, resample.comp and resampled.glsl to")->required();
-  return runTool(argc, argv, app, table, [&] { run(grid, out); });
+  addOriginOption(app, &origin_m);
+  return runTool(argc, argv, app, table, [&] { run(grid, out, origin_m); });
 }
 
 }  // namespace nlg

@@ -8,8 +8,13 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "runtime_eval/shader_grid/shader_grid.h"
+
+namespace CLI {
+class App;
+}
 
 namespace nlg {
 
@@ -31,6 +36,10 @@ struct PixelReads {
   size_t functions = 0;  // all of it, where all eight have functions of the largest class
 };
 PixelReads pixelReads(const ShaderGrid& grid);
+
+// --origin-m of the commands that export grids, and what it does: three numbers, world coordinates of what engines count from.
+void addOriginOption(CLI::App& app, std::vector<double>* origin_m);
+void moveToOrigin(const std::vector<double>& origin_m, LightGrid* grid);
 
 // The tool's command `shader`: nlg-export shader --grid GRID --out FOLDER.
 int shaderMain(int argc, char** argv);

@@ -100,6 +100,10 @@ class Packer {
 
   FileResult pack(ShaderGrid* result) {
     if (grid_.light.empty()) return refuse("a grid without light; shaders have nothing to show of it");
+    const ProbeTreeFrame& frame = grid_.tree.frame();
+    if (!(cornerErrorM(frame) <= kMostCornerError * frame.spacing_m))
+      return refuse("its lattice begins so far from the origin that a float is " + std::to_string(cornerErrorM(frame)) +
+                    " m off: an origin nearer to it is needed (--origin-m)");
     packLightOfProbes();
     findClasses();
     for (const ProbeClass& of : classes_) {
@@ -457,6 +461,13 @@ class Packer {
 };
 
 }  // namespace
+
+double cornerErrorM(const ProbeTreeFrame& frame) {
+  double error_m = 0.0;
+  for (const double at_m : frame.first_m)
+    error_m = std::max(error_m, std::abs(static_cast<double>(static_cast<float>(at_m)) - at_m));
+  return error_m;
+}
 
 FileResult packShaderGrid(const LightGrid& grid, ShaderGrid* shader_grid) {
   *shader_grid = {};

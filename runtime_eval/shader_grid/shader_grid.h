@@ -63,8 +63,14 @@ struct ShaderGrid {
 //
 // grid      one that checkLightGrid accepts
 // returns   ok; or value_out_of_range and what is wrong: a grid without light, a theta beyond float16, more than 2^27 slots,
-//           2^29 words or kMaxShaderBlocks blocks, a brick with steps of more than 2^27 logits. *shader_grid is empty then
+//           2^29 words or kMaxShaderBlocks blocks, a brick with steps of more than 2^27 logits, a cornerError above kMostCornerError
+//           of the spacing. *shader_grid is empty then
 FileResult packShaderGrid(const LightGrid& grid, ShaderGrid* shader_grid);
+
+// Metres by which first_m, as float, lies off along an axis at most: far from the world's origin a grid is to be moved before it is
+// packed (ProbeTree::moveBy), and positions with it.
+double cornerErrorM(const ProbeTreeFrame& frame);
+inline constexpr double kMostCornerError = 1.0 / 64.0;
 
 inline constexpr uint64_t kMaxShaderBlocks = 1ull << 26;  // of 4 bytes each: a level a kilometre long at 0.25 m has 6e7
 

@@ -157,6 +157,19 @@ def check_intensity():
     must(result.returncode == 0, f"the intensity that fits does not: {result.stderr}")
 
 
+def check_origin():
+    """What is written is moved, whatever the format: positions of engines are floats."""
+    result = export("--grid", "grid.safetensors", "--format", "three", "--out", "moved", "--places", "2000", "--origin-m=-2,10000,1", "--extent-m=0,1,1,8,7,11", "--spacing-m", "1")
+    must(result.returncode == 0, f"--origin-m: {result.stderr}")
+    place = json.load(open("moved/light.json"))
+    must(place["origin_m"] == [-2, 10000, 1] and place["low_m"] == [0, 1, 1], f"moved: {place}")
+    must(open("moved/light.bin", "rb").read() == open("three/light.bin", "rb").read(), "moved: other light")
+    lines = [json.loads(export("--grid", "grid.safetensors", "--format", "c-header", "--out", "moved", "--places", "2000", *origin).stdout) for origin in ([], ["--origin-m=-2,10000,1"])]
+    must(all(0 <= line["corner_error_m"] < 1e-3 for line in lines), f"says {lines}")
+    refuses(USAGE_ERROR, ["--origin-m"], "--grid", "grid.safetensors", "--format", "three", "--out", "bad", "--origin-m", "1,2", *BOX)
+    refuses(INPUT_ERROR, ["grid.safetensors", "--origin-m"], "--grid", "grid.safetensors", "--format", "c-header", "--out", "bad", "--origin-m=5000000.13,0,0")
+
+
 def check_light_groups():
     def three(*groups):
         result = export("--grid", "sets.safetensors", "--format", "three", "--out", "sets", "--places", "2000", *groups, *BOX)
@@ -208,6 +221,7 @@ try:
         check_three()
         check_ktx2()
         check_intensity()
+        check_origin()
         check_light_groups()
         check_refusals()
         must(TOOLS.end() == 0, "what is refused")

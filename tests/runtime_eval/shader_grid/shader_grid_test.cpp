@@ -283,6 +283,30 @@ TEST(ShaderGrid, NamesWhatItIsToBeCompiledFor) {
             (std::vector<std::string>{"NLG_NETWORK_4", "NLG_HALVES", "NLG_CLASS_COUNT 3", axes, words, fields + ")"}));
 }
 
+// In the coordinates of a map of the earth a float's step is half a metre.
+TEST(ShaderGrid, RefusesACornerThatNoFloatHoldsUntilItIsMoved) {
+  const LightGrid near = everyRepresentation(ThetaPrecision::int8, 3);
+  LightGrid far = near;
+  far.tree.moveBy({500000.0, 0.0, 4649776.0});
+  const double error_m = cornerErrorM(far.tree.frame());
+  double expected = 0.0;
+  for (const double at : far.tree.frame().first_m)
+    expected = std::max(expected, std::abs(at - static_cast<double>(static_cast<float>(at))));
+  EXPECT_EQ(error_m, expected);
+  EXPECT_LE(error_m, 0.25);
+  far.tree.moveBy({0.0, 0.0, 0.13});
+  ShaderGrid packed, packed_near;
+  const FileResult refused = packShaderGrid(far, &packed);
+  EXPECT_EQ(refused.status, FileStatus::value_out_of_range);
+  EXPECT_NE(refused.detail.find("--origin-m"), std::string::npos) << refused.detail;
+  far.tree.moveBy({-500000.0, 0.0, -4649776.13});
+  EXPECT_LT(cornerErrorM(far.tree.frame()), 1e-6);
+  ASSERT_TRUE(packShaderGrid(far, &packed).ok());
+  ASSERT_TRUE(packShaderGrid(near, &packed_near).ok());
+  EXPECT_TRUE(std::equal(packed.words.begin() + 16, packed.words.end(), packed_near.words.begin() + 16))
+      << "all but the corner and the digest";
+}
+
 TEST(ShaderGrid, RefusesWhatShadersCannotShow) {
   LightGrid grid = freeGrid();
   grid.light.clear();
