@@ -82,7 +82,9 @@ Scene sceneOf(const LightSet& set, const std::string& request, const SceneReadin
 SceneSource loadLitScene(const std::string& request, const BakeOptions& options) {
   const Progress progress("reading");
   const std::vector<LightSet> sets = lightSetsFrom(options.light_set, options.scene_light);
-  SceneSource source = loadScene(request, options.reading);
+  SceneReading reading = options.reading;
+  if (options.light == "none") reading.images = ImageNeed::geometry;
+  SceneSource source = loadScene(request, reading);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
   const auto isOpen = [](const Scene& scene) { return openShare(scene) > kOpenShare; };
   const auto litBy = [&](const LightSet& set, Scene* scene, bool* is_divided) {

@@ -29,7 +29,7 @@ if(NLG_BUILD_TOOLS OR NLG_BUILD_FUZZERS)
   add_library(nlg::deflate ALIAS nlg_deflate)
   target_include_directories(nlg_deflate SYSTEM INTERFACE ${NLG_DEFLATE_INCLUDE})
   target_link_libraries(nlg_deflate INTERFACE ${NLG_DEFLATE_LIBRARY})
-  # what glTF and .obj files are read with beside tinygltf, one library each; not by their CMake packages, whose definitions
+  # what glTF files are read with beside tinygltf, one library each; not by their CMake packages, whose definitions
   # would reach every source that links a scene
   function(nlg_plain_library name library header)
     find_library(NLG_${name}_LIBRARY ${library} REQUIRED)
@@ -41,7 +41,6 @@ if(NLG_BUILD_TOOLS OR NLG_BUILD_FUZZERS)
   endfunction()
   nlg_plain_library(meshoptimizer meshoptimizer meshoptimizer.h)
   nlg_plain_library(draco draco draco/compression/decode.h)
-  nlg_plain_library(tinyobjloader tinyobjloader_double tiny_obj_loader.h)
   # its definitions are those that Debian's library was compiled with; they are for the one source that includes it
   pkg_check_modules(HTTPLIB REQUIRED cpp-httplib)
   nlg_plain_library(httplib cpp-httplib httplib.h)

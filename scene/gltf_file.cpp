@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -67,33 +66,38 @@ Bytes withText(const std::string& path, const Bytes& bytes, std::string text) {
   return result;
 }
 
-// The files that tinygltf may open: the buffers', and only those that lie in the scene's folder when all links are followed.
-struct AllowedFiles {
-  std::set<std::string> paths;
+// The files of buffers, in the order in which tinygltf asks for them, by whatever name: it decodes addresses otherwise. It may open no
+// other.
+struct BufferFiles {
+  std::vector<std::string> paths;
+  size_t next;
   SceneBudget* bytes_left;
 };
 
-AllowedFiles findBuffers(const std::string& path, const std::vector<std::string>& names, SceneBudget& bytes_left) {
-  AllowedFiles allowed{{}, &bytes_left};
+BufferFiles findBuffers(const std::string& path, const std::vector<std::string>& addresses, SceneBudget& bytes_left) {
+  BufferFiles files{{}, 0, &bytes_left};
   // what all of them hold is known before the first is read
   SceneBudget all = bytes_left;
-  for (const std::string& name : names) {
-    const std::string place = "buffer \"" + name.substr(0, 80) + "\"";
-    const std::string file = fileBeside(path, name, place);
-    all.take(InputFile(file, place).size(), path, place);
-    allowed.paths.insert(file);
+  for (const std::string& address : addresses) {
+    const std::string place = "buffer \"" + address.substr(0, 80) + "\"";
+    const FileBeside file = findBeside(path, address);
+    if (file.path.empty()) throw InputError(path, place, "a file in the folder or below", "one that " + file.problem);
+    all.take(InputFile(file.path, place).size(), path, place);
+    files.paths.push_back(file.path);
   }
-  return allowed;
+  return files;
 }
 
-bool fileExists(const std::string& path, void* user) { return static_cast<AllowedFiles*>(user)->paths.count(path) > 0; }
+bool fileExists(const std::string&, void* user) {
+  const BufferFiles& files = *static_cast<BufferFiles*>(user);
+  return files.next < files.paths.size();
+}
 
 std::string samePath(const std::string& path, void*) { return path; }
 
-bool readWholeFile(Bytes* bytes, std::string*, const std::string& path, void* user) {
-  AllowedFiles& allowed = *static_cast<AllowedFiles*>(user);
-  if (allowed.paths.count(path) == 0) return false;
-  *bytes = readSceneFile(path, "buffer", *allowed.bytes_left);
+bool readWholeFile(Bytes* bytes, std::string*, const std::string&, void* user) {
+  BufferFiles& files = *static_cast<BufferFiles*>(user);
+  *bytes = readSceneFile(files.paths.at(files.next++), "buffer", *files.bytes_left);
   return true;
 }
 
@@ -121,14 +125,14 @@ tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left) {
   const std::string_view text =
       is_binary ? binaryText(path, bytes) : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   GltfJson json = readGltfJson(path, text, is_binary);
-  AllowedFiles allowed = findBuffers(path, json.buffer_files, bytes_left);
+  BufferFiles files = findBuffers(path, json.buffer_files, bytes_left);
   if (!json.plain_text.empty())
     bytes = is_binary ? withText(path, bytes, std::move(json.plain_text)) : Bytes(json.plain_text.begin(), json.plain_text.end());
 
   const std::string folder = folderOf(path);
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keepPacked, nullptr);
-  loader.SetFsCallbacks({fileExists, samePath, readWholeFile, writeNothing, &allowed});
+  loader.SetFsCallbacks({fileExists, samePath, readWholeFile, writeNothing, &files});
   tinygltf::Model model;
   std::string error;
   std::string warning;

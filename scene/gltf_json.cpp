@@ -232,10 +232,8 @@ class JsonChecker {
 
   void checkUri(const std::string& uri, const std::string& place) {
     if (uri.starts_with("data:")) return;
-    std::string expected;
-    const std::string name = fileOfUri(uri, &expected);
-    if (name.empty()) fail(place, expected, uri.empty() ? "an empty uri" : uri);
-    buffer_files_.push_back(name);
+    if (uri.empty()) fail(place, "a file name", "an empty uri");
+    buffer_files_.push_back(uri);
   }
 
   const std::string& path_;
@@ -293,31 +291,6 @@ bool makePlain(Json& root) {
 }
 
 }  // namespace
-
-std::string fileOfUri(const std::string& uri, std::string* expected) {
-  const auto refuse = [&](const char* what) {
-    if (expected != nullptr) *expected = what;
-    return std::string();
-  };
-  std::string name;
-  for (size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] != '%') {
-      name += uri[i];
-      continue;
-    }
-    const std::string digits = uri.substr(i + 1, 2);
-    if (digits.size() < 2 || digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
-      return refuse("two hexadecimal digits after %");
-    name += static_cast<char>(std::stoi(digits, nullptr, 16));
-    i += 2;
-  }
-  if (name.empty()) return refuse("a file name");
-  for (const char c : name) {
-    if (static_cast<unsigned char>(c) < 32 || c == '\\' || c == ':') return refuse("a file in the folder, or data:");
-  }
-  if (name[0] == '/' || ("/" + name + "/").find("/../") != std::string::npos) return refuse("a file in the folder or below");
-  return name;
-}
 
 GltfJson readGltfJson(const std::string& path, std::string_view text, bool is_binary) {
   Json root = parse(path, text);

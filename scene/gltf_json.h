@@ -12,15 +12,11 @@
 namespace nlg {
 
 struct GltfJson {
-  std::vector<std::string> buffer_files;  // the external buffers', percent-decoded: relative, without "..", without a scheme
+  std::vector<std::string> buffer_files;  // the external buffers' addresses, as they are written
   // What tinygltf takes instead of the file's own text, if not empty. It refuses what extensions pack: here fallback buffers without
   // a URI hold one byte, and primitives packed by Draco have no indices, whose accessors need no buffer view.
   std::string plain_text;
 };
-
-// The file that a URI names, percent-decoded: relative, without "..", without a scheme. Empty where it names none such.
-// expected   what it should have been, where it names none; may be null
-std::string fileOfUri(const std::string& uri, std::string* expected = nullptr);
 
 // A buffer needs a URI, but for the first one of a .glb and for fallbacks of EXT_meshopt_compression.
 //

@@ -14,7 +14,6 @@
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_json.h"
 #include "scene/gltf_light.h"
-#include "scene/image_loader.h"
 #include "scene/scene_file.h"
 #include "tool/base64.h"
 #include "tool/error.h"
@@ -68,7 +67,7 @@ class GltfImages {
         bytes.problem = "has a data URI that is no base64";
       bytes.own.assign(decoded.begin(), decoded.end());
     } else if (!image.uri.empty()) {
-      bytes = imageBeside(path_, fileOfUri(image.uri), bytes_left_);
+      bytes = imageBeside(path_, image.uri, bytes_left_);
     } else {
       bytes.elsewhere = image.image;  // of a data URI
     }
@@ -85,8 +84,9 @@ class GltfImages {
 
 class LooksReader {
  public:
-  LooksReader(const std::string& path, const tinygltf::Model& model, SceneBudgets& budgets, std::vector<std::string>* notes)
-      : path_(path), model_(model), budgets_(budgets), notes_(notes), images_(path, model, budgets.bytes) {}
+  LooksReader(const std::string& path, const tinygltf::Model& model, SceneBudgets& budgets, std::vector<std::string>* notes,
+              ImageNeed need)
+      : path_(path), model_(model), budgets_(budgets), notes_(notes), images_(path, model, budgets.bytes), loader_(need) {}
 
   GltfLooks read() {
     const std::set<int> used = usedMaterials();
@@ -342,8 +342,8 @@ class LooksReader {
 }  // namespace
 
 GltfLooks readGltfLooks(const std::string& path, const tinygltf::Model& model, SceneBudgets& budgets,
-                        std::vector<std::string>* notes) {
-  return LooksReader(path, model, budgets, notes).read();
+                        std::vector<std::string>* notes, ImageNeed need) {
+  return LooksReader(path, model, budgets, notes, need).read();
 }
 
 }  // namespace nlg

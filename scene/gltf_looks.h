@@ -8,6 +8,7 @@
 #include <tiny_gltf.h>
 #include <glm/glm.hpp>
 
+#include "scene/image_loader.h"
 #include "scene/scene.h"
 #include "scene/scene_budget.h"
 
@@ -42,10 +43,11 @@ struct GltfLooks {
 //
 // budgets  files that images are read from and their pixels are taken from them
 // notes    what was not read, a line each
+// need     of images
 // throws   InputError naming the material or texture on numbers out of range and indices of what is not there, on more bytes or
 //          pixels than the budgets hold. An image that cannot be read is noted: a mean grey stands in the place of its colours, and
 //          nothing in the place of its light
 GltfLooks readGltfLooks(const std::string& path, const tinygltf::Model& model, SceneBudgets& budgets,
-                        std::vector<std::string>* notes);
+                        std::vector<std::string>* notes, ImageNeed need = ImageNeed::all);
 
 }  // namespace nlg

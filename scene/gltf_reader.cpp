@@ -22,12 +22,12 @@ constexpr double kFarthest = 1e9;  // metres from the file's origin; beyond, a d
 
 class GltfConverter {
  public:
-  GltfConverter(const std::string& path, double unit_m, double dense_veil)
+  GltfConverter(const std::string& path, double unit_m, double dense_veil, ImageNeed need)
       : path_(path),
         unit_m_(unit_m),
         dense_veil_(dense_veil),
         model_(loadGltfFile(path, budgets_.bytes)),
-        looks_(readGltfLooks(path_, model_, budgets_, &notes_)),
+        looks_(readGltfLooks(path_, model_, budgets_, &notes_, need)),
         meshes_(model_.meshes.size()),
         is_visited_(model_.nodes.size(), 0) {}
 
@@ -283,8 +283,8 @@ class GltfConverter {
 
 }  // namespace
 
-GltfLevel readGltf(const std::string& path, double unit_m, double dense_veil) {
-  return GltfConverter(path, unit_m, dense_veil).convert();
+GltfLevel readGltf(const std::string& path, double unit_m, double dense_veil, ImageNeed need) {
+  return GltfConverter(path, unit_m, dense_veil, need).convert();
 }
 
 }  // namespace nlg

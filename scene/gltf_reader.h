@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/image_loader.h"
 #include "scene/scene.h"
 #include "scene/veils.h"
 
@@ -30,7 +31,7 @@ struct GltfLevel {
 //
 // path     the file; its external buffers must lie in its folder or below
 // unit_m   metres of one unit of the file, finite, above 0: 1, when it keeps to the rule. Intensities of lamps stay what they are
-// dense_veil   as judgeVeils has it
+// dense_veil   as judgeVeils has it; need: of images
 // returns  the scene; its id is the file's stem
 // throws   InputError naming file, place ("mesh 3, primitive 0: POSITION"), expected and got, on
 //          - a missing, truncated or malformed file, a value of a wrong JSON type, numbers that are not finite
@@ -38,6 +39,6 @@ struct GltfLevel {
 //          - a buffer's URI that leaves the folder: with "..", absolute, or of a scheme other than data:
 //          - a node that is its own ancestor, nesting deeper than 256
 //          - a required extension other than these three and those of materials, textures and lights, by its name
-GltfLevel readGltf(const std::string& path, double unit_m = 1.0, double dense_veil = kDenseVeil);
+GltfLevel readGltf(const std::string& path, double unit_m = 1.0, double dense_veil = kDenseVeil, ImageNeed need = ImageNeed::all);
 
 }  // namespace nlg

@@ -19,9 +19,11 @@ namespace {
 // Decoded at once; one image may be larger.
 constexpr uint64_t kPixelsAtOnce = uint64_t{1} << 25;
 constexpr size_t kChannels = 4;
+constexpr int kScansOfAnyImage = 16;  // programs write ten; more count each
 
 const char* const kDamaged = "is damaged";
 const char* const kTooLarge = "is larger than 8192 pixels a side";
+const char* const kOtherJpeg = "is a JPEG of a kind that is not read (12 bits, lossless, arithmetic or of other channels)";
 
 using Pixels = std::vector<uint8_t>;
 
@@ -35,12 +37,12 @@ class Canvas {
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
 
-  // scan_least   as which a smaller image counts
-  // returns      false where nothing may be decoded, for the reason that problem() says
-  bool open(uint64_t width, uint64_t height, uint64_t scan_least = 1) {
+  // least     pixels, as which a smaller image counts
+  // returns   false where nothing may be decoded, for the reason that problem() says
+  bool open(uint64_t width, uint64_t height, uint64_t least = 1) {
     if (width < 1 || height < 1) return refuse(kDamaged);
     if (width > kMostPixelsOfSide || height > kMostPixelsOfSide) return refuse(kTooLarge);
-    pixels_of_scan_ = std::max(width * height, scan_least);
+    pixels_of_scan_ = std::max(width * height, least);
     if (!work_.take(pixels_of_scan_)) return refuse(kDamaged);
     work_.enter(width * height);
     inside_ = width * height;
@@ -95,12 +97,18 @@ struct JpegProgress {
 void countScans(j_common_ptr info) {
   JpegProgress& progress = *reinterpret_cast<JpegProgress*>(info->progress);
   for (; progress.scan_count < reinterpret_cast<j_decompress_ptr>(info)->input_scan_number; ++progress.scan_count) {
-    if (progress.scan_count > 0 && !progress.canvas->scanAgain()) leaveJpeg(info);
+    if (progress.scan_count >= kScansOfAnyImage && !progress.canvas->scanAgain()) leaveJpeg(info);
   }
 }
 
-// row   room for a row of red, green and blue
-bool decodeJpeg(std::string_view bytes, JSAMPLE* row, Canvas* canvas) {
+// Programs of Adobe's store what is not printed.
+void readCmyk(const JSAMPLE* ink, bool is_inverted, uint8_t* pixel) {
+  const auto bare = [&](int channel) { return is_inverted ? ink[channel] : 255 - ink[channel]; };
+  for (int channel = 0; channel < 3; ++channel) pixel[channel] = static_cast<uint8_t>((bare(channel) * bare(3) + 127) / 255);
+}
+
+// row   room for a row of four channels
+bool decodeJpeg(std::string_view bytes, int enough_side, JSAMPLE* row, Canvas* canvas) {
   JpegErrors errors;
   jpeg_decompress_struct info;
   JpegProgress progress;
@@ -109,29 +117,41 @@ bool decodeJpeg(std::string_view bytes, JSAMPLE* row, Canvas* canvas) {
   errors.base.emit_message = countDamage;
   errors.damage_count = 0;
   if (setjmp(errors.leave) != 0) {
+    const int code = errors.base.msg_code;
     jpeg_destroy_decompress(&info);
-    return false;
+    const bool is_other = code == JERR_BAD_PRECISION || code == JERR_SOF_UNSUPPORTED || code == JERR_ARITH_NOTIMPL;
+    return is_other && canvas->refuse(kOtherJpeg);
   }
   jpeg_create_decompress(&info);
   info.mem->max_memory_to_use = 512L << 20;  // a progressive image of the largest size
   jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   jpeg_read_header(&info, TRUE);
-  bool is_good = info.jpeg_color_space == JCS_YCbCr || info.jpeg_color_space == JCS_GRAYSCALE || info.jpeg_color_space == JCS_RGB;
-  is_good = is_good && canvas->open(info.image_width, info.image_height, kLeastScanPixels);
+  const bool is_cmyk = info.jpeg_color_space == JCS_CMYK || info.jpeg_color_space == JCS_YCCK;
+  bool is_good = is_cmyk || info.jpeg_color_space == JCS_YCbCr || info.jpeg_color_space == JCS_GRAYSCALE ||
+                 info.jpeg_color_space == JCS_RGB || canvas->refuse(kOtherJpeg);
+  info.out_color_space = is_cmyk ? JCS_CMYK : JCS_RGB;
+  const bool is_large = info.image_width > kMostPixelsOfSide || info.image_height > kMostPixelsOfSide;
+  while (!is_large && info.scale_denom < 8 &&
+         std::min(info.image_width, info.image_height) / (2 * info.scale_denom) >= static_cast<unsigned>(enough_side))
+    info.scale_denom *= 2;
+  if (is_good) jpeg_calc_output_dimensions(&info);
+  is_good = is_good && canvas->open(info.output_width, info.output_height, kLeastScanPixels);
   if (is_good) {
     std::memset(&progress.base, 0, sizeof progress.base);
     progress.base.progress_monitor = countScans;
     progress.canvas = canvas;
     progress.scan_count = 0;
     info.progress = &progress.base;
-    info.out_color_space = JCS_RGB;
     info.dct_method = JDCT_ISLOW;
     jpeg_start_decompress(&info);
     while (info.output_scanline < info.output_height) {
       uint8_t* pixel = canvas->row(info.output_scanline);
       jpeg_read_scanlines(&info, &row, 1);
       for (JDIMENSION x = 0; x < info.output_width; ++x, pixel += kChannels) {
-        std::memcpy(pixel, row + 3 * x, 3);
+        if (is_cmyk)
+          readCmyk(row + 4 * x, info.saw_Adobe_marker != 0, pixel);
+        else
+          std::memcpy(pixel, row + 3 * x, 3);
         pixel[3] = 255;
       }
     }
@@ -203,26 +223,56 @@ class TargaDecoder {
 
   bool decode() {
     constexpr size_t kHeaderBytes = 18;
-    if (bytes_.size() < kHeaderBytes) return false;
-    const uint8_t kind = byte(2);
-    const bool is_grey = kind == 3 || kind == 11;
-    const bool is_packed = kind == 10 || kind == 11;
-    pixel_bytes_ = byte(16) / 8u;
-    if (!(kind == 2 || kind == 3 || is_packed) || byte(1) != 0 || byte(16) % 8 != 0) return false;
-    if (is_grey ? pixel_bytes_ != 1 : pixel_bytes_ != 3 && pixel_bytes_ != 4) return false;
-    const uint64_t width = byte(12) + 256u * byte(13), height = byte(14) + 256u * byte(15);
+    const bool is_targa = bytes_.size() >= kHeaderBytes && (byte(2) & ~8) >= 1 && (byte(2) & ~8) <= 3 && byte(1) <= 1;
+    if (!is_targa) return canvas_->refuse("is of no kind that is read");
+    const int kind = byte(2) & ~8;  // 1 of a palette, 2 of colours, 3 grey
+    const bool is_packed = (byte(2) & 8) != 0;
+    pixel_bytes_ = (byte(16) + 7u) / 8;
+    const size_t entry_bytes = (byte(7) + 7u) / 8, entry_count = byte(1) == 0 ? 0 : wordAt(5);
     at_ = kHeaderBytes + byte(0);
+    if (kind == 1) palette_ = {at_, wordAt(3), entry_count};
+    colour_bytes_ = kind == 1 ? entry_bytes : pixel_bytes_;
+    is_grey_ = kind == 3;
+    const bool is_good = colour_bytes_ >= (is_grey_ ? 1 : 2) && colour_bytes_ <= (is_grey_ ? 2 : 4) &&
+                         (kind != 1 || (entry_count > 0 && pixel_bytes_ >= 1 && pixel_bytes_ <= 2));
+    if (!is_good) return false;
+    has_bit_of_alpha_ = (byte(17) & 0x0f) == 1;
+    const uint64_t width = wordAt(12), height = wordAt(14);
+    if (!hasBytes(entry_count * entry_bytes)) return false;
+    at_ += entry_count * entry_bytes;
     if (!is_packed && !hasPixels(width * height)) return false;
     if (!canvas_->open(width, height)) return false;
     is_downwards_ = (byte(17) & 0x20) != 0;
     is_leftwards_ = (byte(17) & 0x10) != 0;
-    return is_packed ? readPacked(width * height) : readPixels(width * height);
+    return (is_packed ? readPacked(width * height) : readPixels(width * height)) && has_entries_;
   }
 
  private:
-  uint8_t byte(size_t at) const { return static_cast<uint8_t>(bytes_[at]); }
+  // Where its entries lie, the number of the first one, and how many there are.
+  struct Palette {
+    size_t at = 0, first = 0, count = 0;
+  };
 
-  bool hasPixels(uint64_t count) const { return at_ <= bytes_.size() && count * pixel_bytes_ <= bytes_.size() - at_; }
+  uint8_t byte(size_t at) const { return static_cast<uint8_t>(bytes_[at]); }
+  uint32_t wordAt(size_t at) const { return byte(at) + 256u * byte(at + 1); }
+
+  bool hasBytes(uint64_t count) const { return at_ <= bytes_.size() && count <= bytes_.size() - at_; }
+  bool hasPixels(uint64_t count) const { return hasBytes(count * pixel_bytes_); }
+
+  void readColour(size_t at, uint8_t* pixel) const {
+    if (is_grey_) {
+      std::fill_n(pixel, 3, byte(at));
+      pixel[3] = colour_bytes_ == 2 ? byte(at + 1) : 255;
+    } else if (colour_bytes_ == 2) {
+      const uint32_t word = wordAt(at);
+      for (int channel = 0; channel < 3; ++channel)
+        pixel[channel] = static_cast<uint8_t>((word >> (10 - 5 * channel) & 31) * 255 / 31);
+      pixel[3] = has_bit_of_alpha_ && (word & 0x8000) == 0 ? 0 : 255;
+    } else {
+      for (size_t channel = 0; channel < 3; ++channel) pixel[channel] = byte(at + 2 - channel);
+      pixel[3] = colour_bytes_ == 4 ? byte(at + 3) : 255;
+    }
+  }
 
   void addPixel() {
     const auto width = static_cast<size_t>(canvas_->width());
@@ -230,8 +280,10 @@ class TargaDecoder {
     uint8_t* pixel = canvas_->row(is_downwards_ ? y : static_cast<size_t>(canvas_->height()) - 1 - y);
     pixel += kChannels * (is_leftwards_ ? width - 1 - x : x);
     ++written_;
-    for (size_t channel = 0; channel < 3; ++channel) pixel[channel] = byte(pixel_bytes_ == 1 ? at_ : at_ + 2 - channel);
-    pixel[3] = pixel_bytes_ == 4 ? byte(at_ + 3) : 255;
+    if (palette_.count == 0) return readColour(at_, pixel);
+    const size_t entry = (pixel_bytes_ == 1 ? byte(at_) : wordAt(at_)) - palette_.first;
+    has_entries_ = has_entries_ && entry < palette_.count;
+    if (has_entries_) readColour(palette_.at + entry * colour_bytes_, pixel);
   }
 
   bool readPixels(uint64_t count) {
@@ -259,8 +311,10 @@ class TargaDecoder {
 
   std::string_view bytes_;
   Canvas* canvas_;
-  size_t at_ = 0, pixel_bytes_ = 0, written_ = 0;
-  bool is_downwards_ = false, is_leftwards_ = false;
+  size_t at_ = 0, pixel_bytes_ = 0, colour_bytes_ = 0, written_ = 0;
+  Palette palette_;  // of no entries: pixels are colours
+  bool is_downwards_ = false, is_leftwards_ = false, is_grey_ = false, has_bit_of_alpha_ = false;
+  bool has_entries_ = true;  // that pixels name
 };
 
 // Kinds that are known, and not read.
@@ -275,16 +329,19 @@ constexpr OtherKind kOtherKinds[] = {{"\xabKTX 20", "is KTX2, which is not read"
                                      {"BM", "is BMP, which is not read"},
                                      {"II*", "is TIFF, which is not read"},
                                      {"MM\0*", "is TIFF, which is not read"},
+                                     {"8BPS", "is PSD, which is not read"},
+                                     {"\xff\x0a", "is JPEG XL, which is not read"},
                                      {"#?RADIANCE", "is Radiance HDR, which is not read"},
                                      {"\x76\x2f\x31\x01", "is OpenEXR, which is not read"}};
 
-bool decodeInto(std::string_view bytes, Canvas& canvas) {
+bool decodeInto(std::string_view bytes, int enough_side, Canvas& canvas) {
   if (bytes.starts_with("\xff\xd8")) {
-    std::vector<JSAMPLE> row(3 * kMostPixelsOfSide);
-    return decodeJpeg(bytes, row.data(), &canvas);
+    std::vector<JSAMPLE> row(4 * kMostPixelsOfSide);
+    return decodeJpeg(bytes, enough_side, row.data(), &canvas);
   }
   if (bytes.starts_with("\x89PNG")) return decodePng(&bytes, &canvas);
   if (bytes.size() >= 12 && bytes.starts_with("RIFF") && bytes.substr(8, 4) == "WEBP") return decodeWebp(bytes, &canvas);
+  if (bytes.size() >= 12 && bytes.substr(4, 4) == "ftyp") return canvas.refuse("is AVIF or HEIF, which is not read");
   for (const OtherKind& kind : kOtherKinds) {
     if (bytes.starts_with(kind.start)) return canvas.refuse(kind.problem);
   }
@@ -318,9 +375,9 @@ void PixelWork::leave(uint64_t pixels) {
   has_left_.notify_all();
 }
 
-std::string decodeImage(std::string_view bytes, PixelWork& work, DecodedImage* image) {
+std::string decodeImage(std::string_view bytes, PixelWork& work, DecodedImage* image, int enough_side) {
   Canvas canvas(work, image);
-  if (decodeInto(bytes, canvas)) return {};
+  if (decodeInto(bytes, enough_side, canvas)) return {};
   *image = {};
   return canvas.problem();
 }

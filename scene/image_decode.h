@@ -39,12 +39,13 @@ class PixelWork {
 // Pixels of whatever kind become 8 bits a channel; colour profiles, gamma and orientation that a file names are left aside, as glTF
 // has it. Of a file with several pictures the first, if it stands for itself.
 //
-// bytes    the kind is known by the first ones; what begins like none of the others is taken for a Targa (true colour or grey, plain
-//          or run-length encoded)
-// work     the image's pixels are taken from it as soon as they are known, and for a JPEG once more with every scan
+// bytes    the kind is known by the first ones; what begins like none of the others may be a Targa (of a palette, true colour or grey;
+//          plain or run-length encoded). CMYK becomes red, green and blue without profiles
+// work     the image's pixels are taken from it as soon as they are known, and for a JPEG once more with every scan behind the 16th
 // image    what was decoded
+// enough_side   a JPEG comes at a half, a quarter or an eighth of its size, means of its codes, where its shorter side stays as long
 // returns  what is wrong with the image, to stand behind its name: "is damaged", "is KTX2, which is not read", "is larger than 8192
 //          pixels a side"; empty when it was decoded. Damaged is one, too, for which work had too little
-std::string decodeImage(std::string_view bytes, PixelWork& work, DecodedImage* image);
+std::string decodeImage(std::string_view bytes, PixelWork& work, DecodedImage* image, int enough_side = kMostPixelsOfSide);
 
 }  // namespace nlg

@@ -16,6 +16,7 @@ namespace nlg {
 namespace {
 
 constexpr int kMostThreads = 8;
+constexpr int kEnough = 4;  // pixels for a texel: means of so few codes are near those of light
 
 // Which of fewer texels a pixel of a row belongs to: one, or two that share it. A texel is as wide as side pixels and a pixel as
 // texel_count, so that shares are whole numbers.
@@ -148,6 +149,11 @@ bool LoadedImages::take(TextureUse* use) const {
 }
 
 int32_t ImageLoader::want(const std::string& name, const KeptAs& kept) {
+  if (need_ == ImageNeed::geometry && kept.opacity == KeptAs::Opacity::none && kept.opacity_of.empty() &&
+      kept.colour != KeptAs::Colour::data) {
+    left_out_.insert(name);
+    return -1;
+  }
   return wanted_.try_emplace({name, kept}, static_cast<int32_t>(wanted_.size())).first->second;
 }
 
@@ -160,6 +166,7 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
     jobs.back().second.emplace_back(wanted.second, number);
   }
   LoadedImages loaded;
+  loaded.left_out_count = left_out_.size();
   while (wanted_.size() * size_t(loaded.most_side) * loaded.most_side > kMaxTexels && loaded.most_side > 1) loaded.most_side /= 2;
 
   std::vector<TextureImage> kept(wanted_.size());
@@ -171,10 +178,12 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
     {
       const std::lock_guard lock(mutex);
       file = open(name);
+      if (!file.guess.empty()) loaded.guessed[name] = file.guess;
     }
     if (file.problem.empty()) {
       const std::span<const unsigned char> bytes = file.bytes();
-      file.problem = decodeImage({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, work, image);
+      file.problem =
+          decodeImage({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, work, image, kEnough * loaded.most_side);
     }
     if (file.problem.empty()) return true;
     const std::lock_guard lock(mutex);
@@ -207,6 +216,7 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
 std::vector<std::string> unreadImageNotes(const LoadedImages& loaded) {
   constexpr size_t kMostNames = 3;
   std::map<std::string, std::vector<std::string>> by_problem;
+  std::string others;
   for (const auto& [name, problem] : loaded.unread) by_problem[problem].push_back(name.substr(0, 80));
   std::vector<std::string> notes;
   for (const auto& [problem, names] : by_problem) {
@@ -217,28 +227,23 @@ std::vector<std::string> unreadImageNotes(const LoadedImages& loaded) {
                                 names.size() == 1 ? "1 image is" : fmt::format("{} images are", names.size()), some,
                                 names.size() == 1 ? "which" : "each of which", problem));
   }
+  if (loaded.left_out_count > 0)
+    notes.push_back(fmt::format("{} images are not read: no light is asked for", loaded.left_out_count));
+  for (const auto& [address, name] : loaded.guessed) {
+    if (loaded.unread.count(address) == 0)
+      others += fmt::format("{}\"{}\" from {}", others.empty() ? "" : ", ", address.substr(0, 80), name);
+  }
+  if (!others.empty()) notes.push_back("images are read by other names than their addresses': " + others);
   if (loaded.most_side < kMostTexelsOfSide)
     notes.push_back(
         fmt::format("{} images are kept at {} texels a side, so many are they", loaded.images.size(), loaded.most_side));
   return notes;
 }
 
-ImageBytes imageBeside(const std::string& scene_path, const std::string& name, SceneBudget& bytes_left) {
-  ImageBytes bytes;
-  std::string file;
-  if (name.empty()) {
-    bytes.problem = "lies in another place and is not opened";
-  } else if (isMissingBeside(scene_path, name)) {
-    bytes.problem = "is not there";
-  }
-  if (!bytes.problem.empty()) return bytes;
-  try {
-    file = fileBeside(scene_path, name, "image");
-  } catch (const InputError&) {
-    bytes.problem = "is no file in the scene's folder or below";
-    return bytes;
-  }
-  bytes.own = readSceneFile(file, "image", bytes_left);
+ImageBytes imageBeside(const std::string& scene_path, const std::string& address, SceneBudget& bytes_left) {
+  const FileBeside file = findBeside(scene_path, address);
+  ImageBytes bytes{{}, {}, file.problem, file.guess};
+  if (!file.path.empty()) bytes.own = readSceneFile(file.path, "image", bytes_left);
   return bytes;
 }
 

@@ -38,6 +38,7 @@ struct ImageBytes {
   std::vector<unsigned char> own;
   std::span<const unsigned char> elsewhere;  // where it has none of its own
   std::string problem;                       // why there are none, to stand behind the image's name; empty where there are some
+  std::string guess;                         // FileBeside's
 
   std::span<const unsigned char> bytes() const { return own.empty() ? elsewhere : std::span<const unsigned char>(own); }
 };
@@ -46,19 +47,26 @@ inline constexpr float kUnreadGrey = 0.5f;  // linear: stands in the place of an
 
 struct LoadedImages {
   std::vector<TextureImage> images;
-  std::vector<int32_t> image_of;              // by the number that want() gave: which of them; -1: it could not be read
-  std::map<std::string, std::string> unread;  // by name: what is wrong with it
-  int most_side = kMostTexelsOfSide;          // that any was kept at; less where there are so many
+  std::vector<int32_t> image_of;               // by the number that want() gave: which of them; -1: it could not be read
+  std::map<std::string, std::string> unread;   // by name: what is wrong with it
+  std::map<std::string, std::string> guessed;  // by address: the file that was read
+  size_t left_out_count = 0;                   // of files that geometry does not need
+  int most_side = kMostTexelsOfSide;           // that any was kept at; less where there are so many
 
   // Puts the image's index in the place of its number; false where there was one, and it could not be read.
   bool take(TextureUse* use) const;
 };
 
+// What images are read for: all that is to be seen, or what they say of geometry: opacity and transmission.
+enum class ImageNeed : uint8_t { all, geometry };
+
 class ImageLoader {
  public:
-  // The number of the image of that name, kept so.
+  explicit ImageLoader(ImageNeed need = ImageNeed::all) : need_(need) {}
+
+  // The number of the image of that name, kept so; -1 for one that is not needed.
   int32_t want(const std::string& name, const KeptAs& kept);
-  bool wantsNone() const { return wanted_.empty(); }
+  bool wantsNone() const { return wanted_.empty() && left_out_.empty(); }
 
   // Reads and decodes them, several at once.
   // open     gives an image's bytes by its name; called by one thread at a time
@@ -67,16 +75,17 @@ class ImageLoader {
                     const std::string& path) const;
 
  private:
+  ImageNeed need_;
   std::map<std::pair<std::string, KeptAs>, int32_t> wanted_;
+  std::set<std::string> left_out_;
 };
 
 // What was not read and what stands in its place, one line for each thing that is wrong, and one where images are kept smaller than
 // kMostTexelsOfSide for want of room.
 std::vector<std::string> unreadImageNotes(const LoadedImages& loaded);
 
-// The bytes of an image in the scene's folder or below. What is not there, or elsewhere, is a problem; a file that cannot be read is
-// an error.
-// name   as scene_file.h has it; empty: of another place
-ImageBytes imageBeside(const std::string& scene_path, const std::string& name, SceneBudget& bytes_left);
+// The bytes of an image in the scene's folder or below, by its address (findBeside). What is not there, or elsewhere, is a problem; a file
+// that cannot be read is an error.
+ImageBytes imageBeside(const std::string& scene_path, const std::string& address, SceneBudget& bytes_left);
 
 }  // namespace nlg

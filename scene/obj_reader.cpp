@@ -5,15 +5,13 @@
 #include <filesystem>
 #include <map>
 #include <set>
-#include <sstream>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
 
-#define TINYOBJLOADER_USE_DOUBLE  // as the library that is linked was built
-#include <tiny_obj_loader.h>
-
 #include "scene/obj_text.h"
+#include "scene/pk3_archive.h"
+#include "scene/polygon_cut.h"
 #include "scene/scene_file.h"
 #include "tool/error.h"
 
@@ -26,20 +24,13 @@ std::string_view textOf(const std::vector<unsigned char>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-std::string placeOf(const std::string& library) { return "mtllib \"" + library.substr(0, 80) + "\""; }
-
-bool isElsewhere(const std::string& name) { return name.find_first_of("\\:") != std::string::npos || name[0] == '/'; }
-
 // Opens the material libraries that a file names: those in its folder or below.
 // bytes_left   must outlive what is returned
 ObjLibrary librariesBeside(const std::string& path, SceneBudget& bytes_left) {
   return [path, &bytes_left](const std::string& name) {
-    ObjLibraryFile file;
-    const bool is_beside = !isElsewhere(name);
-    if (!is_beside) file.problem = "is a path of another place: not opened";
-    if (is_beside && isMissingBeside(path, name)) file.problem = "is not there";
-    if (!file.problem.empty()) return file;
-    file.path = fileBeside(path, name, placeOf(name));
+    const FileBeside beside = findBeside(path, name);
+    ObjLibraryFile file{beside.path, {}, {}, beside.problem, beside.guess};
+    if (beside.path.empty()) return file;
     // by whatever name it goes
     file.key = std::filesystem::weakly_canonical(file.path).string();
     file.read = [&bytes_left, library = file.path] { return std::string(textOf(readSceneFile(library, "file", bytes_left))); };
@@ -47,109 +38,154 @@ ObjLibrary librariesBeside(const std::string& path, SceneBudget& bytes_left) {
   };
 }
 
-// Hands tinyobjloader the checked text of a library.
-class LibraryReader : public tinyobj::MaterialReader {
+// Reads the material libraries that lines name. Of two materials of one name the first counts.
+class LibraryReader {
  public:
-  LibraryReader(const ObjLibrary& library, std::vector<std::string>* notes) : library_(library), notes_(notes) {}
+  LibraryReader(const ObjLibrary& library, UnreadWords* unread, std::vector<std::string>* notes)
+      : library_(library), unread_(*unread), notes_(*notes) {}
 
-  bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials, std::map<std::string, int>* by_name,
-                  std::string* warning, std::string* error) override {
-    const ObjLibraryFile file = library_(name);
-    if (!file.problem.empty()) {
-      notes_->push_back(placeOf(name) + " " + file.problem);
-      return false;
+  // One name or several: names may hold blanks, and then the longest that is there counts.
+  void readLine(const std::string& line) {
+    constexpr size_t kMostWords = 8;  // of a name
+    const std::vector<std::string_view> words = wordsOf(line);
+    for (size_t i = 1; i < words.size() && words[i][0] != '#';) {
+      size_t end = std::min(words.size(), i + kMostWords);
+      while (end > i && !read(namedBy(words[i], words[end - 1]))) --end;
+      const bool is_there = end > i;
+      // otherwise up to the first word that ends as a library does
+      while (!is_there && end < words.size() && extensionOf(std::string(words[end++])) != ".mtl") continue;
+      if (!is_there) note(namedBy(words[i], words[end - 1]), "");
+      i = end;
     }
+  }
+
+  std::vector<MtlMaterial> materials;
+  std::map<std::string, size_t> by_name;
+
+ private:
+  void note(const std::string& name, const std::string& guess) {
+    notes_.push_back("mtllib \"" + name.substr(0, 80) + "\" " +
+                     (guess.empty() ? library_(name).problem : "is read from " + guess));
+  }
+
+  // False where it is not there.
+  bool read(const std::string& name) {
+    const ObjLibraryFile file = library_(name);
+    if (!file.problem.empty()) return false;
     // its materials are there already
     if (!opened_.insert(file.key).second) return true;
-    std::istringstream stream(checkedMtlText(file.path, file.read()));
-    const size_t first = materials->size();
-    tinyobj::LoadMtl(by_name, materials, &stream, warning, error);
+    if (!file.guess.empty()) note(name, file.guess);
     // images are named from where the library lies
     const std::filesystem::path folder = std::filesystem::path(name).parent_path();
-    for (size_t i = first; i < materials->size(); ++i) {
-      tinyobj::material_t& material = (*materials)[i];
-      for (std::string* image : {&material.diffuse_texname, &material.emissive_texname, &material.alpha_texname})
-        *image = imageName(folder, *image);
+    for (MtlMaterial& material : readMtlRecords(file.path, file.read(), &unread_)) {
+      for (MtlImage* image : {&material.colour_image, &material.shine_image, &material.stops_image}) {
+        const bool is_beside = !image->name.empty() && image->name[0] != '/' && image->name.find(':') == std::string::npos;
+        if (is_beside) image->name = (folder / image->name).lexically_normal().string();
+      }
+      by_name.try_emplace(material.name, materials.size());
+      materials.push_back(std::move(material));
     }
     return true;
   }
 
- private:
-  // Of programs of Windows, too.
-  static std::string imageName(const std::filesystem::path& folder, std::string name) {
-    name.resize(name.find_last_not_of(" \t\r") + 1);
-    std::replace(name.begin(), name.end(), '\\', '/');
-    return name.empty() ? name : (folder / name).lexically_normal().string();
-  }
-
   const ObjLibrary& library_;
-  std::vector<std::string>* notes_;
+  UnreadWords& unread_;
+  std::vector<std::string>& notes_;
   std::set<std::string> opened_;  // by key
-};
-
-// How a material's images lie on its places (vt): from the lower left corner, times scale, plus offset.
-struct ObjPlacing {
-  glm::dvec2 base_scale{1.0}, base_offset{0.0}, emissive_scale{1.0}, emissive_offset{0.0};
-  bool operator==(const ObjPlacing&) const = default;
 };
 
 class ObjConverter {
  public:
-  ObjConverter(const std::string& path, double unit_m, const ObjFiles& files) : path_(path), unit_m_(unit_m), files_(files) {}
+  ObjConverter(const std::string& path, double unit_m, const ObjFiles& files)
+      : path_(path), unit_m_(unit_m), files_(files), loader_(files.need) {}
 
   ObjLevel convert(std::string_view text, double dense_veil) {
-    load(text, files_.library);
+    load(text);
     convertMaterials();
     loadImages();
-    for (const tinyobj::shape_t& shape : shapes_) addShape(shape);
+    for (size_t i = 0; i < file_.shapes.size(); ++i)
+      addShape(file_.shapes[i].name, file_.shapes[i].first_face,
+               i + 1 < file_.shapes.size() ? file_.shapes[i + 1].first_face : file_.faces.size());
     noteLosses();
     level_.scene.id = std::filesystem::path(path_).stem().string();
     finishScene(level_.scene, world_positions_);
     std::vector<std::string> names;
-    for (const tinyobj::material_t& source : materials_) names.push_back(source.name);
+    for (const MtlMaterial& source : materials_) names.push_back(source.name);
     for (std::string& note : judgeVeils(level_.scene, names, dense_veil)) level_.notes.push_back(std::move(note));
     return std::move(level_);
   }
 
  private:
-  void load(std::string_view text, const ObjLibrary& library) {
-    ObjText checked = checkedObjText(path_, text);
-    faces_of_two_corners_ = checked.faces_of_two_corners;
-    std::istringstream stream(std::move(checked.lines));
-    LibraryReader libraries(library, &level_.notes);
-    std::string warning, error;
-    if (!tinyobj::LoadObj(&attributes_, &shapes_, &materials_, &warning, &error, &stream, &libraries, true)) {
-      std::replace(error.begin(), error.end(), '\n', ' ');
-      throw InputError(path_, "file", "a Wavefront .obj file", error.empty() ? "something else" : error.substr(0, 200));
+  void load(std::string_view text) {
+    file_ = readObjRecords(path_, text);
+    LibraryReader libraries(files_.library, &file_.unread, &level_.notes);
+    for (const std::string& line : file_.libraries) libraries.readLine(line);
+    materials_ = std::move(libraries.materials);
+    without_ = materials_.size();
+    for (const std::string& name : file_.material_names) {
+      const auto known = libraries.by_name.find(name);
+      material_of_.push_back(known == libraries.by_name.end() ? without_ : known->second);
     }
+    // 255 for white, as of some scanners
+    float most = 1.0f;
+    for (const glm::vec3& colour : file_.colours) most = std::max({most, colour.r, colour.g, colour.b});
+    for (glm::vec3& colour : file_.colours) colour = most > 1.0f && colour.r >= 0.0f ? colour / 255.0f : colour;
+    if (most > 1.0f) level_.notes.push_back("colours of vertices reach beyond 1: taken as of 0 to 255");
+  }
+
+  size_t materialOf(const ObjFace& face) const {
+    return face.material < 0 ? without_ : material_of_[static_cast<size_t>(face.material)];
   }
 
   void convertMaterials() {
-    std::set<int> used;
-    for (const tinyobj::shape_t& shape : shapes_) used.insert(shape.mesh.material_ids.begin(), shape.mesh.material_ids.end());
+    std::set<size_t> used;
+    for (const ObjFace& face : file_.faces) used.insert(materialOf(face));
+    used.erase(without_);
+    const std::vector<double> stops = stoppedShares(used);
     for (size_t i = 0; i < materials_.size(); ++i) {
-      const tinyobj::material_t& source = materials_[i];
+      const MtlMaterial& source = materials_[i];
       Material material;
       material.label.name = source.name;
-      bool is_clamped = false;
-      for (int channel = 0; channel < 3; ++channel) {
-        is_clamped = is_clamped || source.diffuse[channel] > 1.0;
-        material.base_color[channel] = static_cast<float>(std::min<double>(source.diffuse[channel], 1.0));
-        material.emissive[channel] = static_cast<float>(source.emission[channel]);
-      }
-      clamped_count_ += is_clamped ? 1 : 0;
-      if (source.dissolve < 1.0) material.veil = Veil::thin;  // what it is in truth is judged once the scene is there
-      material.opacity = static_cast<float>(source.dissolve);
-      if (used.count(static_cast<int>(i)) > 0) wantImages(source, &material);
+      // what has an image alone is its image; what has neither is grey
+      const glm::dvec3 colour = source.colour.value_or(glm::dvec3(source.colour_image.name.empty() ? kUnreadGrey : 1.0));
+      material.base_color = glm::vec3(glm::min(colour, glm::dvec3(1.0)));
+      material.emissive = glm::vec3(source.shine.value_or(glm::dvec3(source.shine_image.name.empty() ? 0.0 : 1.0)));
+      clamped_count_ += colour != glm::min(colour, glm::dvec3(1.0)) ? 1 : 0;
+      const bool is_used = used.count(i) > 0;
+      colourless_count_ += is_used && !source.colour && source.colour_image.name.empty() ? 1 : 0;
+      if (stops[i] < 1.0) material.veil = Veil::thin;  // what it is in truth is judged once the scene is there
+      material.opacity = static_cast<float>(stops[i]);
+      if (is_used) wantImages(source, &material);
       level_.scene.materials.push_back(material);
-      placings_.push_back(placingOf(source));
     }
-    // the last one is of faces without
     level_.scene.materials.emplace_back();
+    materials_.emplace_back();
   }
 
-  void wantImages(const tinyobj::material_t& source, Material* material) {
-    const std::string &colour = source.diffuse_texname, &opacity = source.alpha_texname;
+  // Of d and Tr, which programs write by either meaning: where by one of them no material would stop all light, it is the other.
+  std::vector<double> stoppedShares(const std::set<size_t>& used) {
+    std::vector<double> shares;
+    for (const MtlMaterial& m : materials_) {
+      shares.push_back(m.stops.value_or(1.0 - m.passes.value_or(0.0)));
+      contradicting_count_ += m.stops && m.passes && std::abs(*m.stops + *m.passes - 1.0) > 0.01 ? 1 : 0;
+    }
+    const auto isWhole = [&](size_t i) { return shares[i] >= 1.0; };
+    const auto isClear = [&](size_t i) { return shares[i] == 0.0; };
+    const auto isClearByTr = [&](size_t i) { return isClear(i) && !materials_[i].stops; };
+    if (used.empty() || std::any_of(used.begin(), used.end(), isWhole)) return shares;
+    if (std::any_of(used.begin(), used.end(), isClearByTr)) {
+      for (size_t i = 0; i < shares.size(); ++i) shares[i] = materials_[i].stops ? shares[i] : materials_[i].passes.value_or(1.0);
+      level_.notes.push_back("Tr is taken for what is stopped: by its other meaning no material would stop all light");
+    }
+    if (std::all_of(used.begin(), used.end(), isClear)) {
+      shares.assign(shares.size(), 1.0);
+      level_.notes.push_back("by d no material would stop any light: all are taken to stop all of it");
+    }
+    return shares;
+  }
+
+  void wantImages(const MtlMaterial& source, Material* material) {
+    const std::string &colour = source.colour_image.name, &opacity = source.stops_image.name;
     KeptAs kept;
     if (!opacity.empty()) {
       material->veil = Veil::thin;
@@ -157,22 +193,20 @@ class ObjConverter {
       if (opacity != colour && !colour.empty()) kept.opacity_of = opacity;
       if (colour.empty()) kept.colour = KeptAs::Colour::white;
     }
-    const auto want = [&](const std::string& name, const KeptAs& as, const tinyobj::texture_option_t& options, TextureUse* use) {
-      if (name.empty()) return;
-      use->image = loader_.want(name, as);
-      if (options.clamp) use->wrap_u = use->wrap_v = TextureWrap::clamp;
+    const auto want = [&](const MtlImage& image, const KeptAs& as, TextureUse* use) {
+      if (image.name.empty()) return;
+      use->image = loader_.want(image.name, as);
+      if (image.clamp) use->wrap_u = use->wrap_v = TextureWrap::clamp;
     };
-    want(colour.empty() ? opacity : colour, kept, colour.empty() ? source.alpha_texopt : source.diffuse_texopt,
-         &material->base_image);
+    want(baseImageOf(source), kept, &material->base_image);
     if (material->emissive != glm::vec3(0.0f))
-      want(source.emissive_texname, {}, source.emissive_texopt, &material->emissive_image);
+      want(source.shine_image, {}, &material->emissive_image);
+    else if (!source.shine_image.name.empty())
+      ++dark_count_;
   }
 
-  static ObjPlacing placingOf(const tinyobj::material_t& source) {
-    const tinyobj::texture_option_t& base = source.diffuse_texname.empty() ? source.alpha_texopt : source.diffuse_texopt;
-    const tinyobj::texture_option_t& emissive = source.emissive_texopt;
-    const auto pair = [](const tinyobj::real_t* numbers) { return glm::dvec2(numbers[0], numbers[1]); };
-    return {pair(base.scale), pair(base.origin_offset), pair(emissive.scale), pair(emissive.origin_offset)};
+  static const MtlImage& baseImageOf(const MtlMaterial& source) {
+    return source.colour_image.name.empty() ? source.stops_image : source.colour_image;
   }
 
   void loadImages() {
@@ -188,28 +222,37 @@ class ObjConverter {
     for (std::string& note : unreadImageNotes(loaded)) level_.notes.push_back(std::move(note));
   }
 
-  void addShape(const tinyobj::shape_t& shape) {
-    const std::vector<tinyobj::index_t>& corners = shape.mesh.indices;
+  void addShape(const std::string& shape_name, size_t first_face, size_t end_face) {
     Scene& scene = level_.scene;
-    const size_t triangle_count = corners.size() / 3;
-    if (triangle_count == 0) return;
-    const std::string name = shape.name.empty() ? "object " + std::to_string(scene.objects.size()) : shape.name;
-    scene.objects.push_back({name, static_cast<uint32_t>(scene.triangles.size()), static_cast<uint32_t>(triangle_count), true});
+    if (first_face == end_face) return;
+    const std::string name = shape_name.empty() ? "object " + std::to_string(scene.objects.size()) : shape_name;
+    const auto first_triangle = static_cast<uint32_t>(scene.triangles.size());
     VertexMap vertices;
-    for (size_t i = 0; i < triangle_count; ++i) {
-      glm::uvec3 triangle;
-      const int material = shape.mesh.material_ids[i];
-      const size_t material_idx = material < 0 ? materials_.size() : static_cast<size_t>(material);
-      for (int k = 0; k < 3; ++k) triangle[k] = vertexOf(corners[3 * i + static_cast<size_t>(k)], material_idx, &vertices);
-      scene.triangles.push_back(triangle);
-      faces_without_material_ += material < 0 ? 1 : 0;
-      scene.triangle_material.push_back(static_cast<uint32_t>(material_idx));
+    std::vector<glm::dvec3> outline;
+    for (size_t f = first_face; f < end_face; ++f) {
+      const ObjFace& face = file_.faces[f];
+      const ObjCorner* const corners = &file_.corners[face.first_corner];
+      outline.clear();
+      for (uint32_t k = 0; k < face.corner_count; ++k) outline.push_back(file_.positions[corners[k].vertex]);
+      const PolygonCut cut = cutPolygon(outline);
+      if (!cut.holds_area && ++crossed_count_ == 1) first_crossed_line_ = face.line;
+      const size_t material_idx = materialOf(face);
+      for (const glm::uvec3& t : cut.triangles) {
+        glm::uvec3 triangle;
+        for (int k = 0; k < 3; ++k) triangle[k] = vertexOf(corners[t[k]], material_idx, &vertices);
+        scene.triangles.push_back(triangle);
+        scene.triangle_material.push_back(static_cast<uint32_t>(material_idx));
+        faces_without_material_ += material_idx == without_ ? 1 : 0;
+      }
     }
+    const auto count = static_cast<uint32_t>(scene.triangles.size()) - first_triangle;
+    if (count > 0) scene.objects.push_back({name, first_triangle, count, true});
   }
 
-  // What makes a vertex of the scene: one of the file, and where there is an image its place and material, too.
+  // What makes a vertex of the scene: one of the file, and where its look is the material's, too, its place and material.
   struct VertexKey {
-    int vertex, place;
+    uint32_t vertex;
+    int32_t place;
     size_t material;
     bool operator==(const VertexKey&) const = default;
   };
@@ -221,43 +264,44 @@ class ObjConverter {
   };
   using VertexMap = std::unordered_map<VertexKey, uint32_t, KeyHash>;  // of one shape
 
-  uint32_t vertexOf(const tinyobj::index_t& corner, size_t material_idx, VertexMap* vertices) {
+  uint32_t vertexOf(const ObjCorner& corner, size_t material_idx, VertexMap* vertices) {
     Scene& scene = level_.scene;
     const Material& material = scene.materials[material_idx];
-    const bool has_image = material.base_image.isThere() || material.emissive_image.isThere();
-    const VertexKey key{corner.vertex_index, has_image ? corner.texcoord_index : -1, has_image ? material_idx : 0};
+    const MtlMaterial& source = materials_[material_idx];
+    // by what the file names: a scene's vertices stay what they are whether its images are read or not
+    const bool has_image = !baseImageOf(source).name.empty() || !source.shine_image.name.empty();
+    const bool is_own = has_image || (!file_.colours.empty() && material_idx == without_);
+    const VertexKey key{corner.vertex, has_image ? corner.place : -1, is_own ? material_idx : 0};
     const auto [entry, is_new] = vertices->emplace(key, static_cast<uint32_t>(world_positions_.size()));
     if (!is_new) return entry->second;
-    glm::dvec3 position;
+    const glm::dvec3 position = unit_m_ * file_.positions[corner.vertex];
     for (int axis = 0; axis < 3; ++axis) {
-      position[axis] =
-          unit_m_ * attributes_.vertices.at(3 * static_cast<size_t>(corner.vertex_index) + static_cast<size_t>(axis));
       if (!(std::abs(position[axis]) <= kFarthest))
-        throw InputError(path_, "vertex " + std::to_string(corner.vertex_index + 1), "positions within 1e9 m of the origin",
+        throw InputError(path_, "vertex " + std::to_string(corner.vertex + 1), "positions within 1e9 m of the origin",
                          std::to_string(position[axis]));
     }
     world_positions_.push_back(position);
     if (has_base_places_)
-      scene.base_places.push_back(material.base_image.isThere() ? basePlace(corner, placings_[material_idx]) : glm::vec2(0.0f));
+      scene.base_places.push_back(material.base_image.isThere() ? placeOf(corner, baseImageOf(source)) : glm::vec2(0.0f));
     if (has_emissive_places_)
-      scene.emissive_places.push_back(material.emissive_image.isThere() ? emissivePlace(corner, placings_[material_idx])
-                                                                        : glm::vec2(0.0f));
+      scene.emissive_places.push_back(material.emissive_image.isThere() ? placeOf(corner, source.shine_image) : glm::vec2(0.0f));
+    if (!file_.colours.empty()) scene.vertex_colours.emplace_back(colourOf(corner.vertex, material_idx), 1.0f);
     return entry->second;
   }
 
-  glm::vec2 basePlace(const tinyobj::index_t& corner, const ObjPlacing& placing) {
-    return placeOf(corner, placing.base_scale, placing.base_offset);
-  }
-  glm::vec2 emissivePlace(const tinyobj::index_t& corner, const ObjPlacing& placing) {
-    return placeOf(corner, placing.emissive_scale, placing.emissive_offset);
+  // Times the material's, which is grey where there is none: a vertex that has a colour needs none.
+  glm::vec3 colourOf(uint32_t vertex, size_t material_idx) const {
+    const glm::vec3& colour = file_.colours[vertex];
+    if (colour.r < 0.0f) return glm::vec3(1.0f);
+    const bool is_without = material_idx == without_;
+    return is_without ? colour / level_.scene.materials[material_idx].base_color : colour;
   }
 
   // v points up in the file, and down in the scene.
-  glm::vec2 placeOf(const tinyobj::index_t& corner, const glm::dvec2& scale, const glm::dvec2& offset) {
-    const auto at = 2 * static_cast<size_t>(corner.texcoord_index);
-    const bool is_there = corner.texcoord_index >= 0 && at + 1 < attributes_.texcoords.size();
+  glm::vec2 placeOf(const ObjCorner& corner, const MtlImage& image) {
+    const bool is_there = corner.place >= 0 && static_cast<size_t>(corner.place) < file_.places.size();
     const glm::dvec2 place =
-        is_there ? glm::dvec2(attributes_.texcoords[at], attributes_.texcoords[at + 1]) * scale + offset : glm::dvec2(NAN);
+        is_there ? file_.places[static_cast<size_t>(corner.place)] * image.scale + image.offset : glm::dvec2(NAN);
     if (!std::isfinite(place.x) || !std::isfinite(place.y)) {
       ++unplaced_count_;
       return glm::vec2(0.0f);
@@ -266,37 +310,51 @@ class ObjConverter {
   }
 
   void noteLosses() {
-    std::vector<std::string>& notes = level_.notes;
-    if (faces_without_material_ > 0)
-      notes.push_back(std::to_string(faces_without_material_) + " triangles without a material that was found: grey");
-    if (faces_of_two_corners_ > 0)
-      notes.push_back(std::to_string(faces_of_two_corners_) + " faces of fewer than three corners: left out");
-    if (unplaced_count_ > 0)
-      notes.push_back(std::to_string(unplaced_count_) + " vertices without a place on their image (vt): its corner instead");
-    if (clamped_count_ > 0) notes.push_back(std::to_string(clamped_count_) + " materials with a Kd above 1: cut to 1");
+    const std::pair<uint64_t, std::string> losses[] = {
+        {faces_without_material_, file_.colours.empty()
+                                      ? "triangles without a material that was found: grey"
+                                      : "triangles without a material that was found: grey, or their vertices' colours"},
+        {file_.faces_of_two_corners, "faces of fewer than three corners: left out"},
+        {crossed_count_, "faces whose outlines cross themselves are cut as well as can be, the first in line " +
+                             std::to_string(first_crossed_line_)},
+        {unplaced_count_, "vertices without a place on their image (vt): its corner instead"},
+        {clamped_count_, "materials with a Kd above 1: cut to 1"},
+        {colourless_count_, "materials without Kd and map_Kd: grey"},
+        {dark_count_, "materials with a map_Ke and a Ke of 0: dark"},
+        {contradicting_count_, "materials whose d and Tr contradict each other: by d"}};
+    for (const auto& [count, words] : losses) {
+      if (count > 0) level_.notes.push_back(std::to_string(count) + " " + words);
+    }
+    std::string unread;
+    for (const auto& [word, count] : file_.unread)
+      unread += (unread.empty() ? "" : ", ") + word + " (" + std::to_string(count) + ")";
+    if (!unread.empty()) level_.notes.push_back("words that are not read: " + unread);
   }
 
   const std::string path_;
   const double unit_m_;
   const ObjFiles& files_;
   ImageLoader loader_;
-  std::vector<ObjPlacing> placings_;  // by material
   bool has_base_places_ = false, has_emissive_places_ = false;
-  tinyobj::attrib_t attributes_;
-  std::vector<tinyobj::shape_t> shapes_;
-  std::vector<tinyobj::material_t> materials_;
+  ObjRecords file_;
+  std::vector<MtlMaterial> materials_;  // in the end one more, of faces without: number without_
+  size_t without_ = 0;
+  std::vector<size_t> material_of_;  // by name of the file
   std::vector<glm::dvec3> world_positions_;
-  uint64_t faces_without_material_ = 0, faces_of_two_corners_ = 0, clamped_count_ = 0, unplaced_count_ = 0;
+  uint64_t faces_without_material_ = 0, clamped_count_ = 0, unplaced_count_ = 0, colourless_count_ = 0, contradicting_count_ = 0,
+           dark_count_ = 0;
+  uint64_t crossed_count_ = 0, first_crossed_line_ = 0;
   ObjLevel level_;
 };
 
 }  // namespace
 
-ObjLevel readObj(const std::string& path, double unit_m, double dense_veil) {
+ObjLevel readObj(const std::string& path, double unit_m, double dense_veil, ImageNeed need) {
   SceneBudgets budgets;
   const std::vector<unsigned char> bytes = readSceneFile(path, "file", budgets.bytes);
-  const auto image = [&](const std::string& name) { return imageBeside(path, isElsewhere(name) ? "" : name, budgets.bytes); };
-  return readObjText(path, textOf(bytes), unit_m, {librariesBeside(path, budgets.bytes), image, &budgets.pixels}, dense_veil);
+  const auto image = [&](const std::string& name) { return imageBeside(path, name, budgets.bytes); };
+  return readObjText(path, textOf(bytes), unit_m, {librariesBeside(path, budgets.bytes), image, &budgets.pixels, need},
+                     dense_veil);
 }
 
 ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjFiles& files, double dense_veil) {

@@ -15,7 +15,7 @@ inline constexpr uint64_t kMaxLevelTriangles = uint64_t{1} << 23;  // of a Quake
 inline constexpr uint64_t kMaxSceneBytes =
     (uint64_t{1} << 32) - 1;                                      // a glTF or .obj file, the files it names, what they unpack to
 inline constexpr uint64_t kMaxUnpackedBytes = uint64_t{1} << 30;  // that archives (.pk3, .sh3f) unpack to
-inline constexpr uint64_t kMaxImagePixels = uint64_t{1} << 31;    // of textures, times the scans of each
+inline constexpr uint64_t kMaxImagePixels = uint64_t{1} << 33;    // of textures, times the scans of each behind the 16th
 inline constexpr uint64_t kMaxTexels = uint64_t{1} << 26;  // kept of all images: beyond it each is kept smaller, none is refused
 inline constexpr uint64_t kLeastScanPixels = 4096;         // as which a smaller scan counts: beginning one takes time, too
 inline constexpr uint64_t kMaxAccessorElements = uint64_t{1} << 27;  // that the primitives of glTF read: corners, sparse values

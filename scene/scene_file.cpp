@@ -3,9 +3,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 
 #include "runtime_eval/regular_file/regular_file.h"
+#include "scene/pk3_archive.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 
@@ -27,27 +29,93 @@ std::string folderOf(const std::string& path) {
   return parent.empty() ? "." : parent;
 }
 
-bool isMissingBeside(const std::string& scene_path, const std::string& name) {
-  const std::string path = folderOf(scene_path) + "/" + name;
-  noteInput(path);
-  std::error_code error;
-  return fs::status(path, error).type() == fs::file_type::not_found;
+namespace {
+
+std::string percentDecoded(const std::string& text) {
+  std::string decoded;
+  for (size_t i = 0; i < text.size(); ++i) {
+    unsigned char code = 0;
+    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
+                         std::from_chars(&text[i + 1], &text[i + 1] + 2, code, 16).ptr == &text[i + 1] + 2;
+    decoded += is_code ? static_cast<char>(code) : text[i];
+    if (is_code) i += 2;
+  }
+  return decoded;
 }
 
-std::string fileBeside(const std::string& scene_path, const std::string& name, const std::string& place) {
-  const std::string folder = folderOf(scene_path);
-  noteInput(folder + "/" + name);
+// Neither of another machine nor outside of the folder.
+bool isInside(const std::string& name) {
+  const bool is_relative = !name.empty() && name[0] != '/' && name.find(':') == std::string::npos;
+  return is_relative && !fs::path(name).lexically_normal().string().starts_with("..");
+}
+
+// The file of that name, or where there is none, of one that differs in case alone. Empty: none.
+std::string nameOnDisk(const std::string& folder, const std::string& name) {
+  int left = 4096;  // entries to look at
+  std::error_code error;
+  fs::path found;
+  for (const fs::path& part : fs::path(name).lexically_normal()) {
+    fs::path next = part;
+    if (fs::symlink_status(folder / found / part, error).type() == fs::file_type::not_found) {
+      for (fs::directory_iterator i(folder / found, error), end; !error && i != end && left > 0; i.increment(error), --left) {
+        const fs::path other = i->path().filename();
+        const bool is_same = lowerCase(other.string()) == lowerCase(part.string());
+        if (is_same && (next == part || other < next)) next = other;
+      }
+      if (next == part) return {};
+    }
+    found /= next;
+  }
+  return found.string();
+}
+
+// Why a file in the folder cannot be opened; empty where it can.
+std::string openProblem(const std::string& folder, const std::string& name) {
   std::error_code error;
   const fs::path root = fs::weakly_canonical(folder, error);
   const fs::path file = error ? fs::path() : fs::weakly_canonical(folder + "/" + name, error);
-  if (error) throw InputError(scene_path, place, "a file in the folder or below", error.message());
-  const auto [root_end, file_end] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
-  if (root_end != root.end()) throw InputError(scene_path, place, "a file in the folder or below", "a link out of it");
-  std::string fault;
-  const int opened = openRegularFile(folder + "/" + name, &fault);
-  if (opened < 0) throw notOpened(scene_path, place, fault);
-  ::close(opened);
-  return folder + "/" + name;
+  std::string fault = error.message();
+  if (!error) {
+    fault = "a link out of it";
+    const int opened = std::mismatch(root.begin(), root.end(), file.begin(), file.end()).first != root.end()
+                           ? -1
+                           : openRegularFile(folder + "/" + name, &fault);
+    if (opened >= 0) ::close(opened);
+    if (opened >= 0) return {};
+  }
+  return "is no file in the scene's folder or below: " + fault;
+}
+
+}  // namespace
+
+FileBeside findBeside(const std::string& scene_path, const std::string& address) {
+  const std::string folder = folderOf(scene_path), decoded = percentDecoded(address);
+  if (address.empty() || std::any_of(decoded.begin(), decoded.end(), [](unsigned char c) { return c < 32; }))
+    return {{}, "is no name of a file", {}};
+  const std::string plain = withSlashes(decoded);
+  const bool is_elsewhere = !isInside(plain);
+  std::vector<std::string> names;  // to try
+  if (!is_elsewhere) names = {address, decoded, withSlashes(address), plain};
+  for (size_t at = plain.find('/'); is_elsewhere && at != std::string::npos; at = plain.find('/', at + 1))
+    names.push_back(plain.substr(at + 1));
+  std::string tried;
+  for (size_t i = 0; i < names.size(); ++i) {
+    if (!isInside(names[i]) || std::find(&names[0], &names[i], names[i]) != &names[i]) continue;
+    noteInput(folder + "/" + names[i]);
+    const std::string there = nameOnDisk(folder, names[i]);
+    const std::string problem = there.empty() ? "" : openProblem(folder, there);
+    if (!problem.empty()) return {{}, problem, {}};
+    const bool is_guess = is_elsewhere || there != fs::path(names[i]).lexically_normal().string();
+    if (!there.empty()) return {folder + "/" + there, {}, is_guess ? there : ""};
+    tried += (tried.empty() ? "" : ", ") + names[i];
+  }
+  const std::string problem = is_elsewhere ? "lies outside of the scene's folder and is not opened" : "is not there";
+  return {{}, problem + (tried.empty() || tried == address ? "" : " (tried " + tried + ")"), {}};
+}
+
+std::string withSlashes(std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  return name;
 }
 
 }  // namespace nlg

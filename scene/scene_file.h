@@ -18,12 +18,18 @@ std::vector<unsigned char> readSceneFile(const std::string& path, const std::str
 // The folder that a scene's file lies in; ".", when its path names none.
 std::string folderOf(const std::string& path);
 
-// Whether nothing is there by a name that fileBeside takes. Noted as an input: it may come yet.
-bool isMissingBeside(const std::string& scene_path, const std::string& name);
+// A file in the scene's folder or below, when all links are followed.
+struct FileBeside {
+  std::string path;     // empty: there is none
+  std::string problem;  // why, to stand behind the address: "is not there", with what else was tried
+  std::string guess;    // its name from the folder, where it was found by less than the whole address: else empty
+};
 
-// The path of a file that a scene names, if it lies in the scene's folder or below when all links are followed.
-// scene_path   the scene's file; name: relative to its folder; place: for errors
-// throws       InputError naming scene and place on a link out of the folder, and on what is no regular file
-std::string fileBeside(const std::string& scene_path, const std::string& name, const std::string& place);
+// Finds a file by its address, as programs write them: from the scene's folder, with slashes or backslashes, percent-encoded or not. Where
+// that leads nowhere, names are compared without regard to case. Of an address of another machine or outside of the folder ("C:\maps\a.png",
+// "..\\a.png") the file counts that lies in the folder by the longest end of it ("maps/a.png", "a.png").
+// scene_path   the scene's file
+FileBeside findBeside(const std::string& scene_path, const std::string& address);
+std::string withSlashes(std::string name);  // for backslashes
 
 }  // namespace nlg

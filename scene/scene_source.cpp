@@ -126,19 +126,19 @@ SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::str
   source.unit_m = reading.unit_m;
   source.notes = std::move(notes);
   const std::string white = whiteNote(source.scene);
-  if (!white.empty()) source.notes.push_back(white);
+  if (!white.empty() && reading.images == ImageNeed::all) source.notes.push_back(white);
   const std::string size = sizeNote(source.scene, path, reading.unit_m);
   if (!size.empty()) source.notes.push_back(size);
   return source;
 }
 
 SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
-  ObjLevel level = readObj(path, reading.unit_m, reading.veil_cover);
+  ObjLevel level = readObj(path, reading.unit_m, reading.veil_cover, reading.images);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
 }
 
 SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
-  GltfLevel level = readGltf(path, reading.unit_m, reading.veil_cover);
+  GltfLevel level = readGltf(path, reading.unit_m, reading.veil_cover, reading.images);
   const std::string sides = giveSolidsOneSide(level.scene).note();
   if (!sides.empty()) level.notes.push_back(sides);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
@@ -173,7 +173,7 @@ SceneSource readScene(const std::string& request, const SceneReading& reading) {
   if (readInterior(request, &interior)) return readInterior(interior);
   const size_t colon = archiveColon(request);
   if (colon != std::string::npos)
-    return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1), reading.veil_cover));
+    return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1), reading.veil_cover, reading.images));
   if (extension == ".bsp") return sourceOf(readBsp(request));
   std::error_code error;
   if (!fs::exists(request, error) && !error)

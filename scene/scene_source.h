@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/image_loader.h"
 #include "scene/scene.h"
 #include "scene/veils.h"
 #include "tool/options.h"
@@ -33,8 +34,9 @@ inline constexpr double kCavityShare = 0.25;
 // How a scene is read from its file.
 struct SceneReading {
   double unit_m = 1.0;  // metres of one unit of a glTF file, whose unit is the metre if it keeps to the rule, or of an .obj file
-  double veil_cover = kDenseVeil;  // judgeVeils' dense_veil: veils.h
-  double cavity_m = 0.5;           // Scene::cavity_m, of which a small scene takes less: kCavityShare of its shortest side
+  double veil_cover = kDenseVeil;     // judgeVeils' dense_veil: veils.h
+  ImageNeed images = ImageNeed::all;  // geometry: where no light is asked for
+  double cavity_m = 0.5;              // Scene::cavity_m, of which a small scene takes less: kCavityShare of its shortest side
 };
 
 // Adds `unit` to a tool's table, and to its --help what a scene may take (scene_budget.h).

@@ -53,7 +53,9 @@ SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& optio
   }
   // the setting is wrong whatever the scene: say so before it is loaded
   extentFromNumbers(options.extent_m);
-  SceneSource source = loadScene(request.scene, options.reading);
+  SceneReading reading = options.reading;
+  reading.images = ImageNeed::geometry;  // functions know no light
+  SceneSource source = loadScene(request.scene, reading);
   tellNotes("nlg-datagen", source);
   return source;
 }

@@ -217,15 +217,15 @@ struct UnreadCase {
 TEST_F(GltfTextures, WhatCannotBeReadIsGreyAndDarkAndNoted) {
   const std::string image = R"({"bufferView":4,"mimeType":"image/png","name":"picture"})";
   const std::vector<UnreadCase> cases = {
-      {"damaged", "", "", "\"picture\", which is damaged"},
+      {"no image", "", "", "\"picture\", which is of no kind that is read"},
       {"missing", image, R"({"uri":"missing.png"})", "\"missing.png\", which is not there"},
-      {"elsewhere", image, R"({"uri":"../secret.png"})", "\"../secret.png\", which lies in another place"},
-      {"absolute", image, R"({"uri":"/etc/passwd"})", "\"/etc/passwd\", which lies in another place"},
+      {"elsewhere", image, R"({"uri":"../secret.png"})", "\"../secret.png\", which lies outside of the scene's folder"},
+      {"absolute", image, R"({"uri":"/etc/passwd"})", "\"/etc/passwd\", which lies outside of the scene's folder"},
       {"a link out", image, R"({"uri":"link.png"})", "\"link.png\", which is no file in the scene's folder"},
       {"a folder", image, R"({"uri":"."})", "\".\", which is no file in the scene's folder"},
       {"no base64", image, R"({"uri":"data:image/webp;base64,?"})", "\"image 0\", which has a data URI that is no base64"},
       {"basisu", R"({"source":0},{"source":0,)", R"({"extensions":{"KHR_texture_basisu":{"source":0}}},{"source":0,)",
-       "is damaged"}};
+       "is of no kind that is read"}};
   write("secret.bin", "");
   std::ofstream(folder_ / "secret.png") << "secret";
   fs::create_symlink(folder_ / "secret.png", folder_ / "level/link.png");

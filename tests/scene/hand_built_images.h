@@ -81,4 +81,38 @@ inline std::string jpeg(int side, unsigned char red, unsigned char green, unsign
   return bytes;
 }
 
+struct InkJpeg {
+  bool is_adobes, is_ycck;
+};
+
+// A square of cyan, magenta, yellow and black, 255 for all of each.
+inline std::string inkJpeg(int side, const std::vector<unsigned char>& ink, const InkJpeg& kind) {
+  jpeg_compress_struct info;
+  jpeg_error_mgr errors;
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* out = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&info, &out, &size);
+  info.image_width = info.image_height = static_cast<unsigned>(side);
+  info.input_components = 4;
+  info.in_color_space = JCS_CMYK;
+  jpeg_set_defaults(&info);
+  jpeg_set_colorspace(&info, kind.is_ycck ? JCS_YCCK : JCS_CMYK);
+  info.write_Adobe_marker = kind.is_adobes ? TRUE : FALSE;
+  jpeg_set_quality(&info, 100, TRUE);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<unsigned char> row;
+  for (int x = 0; x < side; ++x) {
+    for (const unsigned char channel : ink) row.push_back(static_cast<unsigned char>(kind.is_adobes ? 255 - channel : channel));
+  }
+  unsigned char* row_start = row.data();
+  for (int y = 0; y < side; ++y) jpeg_write_scanlines(&info, &row_start, 1);
+  jpeg_finish_compress(&info);
+  jpeg_destroy_compress(&info);
+  std::string bytes(reinterpret_cast<char*>(out), size);
+  free(out);
+  return bytes;
+}
+
 }  // namespace nlg

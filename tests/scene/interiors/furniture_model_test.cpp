@@ -184,9 +184,9 @@ TEST_F(FurnitureLibraryTest, RefusesModelsThatAreMissingOrNoText) {
   };
   EXPECT_NE(modelError({}).find("models/bed.obj"), std::string::npos);
   EXPECT_NE(modelError({{"models/bed.obj", "v 1 2 x\n"}}).find("line 1"), std::string::npos);
-  EXPECT_NE(
-      modelError({{"models/bed.obj", "mtllib bad.mtl\nv 0 0 0\n"}, {"models/bad.mtl", "newmtl a\nKd x 0 0\n"}}).find("bad.mtl"),
-      std::string::npos);
+  EXPECT_NE(modelError({{"models/bed.obj", "mtllib bad.mtl\nv 0 0 0\n"}, {"models/bad.mtl", std::string("newmtl \0", 8)}})
+                .find("bad.mtl"),
+            std::string::npos);
 }
 
 // Half of the square shows red, half green, and one red lets half of the light through.
