@@ -40,7 +40,7 @@ struct BspFace {
   uint32_t first_vertex = 0, vertex_count = 0;
   uint32_t first_index = 0, index_count = 0;
   uint32_t patch_width = 0, patch_height = 0;
-  int32_t lightmap = -1;  // its page; negative or not below lightmap_count: light by vertex, as the engine has it
+  int32_t lightmap = -1;  // its page; negative or not below lightmap_count: of a file, or light by vertex, as the engine has it
 };
 
 using BspColour = std::array<uint8_t, 3>;  // red, green, blue

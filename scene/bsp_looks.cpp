@@ -13,7 +13,8 @@ constexpr size_t kMaxTextureBytes = size_t{64} << 20;
 
 }  // namespace
 
-BspLooks::BspLooks(const Pk3Archives& archives) : archives_(archives), scripts_(readShaderScripts(archives)) {}
+BspLooks::BspLooks(const Pk3Archives& archives, ImageNeed need)
+    : archives_(archives), need_(need), scripts_(readShaderScripts(archives)) {}
 
 const ShaderScript* BspLooks::scriptOf(const std::string& shader) const {
   const auto found = scripts_.find(shaderKey(shader));
@@ -29,7 +30,7 @@ const std::optional<ImageMeans>& BspLooks::entryMeans(const std::string& entry) 
 
 std::optional<ImageMeans> BspLooks::image(const std::string& name) const {
   for (const char* suffix : kImageSuffixes) {
-    if (!archives_.has(name + suffix)) continue;
+    if (need_ == ImageNeed::geometry || !archives_.has(name + suffix)) continue;
     const std::optional<ImageMeans>& means = entryMeans(name + suffix);
     if (means) return means;
   }
@@ -65,9 +66,21 @@ KeptAs BspLooks::keptAs(const std::string& shader) const {
 LoadedImages BspLooks::load(const ImageLoader& images) const {
   const auto open = [&](const std::string& entry) {
     const std::string bytes = archives_.read(entry, kMaxTextureBytes);
-    return ImageBytes{{bytes.begin(), bytes.end()}, {}, {}};
+    return ImageBytes{{bytes.begin(), bytes.end()}, {}, {}, {}};
   };
   return images.load(open, pixels_left_, archives_.path());
+}
+
+std::optional<DecodedImage> BspLooks::page(const std::string& name) const {
+  for (const char* suffix : kImageSuffixes) {
+    if (!archives_.has(name + suffix)) continue;
+    PixelWork work(pixels_left_.left());
+    DecodedImage image;
+    const bool is_decoded = decodeImage(archives_.read(name + suffix, kMaxTextureBytes), work, &image).empty();
+    pixels_left_.take(work.taken(), archives_.path(), name + suffix);
+    if (is_decoded) return image;
+  }
+  return std::nullopt;
 }
 
 std::optional<glm::vec3> BspLooks::textureColour(const std::string& shader) const {

@@ -21,7 +21,7 @@ class BspLooks {
  public:
   // Reads the shader scripts. The archives must outlive this object.
   // throws   what readShaderScripts refuses. All that looks at images throws on more pixels than one scene may have.
-  explicit BspLooks(const Pk3Archives& archives);
+  explicit BspLooks(const Pk3Archives& archives, ImageNeed need = ImageNeed::all);
 
   // Null when no script names the shader.
   const ShaderScript* scriptOf(const std::string& shader) const;
@@ -32,6 +32,9 @@ class BspLooks {
   std::vector<std::string> images(const std::string& shader) const;
   KeptAs keptAs(const std::string& shader) const;
   LoadedImages load(const ImageLoader& images) const;
+  ImageNeed need() const { return need_; }
+  // A page of light in a file of that name, without suffix; nothing where there is none, or it is damaged.
+  std::optional<DecodedImage> page(const std::string& name) const;
   // Radiance of a face: q3map_surfacelight in the light's own colour; 0 for one that does not shine.
   glm::vec3 emission(const std::string& shader) const;
   // Radiance of a sky: what the level's compiler took it for (q3map_surfacelight, q3map_skylight), otherwise what its images look
@@ -47,6 +50,7 @@ class BspLooks {
   std::optional<Sky> skyBox(const std::string& stem) const;
 
   const Pk3Archives& archives_;
+  const ImageNeed need_;
   ShaderScripts scripts_;
   // many shaders may share an image: each is decoded once
   mutable std::map<std::string, std::optional<ImageMeans>> images_;  // by entry

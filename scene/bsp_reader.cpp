@@ -1,9 +1,12 @@
 #include "scene/bsp_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <optional>
+
+#include <fmt/format.h>
 
 #include "scene/bsp_entities.h"
 #include "scene/bsp_file.h"
@@ -23,6 +26,13 @@ namespace {
 constexpr const char* kLevelName = "worldspawn";
 constexpr double kPatchToleranceUnits = 0.04 / kBspMetresPerUnit;
 constexpr size_t kMaxLevelBytes = size_t{256} << 20;
+constexpr size_t kMaxLightTexels = size_t{1} << 25;  // of all pages: beyond it each is kept smaller
+
+std::string someOf(const std::vector<std::string>& names) {
+  std::string text;
+  for (size_t i = 0; i < names.size() && i < 8; ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.size() > 8 ? text + " …" : text;
+}
 
 // A face as triangles, counter-clockwise from its front; one entry of each for a vertex.
 struct FaceMesh {
@@ -162,21 +172,41 @@ class BspConverter {
     baked.vertex_light.insert(baked.vertex_light.end(), mesh.light.begin(), mesh.light.end());
     scene.base_places.insert(scene.base_places.end(), mesh.texture_places.begin(), mesh.texture_places.end());
     baked.vertex_place.insert(baked.vertex_place.end(), mesh.lightmap_places.begin(), mesh.lightmap_places.end());
-    baked.triangle_page.resize(scene.triangles.size(), hasPage(face) ? face.lightmap : BakedLight::kByVertex);
-    if (face.lightmap >= 0 && !hasPage(face)) ++faces_without_page_;
+    const int32_t page = pageOf(face);
+    baked.triangle_page.resize(scene.triangles.size(), page);
+    if (page == BakedLight::kByVertex) ++by_vertex_[face.lightmap];
   }
 
-  bool hasPage(const BspFace& face) const {
-    return face.lightmap >= 0 && static_cast<uint32_t>(face.lightmap) < file_.lightmap_count;
+  // In the file; or, of levels that were compiled with -external, in another that the shader names, or that is there by its number.
+  int32_t pageOf(const BspFace& face) {
+    if (face.lightmap >= 0 && static_cast<uint32_t>(face.lightmap) < file_.lightmap_count) return face.lightmap;
+    if (looks_ == nullptr || looks_->need() == ImageNeed::geometry) return BakedLight::kByVertex;
+    const ShaderScript* script = looks_->scriptOf(file_.shaders[face.shader].name);
+    const std::string name = script != nullptr && !script->light_page.empty() ? script->light_page
+                             : face.lightmap >= 0 ? fmt::format("maps/{}/lm_{:04}", level_.scene.id, face.lightmap)
+                                                  : "";
+    if (name.empty()) return BakedLight::kByVertex;
+    const auto [entry, is_new] = page_of_file_.try_emplace(name, BakedLight::kByVertex);
+    if (!is_new) return entry->second;
+    std::optional<DecodedImage> image = looks_->page(name);
+    if (image) light_texels_ += image->pixels.size() / 4;
+    if (image && light_texels_ <= kMaxLightTexels) {
+      entry->second = static_cast<int32_t>(file_.lightmap_count + pages_.size());
+      pages_.push_back(std::move(*image));
+    } else if (script != nullptr && name == script->light_page) {
+      missing_pages_.push_back(name);
+    }
+    return entry->second;
   }
 
   // Polygons and meshes: clockwise in the file.
-  FaceMesh triangleMesh(const BspFace& face, const glm::dvec3& origin_units) const {
+  FaceMesh triangleMesh(const BspFace& face, const glm::dvec3& origin_units) {
     FaceMesh mesh;
+    const bool has_page = pageOf(face) != BakedLight::kByVertex;
     for (uint32_t i = face.first_vertex; i < face.first_vertex + face.vertex_count; ++i) {
       mesh.positions_m.push_back(worldPosition(glm::dvec3(file_.positions[i]) + origin_units));
       mesh.light.push_back(lightOf(file_.vertex_light[i].colour));
-      mesh.lightmap_places.push_back(placeOf(face, file_.vertex_light[i].lightmap_place));
+      mesh.lightmap_places.push_back(placeOf(has_page, file_.vertex_light[i].lightmap_place));
       mesh.texture_places.push_back(file_.texture_places[i]);
     }
     for (uint32_t i = face.first_index; i < face.first_index + face.index_count; i += 3)
@@ -184,12 +214,13 @@ class BspConverter {
     return mesh;
   }
 
-  FaceMesh patchMesh(const BspFace& face, const glm::dvec3& origin_units) const {
+  FaceMesh patchMesh(const BspFace& face, const glm::dvec3& origin_units) {
     std::vector<glm::dvec3> control, light, places, texture_places;
+    const bool has_page = pageOf(face) != BakedLight::kByVertex;
     for (uint32_t i = face.first_vertex; i < face.first_vertex + face.vertex_count; ++i) {
       control.push_back(glm::dvec3(file_.positions[i]) + origin_units);
       light.emplace_back(lightOf(file_.vertex_light[i].colour));
-      places.emplace_back(placeOf(face, file_.vertex_light[i].lightmap_place), 0.0);
+      places.emplace_back(placeOf(has_page, file_.vertex_light[i].lightmap_place), 0.0);
       texture_places.emplace_back(file_.texture_places[i], 0.0);
     }
     PatchMesh patch = tessellatePatch(control, face.patch_width, face.patch_height, kPatchToleranceUnits,
@@ -204,8 +235,9 @@ class BspConverter {
   }
 
   // Numbers of faces without a page are garbage in real levels.
-  glm::vec2 placeOf(const BspFace& face, const glm::vec2& place) const {
-    return hasPage(face) ? glm::clamp(place, glm::vec2(0.0f), glm::vec2(1.0f)) : glm::vec2(0.0f);
+  static glm::vec2 placeOf(bool has_page, const glm::vec2& place) {
+    const bool is_there = has_page && std::isfinite(place.x) && std::isfinite(place.y);
+    return is_there ? glm::clamp(place, glm::vec2(0.0f), glm::vec2(1.0f)) : glm::vec2(0.0f);
   }
 
   ShaderUse& useOf(uint32_t shader_idx) {
@@ -246,13 +278,13 @@ class BspConverter {
     }
     // one round, but for damaged images
     for (size_t round = 0; !pending.empty(); ++round) {
-      ImageLoader loader;
+      ImageLoader loader(looks_ != nullptr ? looks_->need() : ImageNeed::all);
       std::vector<size_t> wanted;
       for (const size_t i : pending) {
         Material& material = scene.materials[i];
         if (round < entries[i].size()) {
           material.base_image.image = loader.want(entries[i][round], looks_->keptAs(material_names_[i]));
-          wanted.push_back(i);
+          if (material.base_image.isThere()) wanted.push_back(i);
         } else {
           ++level_.materials_without_texture;
           material.veil = Veil::none;
@@ -279,19 +311,44 @@ class BspConverter {
   void finishBakedLight() {
     BakedLight& baked = level_.scene.light.baked;
     const std::vector<glm::vec3>& colours = baked.vertex_light;
-    const bool is_lit =
-        file_.lightmap_count > 0 || std::any_of(colours.begin(), colours.end(), [&](const auto& c) { return c != colours[0]; });
+    const bool is_lit = file_.lightmap_count + pages_.size() > 0 ||
+                        std::any_of(colours.begin(), colours.end(), [&](const auto& c) { return c != colours[0]; });
     if (!is_lit) {
       const bool has_geometry = !colours.empty();
       baked = {};
-      if (has_geometry) note("neither lightmaps nor lit vertices: no baked light");
+      if (has_geometry) note("neither lightmaps nor lit vertices: no baked light" + byVertex());
       return;
     }
-    if (faces_without_page_ > 0)
-      note(std::to_string(faces_without_page_) + " faces name a lightmap that is not there: lit by vertex, as the engine does");
+    if (!by_vertex_.empty()) note("faces that are lit by their vertices, as the engine does it" + byVertex());
+    // one side for all
     baked.page_side = kBspLightmapSide;
-    baked.texels.reserve(file_.lightmap_texels.size());
-    for (const BspColour& texel : file_.lightmap_texels) baked.texels.push_back(lightOf(texel));
+    for (const DecodedImage& page : pages_) baked.page_side = std::max({baked.page_side, page.width, page.height});
+    const size_t page_count = file_.lightmap_count + pages_.size();
+    while (page_count * baked.page_side * baked.page_side > kMaxLightTexels && baked.page_side > 2) baked.page_side /= 2;
+    const auto addPage = [&](int width, int height, const auto& texelOf) {
+      for (int y = 0; y < baked.page_side; ++y) {
+        for (int x = 0; x < baked.page_side; ++x)
+          baked.texels.push_back(lightOf(texelOf(size_t(y * height / baked.page_side) * width + x * width / baked.page_side)));
+      }
+    };
+    baked.texels.reserve(page_count * baked.page_side * baked.page_side);
+    for (uint32_t page = 0; page < file_.lightmap_count; ++page) {
+      const size_t first = size_t{page} * kBspLightmapSide * kBspLightmapSide;
+      addPage(kBspLightmapSide, kBspLightmapSide, [&](size_t at) { return file_.lightmap_texels[first + at]; });
+    }
+    for (const DecodedImage& page : pages_)
+      addPage(page.width, page.height, [&](size_t at) {
+        return BspColour{page.pixels[4 * at], page.pixels[4 * at + 1], page.pixels[4 * at + 2]};
+      });
+  }
+
+  // By the number in the place of a lightmap's, and the files that are not there.
+  std::string byVertex() const {
+    std::string text;
+    for (const auto& [number, count] : by_vertex_)
+      text += fmt::format("{} {} of lightmap {}", text.empty() ? ":" : ",", count, number);
+    if (!missing_pages_.empty()) text += ", whose pages are not read: " + someOf(missing_pages_);
+    return text;
   }
 
   // Eyes stand 26 units above a player's origin (bg_public.h, DEFAULT_VIEWHEIGHT).
@@ -355,15 +412,13 @@ class BspConverter {
   std::vector<std::string> material_names_;  // by material of the scene: its shader
   LightFaces light_faces_;
   SceneBudget triangles_left_ = SceneBudgets().level_triangles;
-  uint32_t faces_without_page_ = 0;
+  size_t light_texels_ = 0;                      // of pages in files
+  std::vector<DecodedImage> pages_;              // of light, in files
+  std::map<std::string, int32_t> page_of_file_;  // behind those of the level; or kByVertex
+  std::vector<std::string> missing_pages_;
+  std::map<int32_t, uint32_t> by_vertex_;  // faces, by the number of their lightmap
   BspLevel level_;
 };
-
-std::string someOf(const std::vector<std::string>& names) {
-  std::string text;
-  for (size_t i = 0; i < names.size() && i < 8; ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > 8 ? text + " …" : text;
-}
 
 }  // namespace
 
@@ -372,7 +427,7 @@ BspLevel readBsp(const std::string& path) {
       .convert(std::filesystem::path(path).stem().string(), kDenseVeil);
 }
 
-BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_veil) {
+BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_veil, ImageNeed need) {
   const Pk3Archives archives(path);
   const std::string id = lowerCase(map);
   const std::string name = "maps/" + id + ".bsp";
@@ -382,7 +437,7 @@ BspLevel readBspFromArchives(const std::string& path, const std::string& map, do
     throw InputError(path, "map \"" + map.substr(0, 80) + "\"", maps.empty() ? "archives with maps" : "one of " + someOf(maps),
                      "none of that name");
   }
-  const BspLooks looks(archives);
+  const BspLooks looks(archives, need);
   return BspConverter(path + ":" + id, archives.read(name, kMaxLevelBytes), &looks).convert(id, dense_veil);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/image_loader.h"
 #include "scene/scene.h"
 #include "scene/veils.h"
 
@@ -37,13 +38,14 @@ struct BspLevel {
 BspLevel readBsp(const std::string& path);
 
 // The same for maps/MAP.bsp in the archives at path (pk3_archive.h), with their shader scripts and textures: surface parameters
-// add to the .bsp's flags, cull none makes a material double_sided, its texture is its base_image; faces shine, and sky has its light
+// add to the .bsp's flags, pages of light may lie in files (-external), cull none makes a material double_sided, its texture is its base_image; faces shine, and sky has its light
 // and its suns. A script's first stage with alphaFunc GT0 or GE128 makes a veil of what its texture cuts out (veils.h), but for faces
 // that are left out as "translucent".
 //
 // map      without regard to case
-// dense_veil   as judgeVeils has it
+// dense_veil   as judgeVeils has it; need: of images
 // throws   InputError also on what Pk3Archives and readShaderScripts refuse, and on a map that is not there (names some that are)
-BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_veil = kDenseVeil);
+BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_veil = kDenseVeil,
+                             ImageNeed need = ImageNeed::all);
 
 }  // namespace nlg

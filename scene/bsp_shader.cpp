@@ -108,12 +108,15 @@ void readGeneralLine(const std::string& keyword, QuakeTokens& tokens, ShaderScri
 
 // What the lines of one stage have said so far.
 struct Stage {
-  std::string texture;
+  std::string texture, places;  // places: tcGen
   int least_code = 0;
+  bool is_detail = false;
 };
 
-void readStageLine(const std::string& keyword, QuakeTokens& tokens, Stage& stage, ShaderScript& script) {
+void readStageLine(const std::string& keyword, QuakeTokens& tokens, Stage& stage) {
   std::string_view word;
+  if (keyword == "tcgen" && tokens.nextOnLine(&word)) stage.places = lowerCase(word);
+  stage.is_detail = stage.is_detail || keyword == "detail";
   if (keyword == "alphafunc" && tokens.nextOnLine(&word)) {
     const std::string function = lowerCase(word);
     stage.least_code = function == "gt0" ? 1 : function == "ge128" ? 128 : 0;
@@ -121,8 +124,18 @@ void readStageLine(const std::string& keyword, QuakeTokens& tokens, Stage& stage
   if (keyword != "map" && keyword != "clampmap" && keyword != "animmap") return;
   if (keyword == "animmap" && !tokens.nextOnLine(&word)) return;  // its frequency
   if (!tokens.nextOnLine(&word)) return;
-  addTexture(word, script);
   stage.texture = word[0] == '$' || word[0] == '*' ? std::string() : shaderKey(word);
+}
+
+void finishStage(const Stage& stage, ShaderScript& script) {
+  if (stage.texture.empty()) return;
+  if (stage.places == "lightmap") {
+    if (script.light_page.empty()) script.light_page = stage.texture;
+    return;
+  }
+  if (stage.places == "environment" || stage.is_detail) return;
+  addTexture(stage.texture, script);
+  if (script.cut.texture.empty() && stage.least_code > 0) script.cut = {stage.texture, stage.least_code};
 }
 
 // What stands between the braces of one shader; the first one has been read.
@@ -134,22 +147,25 @@ ShaderScript readBody(QuakeTokens& tokens) {
   const auto open = [&] {
     if (++depth == 2) stage = {};
   };
+  const auto close = [&] {
+    if (--depth == 1) finishStage(stage, script);
+  };
   while (depth > 0 && tokens.next(&word)) {
     if (word == "{") {
       open();
     } else if (word == "}") {
-      --depth;
+      close();
     } else {
       const std::string keyword = lowerCase(word);
       if (depth == 1) readGeneralLine(keyword, tokens, script);
-      if (depth == 2) readStageLine(keyword, tokens, stage, script);
-      if (script.cut.texture.empty() && stage.least_code > 0) script.cut = {stage.texture, stage.least_code};
+      if (depth == 2) readStageLine(keyword, tokens, stage);
       // the rest of the line: braces stand on lines of their own, or end it
       while (tokens.nextOnLine(&word) && word != "{" && word != "}") continue;
       if (word == "{") open();
-      if (word == "}") --depth;
+      if (word == "}") close();
     }
   }
+  if (depth > 1) finishStage(stage, script);
   return script;
 }
 
@@ -158,7 +174,7 @@ ShaderScript readBody(QuakeTokens& tokens) {
 std::string shaderKey(std::string_view name) {
   std::string key = lowerCase(name);
   std::replace(key.begin(), key.end(), '\\', '/');
-  for (const std::string_view suffix : {".tga", ".jpg"}) {
+  for (const std::string_view suffix : {".tga", ".jpg", ".png"}) {
     if (key.ends_with(suffix)) key.resize(key.size() - suffix.size());
   }
   return key;

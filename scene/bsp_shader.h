@@ -43,12 +43,14 @@ struct ScriptCut {
 struct ShaderScript {
   uint32_t surface_flags = 0, content_flags = 0;  // bits of bsp_file.h that its surfaceparm lines set
   bool double_sided = false;                      // cull none, disable or twosided
-  std::vector<std::string> textures;              // in the order of trust: qer_editorimage, then the stages' maps; no $lightmap
-  ScriptCut cut;                                  // of the first such stage
+  // in the order of trust: qer_editorimage, then the maps of stages that are the surface's colour: no light, reflections and details
+  std::vector<std::string> textures;
+  std::string light_page;  // of a stage with tcGen lightmap: a file that compilers wrote with -external
+  ScriptCut cut;           // of the first such stage
   ScriptLight light;
 };
 
-// Scripts by the shader's name: lower case, forward slashes, without .tga or .jpg.
+// Scripts by the shader's name: lower case, forward slashes, without .tga, .jpg or .png.
 using ShaderScripts = std::map<std::string, ShaderScript>;
 
 std::string shaderKey(std::string_view name);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -9,6 +10,8 @@
 #include "hand_built_bsp.h"
 #include "scene/bsp_reader.h"
 #include "scene/jitter.h"
+#include "scene/surface_look.h"
+#include "tests/scene/hand_built_images.h"
 #include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
 
@@ -81,7 +84,8 @@ TEST_F(BspLight, PagesThatAreNotThereMeanLightByVertex) {
   const BspLevel level = read(parts);
   for (const int32_t page : level.scene.light.baked.triangle_page) EXPECT_EQ(page, BakedLight::kByVertex);
   ASSERT_EQ(level.light_notes.size(), 1u);
-  EXPECT_NE(level.light_notes[0].find("1 faces name a lightmap that is not there"), std::string::npos);
+  EXPECT_EQ(level.light_notes[0],
+            "faces that are lit by their vertices, as the engine does it: 1 of lightmap -3, 1 of lightmap 1");
 }
 
 TEST_F(BspLight, ALevelThatWasNeverLitHasNone) {
@@ -199,9 +203,10 @@ TEST_F(BspLight, LampsGiveTheCodesThatTheCompilerGives) {
   ASSERT_EQ(scene.light.suns.size(), 1u);
   EXPECT_NEAR(scene.light.suns[0].to_sun.y, 1.0f, 1e-6f);
   EXPECT_NEAR(scene.light.suns[0].irradiance.g / kPi, 70.0f * kOfCode, 1e-4f);
-  ASSERT_EQ(level.light_notes.size(), 2u);
-  EXPECT_NE(level.light_notes[0].find("1 lamps without an origin"), std::string::npos);
-  EXPECT_NE(level.light_notes[1].find("1 lamps that fade linearly"), std::string::npos);
+  ASSERT_EQ(level.light_notes.size(), 3u);
+  EXPECT_EQ(level.light_notes[0], "faces that are lit by their vertices, as the engine does it: 1 of lightmap -3");
+  EXPECT_NE(level.light_notes[1].find("1 lamps without an origin"), std::string::npos);
+  EXPECT_NE(level.light_notes[2].find("1 lamps that fade linearly"), std::string::npos);
 }
 
 // Half of all entities that a level may have are lamps, each with a target of its own: to look through all entities for each would
@@ -250,7 +255,6 @@ TEST_F(BspLight, SunsShineFromWhereTheirScriptSays) {
   EXPECT_NEAR(sun.angular_radius, 2.0f * kPi / 180.0f, 1e-6f);
 }
 
-// A grid of 2 x 3 x 2 cells of the default size, numbered in the file's order by the red of their ambient light.
 class BspLightOfScripts : public BspLight {
  protected:
   // green.tga is (64, 128, 0) in codes
@@ -275,6 +279,55 @@ TEST_F(BspLightOfScripts, SurfaceLightIsThreeQuartersOfItsCodesInItsOwnHue) {
   const Scene blue = readWith(litLevel(), "textures/test/stone\n{\n q3map_lightRGB 0 0 .5\n q3map_surfacelight 100\n}\n");
   EXPECT_EQ(blue.materials[0].emissive.g, 0.0f);
   EXPECT_NEAR(blue.materials[0].emissive.b, 75.0f * kOfCode, 1e-3f);
+}
+
+// Pages in files: as a shader of compilers with -external names them, or by their number. All stand at the side of the largest.
+TEST_F(BspLightOfScripts, PagesOfLightLieInFiles) {
+  BspParts parts = litLevel();
+  const std::string script =
+      "textures/test/stone\n{\n {\n map maps/lit/lm_0003.tga\n tcGen lightmap\n }\n {\n map textures/test/green.tga\n }\n}\n";
+  const std::string rows = pixels(256 * 128, std::string("\x1e\x14\x0a", 3)) + pixels(256 * 128, std::string("\x3c\x28\x14", 3));
+  std::string page = targa(2, 0, 0, 24, rows);
+  page[13] = page[15] = 1;  // 256 x 256, from the bottom
+  const auto levelOf = [&](int32_t lightmap, const std::string& text, const std::string& file) {
+    parts.faces[0].lightmap = lightmap;
+    writeZip(folder_ / "pak.pk3", {{"maps/lit.bsp", parts.bytes()},
+                                   {"scripts/test.shader", text},
+                                   {file, page},
+                                   {"textures/test/green.tga", targa(2, 1, 1, 24, std::string("\0\x80\x40", 3))}});
+    return readBspFromArchives(folder_.string(), "lit");
+  };
+  for (const auto& [lightmap, text] : {std::pair<int32_t, std::string>(-3, script), {-2, script}, {3, ""}}) {
+    const BspLevel level = levelOf(lightmap, text, "maps/lit/lm_0003.tga");
+    const BakedLight& baked = level.scene.light.baked;
+    ASSERT_EQ(baked.page_side, 256) << lightmap;
+    ASSERT_EQ(baked.texels.size(), 2u * 256 * 256);
+    EXPECT_EQ(baked.texels[(5 * 256 + 9) * 2], glm::vec3(9, 5, 7) * kOfCode)
+        << "of the level's own page every texel twice, in twos";
+    EXPECT_EQ(baked.texels[256 * 256], glm::vec3(20, 40, 60) * kOfCode) << "the upper row";
+    EXPECT_EQ(baked.texels.back(), glm::vec3(10, 20, 30) * kOfCode);
+    // the pipe has the floor's shader, and so its page, where the script names one
+    const bool is_named = !text.empty();
+    EXPECT_EQ(std::count(baked.triangle_page.begin(), baked.triangle_page.end(), 1),
+              is_named ? static_cast<int64_t>(baked.triangle_page.size()) : 2);
+    const float red = baseColourAt(level.scene, 0, 0.3f, 0.3f).r;
+    EXPECT_EQ(red, is_named ? linearFromSrgb(0x40) : 0.5f) << "not the page";
+  }
+  const BspLevel missing = levelOf(-3, script, "maps/lit/lm_0004.tga");
+  EXPECT_EQ(missing.light_notes.at(0),
+            "faces that are lit by their vertices, as the engine does it: 2 of lightmap -3, whose pages are not read: "
+            "maps/lit/lm_0003");
+  for (const int32_t at : missing.scene.light.baked.triangle_page) EXPECT_EQ(at, BakedLight::kByVertex);
+}
+
+TEST_F(BspLightOfScripts, WithoutLightNoImageIsReadAndTheGeometryIsTheSame) {
+  BspParts parts = litLevel();
+  const std::string script = "textures/test/stone\n{\n q3map_surfacelight 100\n}\n";
+  const Scene all = readWith(parts, script);
+  const BspLevel bare = readBspFromArchives(folder_.string(), "lit", kDenseVeil, ImageNeed::geometry);
+  EXPECT_EQ(sceneSha256(bare.scene), sceneSha256(all));
+  EXPECT_TRUE(bare.scene.images.empty());
+  EXPECT_NE(bare.scene.materials[0].emissive, glm::vec3(0.0f));
 }
 
 TEST_F(BspLightOfScripts, LavaShinesThoughItIsNoGeometry) {

@@ -363,12 +363,12 @@ TEST_F(BspInArchives, ImagesThatShadersShareAreReadOnce) {
 
 // Each image is within the budget, both together are not.
 TEST_F(BspInArchives, RefusesMorePixelsThanOneSceneMayHave) {
-  const std::string image = jpegOfScans(2048, 300);
+  const std::string image = jpegOfScans(2048, 1200);
   const Pk3Archives archives(writeZip(folder_ / "pixels.pk3", {{"a.jpg", image}, {"b.jpg", image}}));
   const BspLooks looks(archives);
   EXPECT_FALSE(looks.textureColour("a").has_value()) << "its scans are empty";
   EXPECT_FALSE(looks.textureColour("a").has_value()) << "not read again";
-  expectInputError("b.jpg: expected at most 2147483648 pixels of textures", [&] { looks.textureColour("b"); });
+  expectInputError("b.jpg: expected at most 8589934592 pixels of textures", [&] { looks.textureColour("b"); });
 }
 
 TEST_F(BspInArchives, ScenesAreRequestedByPathAndMap) {
