@@ -17,7 +17,7 @@ namespace nlg {
 namespace {
 
 // Triangulation takes time with the square of a face's corners.
-constexpr size_t kMaxCorners = 1024;
+constexpr size_t kMaxCorners = 8192;
 // A file's bytes bound the memory that they take badly: two may be a triangle's, eight a vertex'.
 constexpr size_t kMaxVertices = size_t{1} << 27;
 constexpr size_t kMaxLibraries = 1024;  // lines: each is looked for on the disk
@@ -204,7 +204,7 @@ class ObjParser {
   void readFace() {
     const std::vector<std::string_view>& words = lines_.words();
     const size_t corner_count = words.size() - 1;
-    if (corner_count > kMaxCorners) lines_.fail("a face of at most 1024 corners", std::to_string(corner_count));
+    if (corner_count > kMaxCorners) lines_.fail("a face of at most 8192 corners", std::to_string(corner_count));
     const size_t first = found_.corners.size();
     for (size_t i = 1; i <= corner_count; ++i) found_.corners.push_back(cornerOf(words[i]));
     if (corner_count < 3) {
@@ -317,9 +317,10 @@ class MtlParser {
       for (size_t i = 0; (option == "-s" || option == "-o") && i < std::min<size_t>(numbers.size(), 2); ++i)
         (*pair)[static_cast<int>(i)] = numbers[i];
       if (option == "-clamp") read.clamp = word == "on";
-      // they change what is seen
-      if (option == "-t" || option == "-mm" || option == "-imfchan" || option == "-type")
-        countUnread(lines_.keyword() + " " + option, &unread_);
+      // they change what is seen, but for noughts and a gain of 1
+      const bool is_plain = option == "-mm" ? numbers == std::vector{0.0, 1.0} : numbers == std::vector(numbers.size(), 0.0);
+      const bool has_none = option == "-imfchan" || option == "-type";
+      if (has_none || ((option == "-t" || option == "-mm") && !is_plain)) countUnread(lines_.keyword() + " " + option, &unread_);
     }
     if (at < words.size()) read.name = namedBy(words[at], words.back());
     *image = read;

@@ -24,7 +24,7 @@ struct ObjCorner {
 };
 
 struct ObjFace {
-  uint32_t first_corner = 0, corner_count = 0;  // 3 … 1,024
+  uint32_t first_corner = 0, corner_count = 0;  // 3 … 8,192
   int32_t material = -1;                        // of material_names; -1: none was named
   uint32_t line = 0;
 };
@@ -48,7 +48,7 @@ struct ObjRecords {
 };
 
 // throws   InputError naming the line on bytes that are no text, a position that is not three numbers of -1e30 to 1e30, a face
-//          of more than 1,024 corners, a corner that is no index of an earlier vertex, more than 2^27 vertices, or more triangles
+//          of more than 8,192 corners, a corner that is no index of an earlier vertex, more than 2^27 vertices, or more triangles
 //          than one scene may have (scene_budget.h)
 ObjRecords readObjRecords(const std::string& path, std::string_view text);
 

@@ -36,7 +36,7 @@ class EarCutter {
 
   PolygonCut cut() {
     size_t left = flat_.size(), tries = 0, asked = 0;
-    const size_t most_asked = 128 * left;  // of isEar: a hostile outline is cut somehow
+    const size_t most_asked = std::min<size_t>(128 * left, 1 << 17);  // of isEar: a hostile outline is cut somehow
     uint32_t i = left == 4 && glm::distance(flat_[0], flat_[2]) < glm::distance(flat_[1], flat_[3]) ? 1 : 0;
     while (left >= 3) {
       const bool may_ask = left > 3 && tries < left && asked < most_asked;

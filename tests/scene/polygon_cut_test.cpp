@@ -119,6 +119,13 @@ TEST(PolygonCut, CoversStarsAndSpirals) {
   expectCovered(placed(spiral, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}), {0, 0, 1}, areaOf(spiral));
 }
 
+TEST(PolygonCut, CutsDiscsOfThousandsOfCorners) {
+  std::vector<glm::dvec2> disc;
+  for (int i = 0; i < 8192; ++i)
+    disc.emplace_back(std::cos(6.283185307179586 * i / 8192), std::sin(6.283185307179586 * i / 8192));
+  expectCovered(placed(disc, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}), {0, 0, 1}, areaOf(disc));
+}
+
 TEST(PolygonCut, TakesTheShorterDiagonalOfAQuad) {
   const PolygonCut cut = cutPolygon({{0, 0, 0}, {1, 0, 0}, {3, 2, 0}, {0, 1, 0}});
   ASSERT_EQ(cut.triangles.size(), 2u);
