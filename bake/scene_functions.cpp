@@ -102,7 +102,7 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   std::array<std::string, 2> in_lumens;  // sets whose lamps Blender's exporter multiplied by 683: left so, and divided
   for (const LightSet& set : sets) {
     lit.push_back(sceneOf(set, request, options.reading, &source));
-    const bool is_asked = isInBlendersLumens(lit.back());
+    const bool is_asked = isInOtherUnit(lit.back());
     bool is_divided = false;
     for (const std::string& line : litBy(set, &lit.back(), &is_divided)) source.light_notes.push_back(set.name + ": " + line);
     if (is_asked) in_lumens[is_divided] = set.name;

@@ -109,10 +109,11 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
   Json notes = Json::array();
   for (const std::string& note : source.notes) notes.push_back(note);
   for (const std::string& note : source.light_notes) notes.push_back(note);
-  if (isInBlendersLumens(scene))
+  if (isInOtherUnit(scene))
     notes.push_back(
-        "Blender's exporter multiplied lamps and suns by 683; a bake takes that back where emission or a sky stands beside them "
-        "(--light-unit)");
+        fmt::format("lamps and suns are {} W of Blender; a bake takes that back where emission or a sky stands beside them "
+                    "(--light-unit)",
+                    scene.light.unit.kind == LightUnit::Kind::raw ? "raw" : "683 times"));
   for (const auto& [reason, faces] : source.dropped_faces)
     notes.push_back(fmt::format("{} faces are no geometry: {}", faces, reason));
   if (source.materials_without_texture > 0)

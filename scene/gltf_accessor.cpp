@@ -1,24 +1,71 @@
 #include "scene/gltf_accessor.h"
 
+#include <algorithm>
+#include <cstring>
+
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
 
+// 0: it is no unsigned integer.
 int unsignedBytes(int component_type) {
-  switch (component_type) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return 1;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return 2;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return 4;
-    default:
-      return 0;
-  }
+  const bool is_unsigned = component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                           component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+                           component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+  return is_unsigned ? tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(component_type)) : 0;
 }
 
 }  // namespace
+
+bool isSmallInteger(int component_type) {
+  return component_type >= TINYGLTF_COMPONENT_TYPE_BYTE && component_type <= TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+}
+
+float componentAt(const unsigned char* bytes, int component_type, bool is_normalized) {
+  if (component_type == TINYGLTF_COMPONENT_TYPE_FLOAT) {
+    float value = 0.0f;
+    std::memcpy(&value, bytes, sizeof value);
+    return value;
+  }
+  const bool is_byte = component_type == TINYGLTF_COMPONENT_TYPE_BYTE || component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+  const int byte_count = is_byte ? 1 : 2;
+  const bool is_signed = component_type == TINYGLTF_COMPONENT_TYPE_BYTE || component_type == TINYGLTF_COMPONENT_TYPE_SHORT;
+  const int range = 1 << (8 * byte_count);
+  int value = static_cast<int>(readUnsigned(bytes, byte_count));
+  if (is_signed && value >= range / 2) value -= range;
+  if (!is_normalized) return static_cast<float>(value);
+  return std::max(static_cast<float>(value) / static_cast<float>(is_signed ? range / 2 - 1 : range - 1), -1.0f);
+}
+
+std::vector<float> readNumbers(const tinygltf::Model& model, int accessor_idx, int least, int width,
+                               const std::vector<uint32_t>* which, uint64_t count, const std::string& path,
+                               const std::string& place, SceneBudgets& budgets) {
+  requireIndex(accessor_idx, model.accessors.size(), path, place, "an accessor");
+  const tinygltf::Accessor& accessor = model.accessors[static_cast<size_t>(accessor_idx)];
+  const int type = accessor.componentType;
+  const int components = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type));
+  const bool is_known = type == TINYGLTF_COMPONENT_TYPE_FLOAT || isSmallInteger(type);
+  if (!is_known || components < least || components > width)
+    throw InputError(
+        path, place,
+        "elements of " + std::to_string(least) + " to " + std::to_string(width) + " floats or integers of 8 or 16 bits",
+        "component type " + std::to_string(type) + ", type " + std::to_string(accessor.type));
+  const AccessorReader elements(model, accessor_idx, path, place, budgets);
+  if (elements.count() < count)
+    throw InputError(path, place, std::to_string(count) + " elements", std::to_string(elements.count()));
+  const size_t read_count = which == nullptr ? count : which->size();
+  budgets.accessor_elements.take(read_count, path, place);
+  const int component_bytes = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(type));
+  std::vector<float> numbers(read_count * static_cast<size_t>(width), 1.0f);
+  for (size_t i = 0; i < read_count; ++i) {
+    const unsigned char* bytes = elements.element(which == nullptr ? i : (*which)[i]);
+    for (int k = 0; k < components; ++k)
+      numbers[i * static_cast<size_t>(width) + static_cast<size_t>(k)] =
+          bytes == nullptr ? 0.0f : componentAt(bytes + k * component_bytes, type, accessor.normalized);
+  }
+  return numbers;
+}
 
 uint32_t readUnsigned(const unsigned char* bytes, int byte_count) {
   uint32_t value = 0;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <tiny_gltf.h>
 
@@ -51,6 +52,23 @@ class AccessorReader {
   uint64_t sparse_count_ = 0;
   int sparse_index_bytes_ = 0;
 };
+
+// What KHR_mesh_quantization lets positions be beside floats.
+bool isSmallInteger(int component_type);
+// A float, or an integer of 8 or 16 bits as it is or normalized by glTF's formulas: the largest is 1, the smallest signed one no less
+// than -1.
+float componentAt(const unsigned char* bytes, int component_type, bool is_normalized);
+
+// Elements of an accessor as such numbers.
+//
+// width   numbers that each element becomes: those that it lacks are 1; at least `least` it must have
+// which   elements, in this order; null: the first count
+// count   of elements that there must be
+// returns   width numbers for each, not all of them finite
+// throws  InputError at this place on other components, and on what the accessor's reader refuses
+std::vector<float> readNumbers(const tinygltf::Model& model, int accessor_idx, int least, int width,
+                               const std::vector<uint32_t>* which, uint64_t count, const std::string& path,
+                               const std::string& place, SceneBudgets& budgets);
 
 // A little-endian unsigned integer of 1, 2 or 4 bytes.
 uint32_t readUnsigned(const unsigned char* bytes, int byte_count);

@@ -155,11 +155,12 @@ class DracoPrimitive {
     store("POSITION", mesh, *attribute, TINYGLTF_COMPONENT_TYPE_FLOAT, false);
   }
 
-  // Places on images and colours, by whatever numbers; those that the stream does not have the primitive has not, either.
+  // Places on images, colours and joints, by whatever numbers; those that the stream does not have the primitive has not, either.
   void storeLooks(const draco::Mesh& mesh, const tinygltf::Value& ids) {
     for (auto entry = primitive_.attributes.begin(); entry != primitive_.attributes.end();) {
       const auto& [name, accessor_idx] = *entry;
-      const bool is_look = name.starts_with("TEXCOORD_") || name == "COLOR_0";
+      const bool is_look =
+          name.starts_with("TEXCOORD_") || name == "COLOR_0" || name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
       const int id = is_look ? index(ids, name.c_str()) : -1;
       const draco::PointAttribute* attribute = id < 0 ? nullptr : mesh.GetAttributeByUniqueId(static_cast<uint32_t>(id));
       const int type = attribute == nullptr ? -1 : componentType(attribute->data_type());
@@ -247,14 +248,15 @@ class DracoPrimitive {
 
 }  // namespace
 
-void unpackDraco(const std::string& path, tinygltf::Model& model, SceneBudget& bytes_left) {
+void unpackDraco(const std::string& path, tinygltf::Model& model, SceneBudget& bytes_left, Oddities* odd) {
   SceneBudget faces_left = SceneBudgets().triangles;
   for (size_t i = 0; i < model.meshes.size(); ++i) {
     std::vector<tinygltf::Primitive>& primitives = model.meshes[i].primitives;
     for (size_t k = 0; k < primitives.size(); ++k) {
       if (primitives[k].extensions.count(kDraco) == 0) continue;
       const std::string place = "mesh " + std::to_string(i) + ", primitive " + std::to_string(k);
-      DracoPrimitive(path, place, model, primitives[k]).unpack(faces_left, bytes_left);
+      if (!odd->attempt("left out", [&] { DracoPrimitive(path, place, model, primitives[k]).unpack(faces_left, bytes_left); }))
+        primitives[k].attributes.clear();
     }
   }
 }

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_draco.h"
 #include "scene/gltf_json.h"
@@ -23,47 +25,65 @@ bool isBinary(const Bytes& bytes) { return bytes.size() >= 4 && std::memcmp(byte
 
 uint32_t wordAt(const Bytes& bytes, size_t offset) { return readUnsigned(bytes.data() + offset, 4); }
 
-// The JSON chunk of a .glb. tinygltf 2.7 lets the binary chunk reach eight bytes past the end, so chunks are checked here.
-std::string_view binaryText(const std::string& path, const Bytes& bytes) {
+struct GlbChunks {
+  std::string_view text, bin;
+  bool is_plain = false;  // just these two, as tinygltf wants them
+};
+
+// tinygltf 2.7 lets the binary chunk reach eight bytes past the end, and takes no others: chunks are sorted out here.
+GlbChunks chunksOf(const std::string& path, const Bytes& bytes, Oddities* odd) {
   const auto require = [&](bool holds, const std::string& place, const std::string& expected, uint64_t got) {
     if (!holds) throw InputError(path, place, expected, std::to_string(got));
   };
   require(bytes.size() >= 20, "header", "20 bytes or more", bytes.size());
   require(wordAt(bytes, 4) == 2, "header", "version 2", wordAt(bytes, 4));
-  const uint64_t length = wordAt(bytes, 8);
-  require(length == bytes.size(), "header", "a length equal to the file's " + std::to_string(bytes.size()), length);
   constexpr uint32_t kJson = 0x4E4F534A;
   constexpr uint32_t kBin = 0x004E4942;
-  const uint64_t json_length = wordAt(bytes, 12);
   require(wordAt(bytes, 16) == kJson, "first chunk", "JSON", wordAt(bytes, 16));
-  require(json_length <= length - 20, "first chunk", "a length within the file", json_length);
-  require(json_length % 4 == 0, "first chunk", "a length that is a multiple of 4", json_length);
-  const uint64_t next = 20 + json_length;
-  if (next < length) {
-    require(length - next >= 8, "second chunk", "a header of 8 bytes", length - next);
-    require(wordAt(bytes, next + 4) == kBin, "second chunk", "BIN", wordAt(bytes, next + 4));
-    require(wordAt(bytes, next) <= length - next - 8, "second chunk", "a length within the file", wordAt(bytes, next));
+  const uint64_t length = wordAt(bytes, 8);
+  if (length != bytes.size())
+    odd->add("passed by", fmt::format("a header that says {} bytes of a file of {}", length, bytes.size()));
+  GlbChunks chunks;
+  size_t others = 0, at = 12;
+  for (uint64_t size = 0; at + 8 <= bytes.size(); at += 8 + size) {
+    size = wordAt(bytes, at);
+    const uint32_t kind = wordAt(bytes, at + 4);
+    const bool is_text = at == 12, is_bin = kind == kBin && chunks.bin.data() == nullptr;
+    const bool fits = size <= bytes.size() - at - 8;
+    if (is_text || is_bin) require(fits, is_text ? "first chunk" : "binary chunk", "a length within the file", size);
+    if (!fits) break;
+    const std::string_view chunk(reinterpret_cast<const char*>(bytes.data()) + at + 8, size);
+    if (is_text) chunks.text = chunk;
+    if (is_bin) chunks.bin = chunk;
+    if (!is_text && !is_bin) ++others;
   }
-  return {reinterpret_cast<const char*>(bytes.data()) + 20, json_length};
+  if (others > 0) odd->add("passed by", counted(others, "chunk", "chunks") + " of an unknown kind");
+  if (at < bytes.size()) odd->add("passed by", counted(bytes.size() - at, "byte", "bytes") + " behind the last chunk");
+  chunks.is_plain =
+      length == bytes.size() && others == 0 && at == bytes.size() && chunks.text.size() % 4 == 0 && !chunks.bin.empty();
+  return chunks;
 }
 
-void appendWord(Bytes& bytes, uint64_t word) {
-  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<unsigned char>(word >> (8 * i)));
-}
-
-// The .glb with another JSON chunk; binaryText has found it whole.
-Bytes withText(const std::string& path, const Bytes& bytes, std::string text) {
+// A .glb of these two chunks.
+Bytes binaryOf(const std::string& path, std::string text, std::string_view bin) {
   text.resize((text.size() + 3) / 4 * 4, ' ');
-  const size_t next = 20 + static_cast<size_t>(wordAt(bytes, 12));
-  const uint64_t length = 20 + text.size() + (bytes.size() - next);
+  const uint64_t bin_length = (bin.size() + 3) / 4 * 4, length = 28 + text.size() + bin_length;
   if (length > kMaxSceneBytes) throw InputError(path, "file", "less than 4 GiB", std::to_string(length));
-  Bytes result(bytes.begin(), bytes.begin() + 8);
-  appendWord(result, length);
-  appendWord(result, text.size());
-  result.insert(result.end(), bytes.begin() + 16, bytes.begin() + 20);
-  result.insert(result.end(), text.begin(), text.end());
-  result.insert(result.end(), bytes.begin() + static_cast<std::ptrdiff_t>(next), bytes.end());
-  return result;
+  Bytes whole(length, 0);
+  auto at = whole.begin();
+  const auto add = [&](std::string_view part) { at = std::copy(part.begin(), part.end(), at); };
+  const auto addWord = [&](uint64_t word) {
+    for (int i = 0; i < 4; ++i) *at++ = static_cast<unsigned char>(word >> (8 * i));
+  };
+  add({"glTF\2\0\0\0", 8});
+  addWord(length);
+  addWord(text.size());
+  add("JSON");
+  add(text);
+  addWord(bin_length);
+  add({"BIN\0", 4});
+  add(bin);
+  return whole;
 }
 
 // The files of buffers, in the order in which tinygltf asks for them, by whatever name: it decodes addresses otherwise. It may open no
@@ -118,16 +138,21 @@ std::string oneLine(std::string words) {
 
 }  // namespace
 
-tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left) {
+tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left, Oddities* odd) {
   Bytes bytes = readSceneFile(path, "file", bytes_left);
   if (bytes.empty()) throw InputError(path, "file", "glTF", "an empty file");
-  const bool is_binary = isBinary(bytes);
-  const std::string_view text =
-      is_binary ? binaryText(path, bytes) : std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  GltfJson json = readGltfJson(path, text, is_binary);
+  GlbChunks chunks;
+  if (isBinary(bytes))
+    chunks = chunksOf(path, bytes, odd);
+  else
+    chunks.text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  const bool is_binary = !chunks.bin.empty();
+  GltfJson json = readGltfJson(path, chunks.text, is_binary, odd);
   BufferFiles files = findBuffers(path, json.buffer_files, bytes_left);
-  if (!json.plain_text.empty())
-    bytes = is_binary ? withText(path, bytes, std::move(json.plain_text)) : Bytes(json.plain_text.begin(), json.plain_text.end());
+  if (json.plain_text.empty() && (is_binary ? !chunks.is_plain : chunks.text.size() < bytes.size()))
+    json.plain_text = chunks.text;
+  if (is_binary && !json.plain_text.empty()) bytes = binaryOf(path, std::move(json.plain_text), chunks.bin);
+  if (!is_binary && !json.plain_text.empty()) bytes.assign(json.plain_text.begin(), json.plain_text.end());
 
   const std::string folder = folderOf(path);
   tinygltf::TinyGLTF loader;
@@ -148,8 +173,8 @@ tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left) {
     error = exception.what();  // of the JSON library and of containers
   }
   if (!is_loaded) throw InputError(path, "file", "glTF 2.0", oneLine(error));
-  unpackMeshopt(path, model, bytes_left);
-  unpackDraco(path, model, bytes_left);
+  unpackMeshopt(path, model, bytes_left, odd);
+  unpackDraco(path, model, bytes_left, odd);
   return model;
 }
 

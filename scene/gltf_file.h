@@ -5,7 +5,7 @@
 
 #include <tiny_gltf.h>
 
-#include "scene/scene_budget.h"
+#include "scene/oddities.h"
 
 namespace nlg {
 
@@ -15,7 +15,8 @@ namespace nlg {
 // refer to.
 //
 // bytes_left   of kMaxSceneBytes, for all that is read and unpacked
+// odd          receives what was mended or left out (gltf_json.h), and what does not unpack
 // throws       InputError as readGltf does
-tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left);
+tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left, Oddities* odd);
 
 }  // namespace nlg

@@ -1,13 +1,16 @@
 #include "scene/gltf_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
+#include <cstdio>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 #include <tiny_gltf.h>
 
+#include "scene/gltf_nodes.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -18,28 +21,18 @@ constexpr double kBrightest = 1e12;
 constexpr double kRightAngle = 1.5707963267948966;
 constexpr double kHair = 1e-3;  // of the outer cone: by how much the inner one stays inside
 
-// How lights are odd, and which ones.
-class Oddities {
- public:
-  void add(const std::string& how, const std::string& light) { lights_[how].push_back(light); }
-  std::vector<std::string> notes() const {
-    std::vector<std::string> notes;
-    for (const auto& [how, lights] : lights_) {
-      const size_t others = lights.size() - 1;
-      const std::string more = others == 0 ? "" : others == 1 ? " and another one" : fmt::format(" and {} others", others);
-      notes.push_back(fmt::format("{}{}: {}", lights[0], more, how));
-    }
-    return notes;
-  }
-
- private:
-  std::map<std::string, std::vector<std::string>> lights_;  // by what is said of them
-};
+// Blender's exporter: its versions (major, minor, patch: 3 04 040), and below what no light is in its standard unit.
+// Of 3.4.40 on lights are in units: https://github.com/KhronosGroup/glTF-Blender-IO, pull request 1760. Lost suns: issues 2675 and 2709.
+constexpr std::string_view kBlender = "Khronos glTF Blender I/O";
+constexpr int kFirstInUnits = 304040, kFirstLosingSuns = 500020, kLastLosingSuns = 501018;
+constexpr double kLumensPerWatt = 683.0, kFourPi = 12.566370614359172;
+constexpr double kLeastSun = 50.0, kLeastLamp = 150.0;  // lux, .07 W/m²; cd, 2.8 W, which would be 1,900 W without the 683
+constexpr int kManyDigits = 5;
 
 class LightParser {
  public:
-  LightParser(const std::string& path, const std::string& place, const tinygltf::Value& value, Oddities* oddities)
-      : path_(path), place_(place), value_(value), oddities_(oddities) {}
+  LightParser(const std::string& path, const std::string& place, const tinygltf::Value& value, Oddities* odd)
+      : path_(path), place_(place), value_(value), odd_(odd) {}
 
   GltfLight parse() const {
     if (!value_.IsObject()) fail("", "an object", "another value");
@@ -51,7 +44,8 @@ class LightParser {
     light.is_spot = type == "spot";
     if (!light.is_sun && !light.is_spot && type != "point")
       leaveOut("a type that is none of directional, point and spot; left out", &light);
-    const glm::vec3 strength = colour() * static_cast<float>(number(value_, "intensity", 1.0));
+    light.intensity = number(value_, "intensity", 1.0);
+    const glm::vec3 strength = colour() * static_cast<float>(light.intensity);
     for (int channel = 0; channel < 3; ++channel) {
       if (!(strength[channel] <= kBrightest)) fail(": intensity times color", "1e12 at most", std::to_string(strength[channel]));
       if (strength[channel] < 0.0f) leaveOut("light below 0; left out", &light);
@@ -66,7 +60,7 @@ class LightParser {
     throw InputError(path_, place_ + what, expected, got);
   }
 
-  void note(const std::string& how) const { oddities_->add(how, place_); }
+  void note(const std::string& how) const { odd_->add(how, place_); }
   void leaveOut(const std::string& how, GltfLight* light) const {
     if (!light->is_left_out) note(how);
     light->is_left_out = true;
@@ -112,8 +106,28 @@ class LightParser {
   const std::string& path_;
   const std::string place_;
   const tinygltf::Value& value_;
-  Oddities* oddities_;
+  Oddities* odd_;
 };
+
+// Of asset.generator, "Khronos glTF Blender I/O v4.3.47": 40347; 0: it says none.
+int versionOfBlender(const tinygltf::Model& model) {
+  const size_t at = model.asset.generator.find(kBlender);
+  int major = 0, minor = 0, patch = 0;
+  if (at == std::string::npos ||
+      std::sscanf(model.asset.generator.c_str() + at + kBlender.size(), " v%3d.%2d.%3d", &major, &minor, &patch) != 3)
+    return 0;
+  return major * 100000 + minor * 1000 + patch;
+}
+
+// Digits that a number has, if a float holds it: 1 of 40, 2 of .25; kManyDigits, where they are as many or more.
+int digitsOf(double number) {
+  const double scale = std::pow(10.0, std::floor(std::log10(number)));
+  for (int digits = 1; digits < kManyDigits; ++digits) {
+    const double shifted = number / scale * std::pow(10.0, digits - 1);
+    if (std::abs(shifted - std::round(shifted)) < 2e-7 * shifted) return digits;
+  }
+  return kManyDigits;
+}
 
 // "light 3", with its name where it has one.
 std::string lightPlace(size_t idx, const tinygltf::Value& light) {
@@ -124,18 +138,16 @@ std::string lightPlace(size_t idx, const tinygltf::Value& light) {
 
 }  // namespace
 
-std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::Model& model, std::vector<std::string>* notes) {
+std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::Model& model, Oddities* odd) {
   std::vector<GltfLight> lights;
-  const auto extension = model.extensions.find(kExtension);
-  if (extension == model.extensions.end() || !extension->second.Has("lights")) return lights;
-  const tinygltf::Value& list = extension->second.Get("lights");
-  if (!list.IsArray()) throw InputError(path, std::string(kExtension) + ": lights", "an array", "another value");
-  Oddities oddities;
-  for (size_t i = 0; i < list.ArrayLen(); ++i) {
-    const tinygltf::Value& light = list.Get(static_cast<int>(i));
-    lights.push_back(LightParser(path, lightPlace(i, light), light, &oddities).parse());
+  const tinygltf::Value* list = memberOf(model.extensions, kExtension, "lights");
+  for (size_t i = 0; list != nullptr && i < list->ArrayLen(); ++i) {
+    const tinygltf::Value& light = list->Get(static_cast<int>(i));
+    lights.emplace_back();
+    lights.back().is_left_out =
+        !odd->attempt("left out", [&] { lights.back() = LightParser(path, lightPlace(i, light), light, odd).parse(); }) ||
+        lights.back().is_left_out;
   }
-  for (std::string& note : oddities.notes()) notes->push_back(std::move(note));
   return lights;
 }
 
@@ -144,18 +156,57 @@ std::string lightGroupOf(const tinygltf::Value& extras) {
   return says ? extras.Get(kLightGroupKey).Get<std::string>() : std::string();
 }
 
-bool isOfBlender(const tinygltf::Model& model) {
-  return model.asset.generator.find("Khronos glTF Blender I/O") != std::string::npos;
+bool isOfBlender(const tinygltf::Model& model) { return model.asset.generator.find(kBlender) != std::string::npos; }
+
+LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {
+  using Kind = LightUnit::Kind;
+  if (!isOfBlender(model)) return {};
+  const int version = versionOfBlender(model);
+  if (version > 0 && version < kFirstInUnits) return {Kind::raw, "exporters before 3.4.40 know no other"};
+  // by unit: standard, unitless, raw
+  std::array<int, 3> votes{};
+  double most_sun = 0.0, most_lamp = 0.0, watts = 0.0;
+  for (const GltfLight& light : lights) {
+    if (light.is_left_out || !(light.intensity > 0.0)) continue;
+    double& most = light.is_sun ? most_sun : most_lamp;
+    most = std::max(most, light.intensity);
+    const double power = light.is_sun ? light.intensity : light.intensity * kFourPi;
+    const std::array<int, 3> digits = {digitsOf(power / kLumensPerWatt), digitsOf(power), digitsOf(light.intensity)};
+    const int least = *std::min_element(digits.begin(), digits.end());
+    for (size_t unit = 0; unit < 3 && least < kManyDigits; ++unit) votes[unit] += digits[unit] == least ? 1 : 0;
+    watts = std::max(watts, power);
+  }
+  if (watts == 0.0) return {};
+  const auto sign = [&](double shown) { return fmt::format("that makes watts of few digits, {:.4g}", shown); };
+  if (votes[0] > std::max(votes[1], votes[2])) return {Kind::standard, sign(watts / kLumensPerWatt)};
+  if (votes[1] > votes[0] && votes[1] >= votes[2]) return {Kind::same, sign(watts)};
+  if (votes[2] > votes[0]) return {Kind::raw, sign(std::max(most_sun, most_lamp))};
+  const bool is_bright = most_sun > 0.0 ? most_sun >= kLeastSun : most_lamp >= kLeastLamp;
+  return is_bright ? LightUnit{Kind::standard, "the exporter's default"}
+                   : LightUnit{Kind::same, "in the exporter's default they would be too faint"};
+}
+
+std::string noteOfLostSuns(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {
+  const int version = isOfBlender(model) ? versionOfBlender(model) : 0;
+  size_t lost = 0, suns = 0;
+  for (const GltfLight& light : lights) {
+    suns += light.is_sun ? 1 : 0;
+    lost += light.is_sun && (std::abs(light.intensity - kLumensPerWatt) < 1e-3 || light.intensity == 1.0) ? 1 : 0;
+  }
+  if (version < kFirstLosingSuns || version > kLastLosingSuns || lost == 0 || lost < suns) return "";
+  return counted(lost, "sun is", "suns are") +
+         " of 1 W/m²: so Blender 5.0 to 5.1.0 wrote every sun, whatever its strength, and left out the colours of all lights; "
+         "export "
+         "from a later one, or give the sun by --sun";
 }
 
 int lightOfNode(const std::string& path, const std::string& place, const tinygltf::Node& node, size_t light_count) {
-  const auto extension = node.extensions.find(kExtension);
-  if (extension == node.extensions.end() || !extension->second.Has("light")) return -1;
-  const tinygltf::Value& value = extension->second.Get("light");
-  const double idx = value.IsNumber() ? value.GetNumberAsDouble() : -1.0;
+  const tinygltf::Value* value = memberOf(node.extensions, kExtension, "light");
+  if (value == nullptr) return -1;
+  const double idx = value->IsNumber() ? value->GetNumberAsDouble() : -1.0;
   if (!(idx >= 0.0 && idx < static_cast<double>(light_count) && idx == std::floor(idx)))
     throw InputError(path, place + ": light", "a light below " + std::to_string(light_count),
-                     value.IsNumber() ? std::to_string(idx) : "another value");
+                     value->IsNumber() ? std::to_string(idx) : "another value");
   return static_cast<int>(idx);
 }
 

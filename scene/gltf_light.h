@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/oddities.h"
 #include "scene/scene_light.h"
 
 namespace tinygltf {
@@ -22,16 +23,16 @@ struct GltfLight {
   bool is_left_out = false;  // too odd to shine
   bool is_sun = false;       // "directional"
   bool is_spot = false;
+  double intensity = 1.0;    // as the file has it
   glm::vec3 strength{0.0f};  // colour times intensity: cd of a lamp, lux of a sun
   float cos_inner = -1.0f, cos_outer = -1.0f;
 };
 
 // All lights that the file declares. Odd ones are mended where what was meant is plain: cones are brought to
-// 0 <= inner < outer <= pi / 2, and colours above 1 stay as they are. A light is left out whose type is unknown, whose colour or intensity is negative, or whose cone is empty.
+// 0 <= inner < outer <= pi / 2, and colours above 1 stay as they are. A light is left out whose type is unknown, whose colour or intensity is negative, whose cone is empty, whose strength is above 1e12, or in which something is no number.
 //
-// notes    receives a line for each way of being odd, with the first light that is and how many others are
-// throws   InputError naming the light on a value that is no number, a spot without cones, or a strength above 1e12
-std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::Model& model, std::vector<std::string>* notes);
+// odd      receives these
+std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::Model& model, Oddities* odd);
 
 // Which of them a node carries; -1: none.
 // throws   InputError naming the place on an index that is not below light_count
@@ -43,6 +44,13 @@ std::string lightGroupOf(const tinygltf::Value& extras);
 
 // Whether a file says that Blender's exporter wrote it.
 bool isOfBlender(const tinygltf::Model& model);
+
+// In which of the exporter's units the lights of such a file are; of another file: same, without a sign. The exporter of Blender 3.3 and
+// before knew one unit alone, raw. Of later ones watts tell, which are whole or have few digits in the unit that was theirs; and where
+// they have not, it is the exporter's default, standard, unless lamps and suns would be too faint in it.
+LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLight>& lights);
+// Of the suns of which Blender 5.0 to 5.1.0 lost the strength, and of the lamps' colours: a line, or nothing.
+std::string noteOfLostSuns(const tinygltf::Model& model, const std::vector<GltfLight>& lights);
 
 // A lamp of that size; its position is for the caller to set.
 inline constexpr float kGltfLampRadius_m = 0.05f;

@@ -24,6 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMostSets = 64;  // TEXCOORD_n
+constexpr double kBrightest = 1e12;
+constexpr const char* kGrey = "half of the factor instead";
 
 // What a material says of one of its images.
 struct TextureInfo {
@@ -59,7 +61,11 @@ class GltfImages {
     const tinygltf::Image& image = model_.images[idx];
     ImageBytes bytes;
     if (image.bufferView >= 0) {
-      bytes.elsewhere = bytesOfView(model_, image.bufferView, path_, fmt::format("images[{}]: bufferView", idx));
+      try {
+        bytes.elsewhere = bytesOfView(model_, image.bufferView, path_, fmt::format("images[{}]: bufferView", idx));
+      } catch (const InputError&) {
+        bytes.problem = "has no bytes where the file says they are";
+      }
     } else if (image.uri.starts_with("data:")) {
       const size_t comma = image.uri.find(";base64,");
       std::string decoded;
@@ -85,15 +91,19 @@ class GltfImages {
 class LooksReader {
  public:
   LooksReader(const std::string& path, const tinygltf::Model& model, SceneBudgets& budgets, std::vector<std::string>* notes,
-              ImageNeed need)
-      : path_(path), model_(model), budgets_(budgets), notes_(notes), images_(path, model, budgets.bytes), loader_(need) {}
+              Oddities* odd, ImageNeed need)
+      : path_(path), model_(model), budgets_(budgets), notes_(notes), odd_(*odd), images_(path, model, budgets.bytes), loader_(need) {}
 
   GltfLooks read() {
     const std::set<int> used = usedMaterials();
     for (size_t i = 0; i < model_.materials.size(); ++i) {
-      place_ = "material " + std::to_string(i);
-      looks_.names.push_back(model_.materials[i].name);
-      readMaterial(model_.materials[i], used.count(static_cast<int>(i)) > 0);
+      const std::string& name = model_.materials[i].name;
+      place_ = "material " + (name.empty() ? std::to_string(i) : name.substr(0, 60));
+      looks_.names.push_back(name);
+      looks_.materials.emplace_back();
+      looks_.of_vertices.emplace_back();
+      if (used.count(static_cast<int>(i)) > 0)
+        readMaterial(model_.materials[i], &looks_.materials.back(), &looks_.of_vertices.back());
     }
     // what glTF gives to a primitive without a material
     Material none;
@@ -110,11 +120,11 @@ class LooksReader {
     throw InputError(path_, place_ + ": " + what, expected, got);
   }
 
-  float checkedFactor(double value, double limit, const std::string& what) const {
+  float checkedFactor(double value, double limit, const std::string& what) {
     // the tolerance is for factors that an exporter computed in float
     if (!(value >= 0.0 && value <= limit * 1.001))
-      fail(what, "a number from 0 to " + std::to_string(limit), std::to_string(value));
-    return static_cast<float>(std::min(value, limit));
+      odd_.add(fmt::format("brought into 0 to {:g}", limit), fmt::format("{}: {} of {:g}", place_, what, value));
+    return static_cast<float>(std::clamp(value, 0.0, limit));
   }
 
   // A number in an extension; the text has not been held against a format there.
@@ -124,12 +134,17 @@ class LooksReader {
     return object.Get(key).GetNumberAsDouble();
   }
 
-  glm::dvec2 pairIn(const tinygltf::Value& object, const char* key, const glm::dvec2& fallback) const {
-    if (!object.Has(key)) return fallback;
-    const tinygltf::Value& pair = object.Get(key);
-    if (!pair.IsArray() || pair.ArrayLen() != 2 || !pair.Get(0).IsNumber() || !pair.Get(1).IsNumber())
-      fail(key, "two numbers", "something else");
-    return {pair.Get(0).GetNumberAsDouble(), pair.Get(1).GetNumberAsDouble()};
+  // So many numbers; none where there is no such key.
+  std::vector<double> numbersIn(const tinygltf::Value& object, const char* key, size_t count) const {
+    const tinygltf::Value& array = object.Get(key);
+    std::vector<double> numbers;
+    for (size_t i = 0; array.IsArray() && i < array.ArrayLen(); ++i) {
+      const tinygltf::Value& number = array.Get(static_cast<int>(i));
+      if (number.IsNumber()) numbers.push_back(number.GetNumberAsDouble());
+    }
+    if (object.Has(key) && (numbers.size() != count || array.ArrayLen() != count))
+      fail(key, fmt::format("{} numbers", count), "something else");
+    return numbers;
   }
 
   int indexIn(const tinygltf::Value& object, const char* key, int fallback) const {
@@ -149,51 +164,56 @@ class LooksReader {
     return used;
   }
 
-  void readMaterial(const tinygltf::Material& source, bool is_used) {
-    Material material;
-    GltfLooks::OfVertices of_vertices;
-    material.double_sided = source.doubleSided;
+  void readMaterial(const tinygltf::Material& source, Material* material, GltfLooks::OfVertices* of_vertices) {
+    material->double_sided = source.doubleSided;
     std::vector<double> base = source.pbrMetallicRoughness.baseColorFactor;
-    TextureInfo base_info = infoOf(source.pbrMetallicRoughness.baseColorTexture, "baseColorTexture");
-    // what stands in the place of the rest in files from before 2019
-    if (const tinygltf::Value* old = extensionOf(source.extensions, "KHR_materials_pbrSpecularGlossiness")) {
-      if (old->Has("diffuseFactor")) base = fourIn(*old, "diffuseFactor");
-      if (old->Has("diffuseTexture")) base_info = infoIn(*old, "diffuseTexture");
-    }
+    TextureInfo base_info;
+    const bool is_read = odd_.attempt(kGrey, [&] {
+      base_info = infoOf(source.pbrMetallicRoughness.baseColorTexture, "baseColorTexture");
+      // what stands in the place of the rest in files from before 2019
+      if (const tinygltf::Value* old = extensionOf(source.extensions, "KHR_materials_pbrSpecularGlossiness")) {
+        if (old->Has("diffuseFactor")) base = numbersIn(*old, "diffuseFactor", 4);
+        if (old->Has("diffuseTexture")) base_info = infoIn(*old, "diffuseTexture");
+      }
+    });
     for (int channel = 0; channel < 3; ++channel)
-      material.base_color[channel] = checkedFactor(base[static_cast<size_t>(channel)], 1.0, "baseColorFactor");
-    readEmission(source, is_used, &material, &of_vertices);
-    readVeil(source, base[3], &material, &of_vertices);
+      material->base_color[channel] = checkedFactor(base[static_cast<size_t>(channel)], 1.0, "baseColorFactor");
+    material->label = {source.name, lightGroupOf(source.extras)};
+    if (!odd_.attempt("does not shine", [&] { readEmission(source, material, of_vertices); }))
+      material->emissive = glm::vec3(0.0f);
+    odd_.attempt("lets no light through", [&] { readVeil(source, base[3], material, of_vertices); });
     KeptAs kept;
-    if (material.veil != Veil::none && source.alphaMode == "BLEND") kept.opacity = KeptAs::Opacity::mean;
-    if (material.veil != Veil::none && source.alphaMode == "MASK") {
+    if (material->veil != Veil::none && source.alphaMode == "BLEND") kept.opacity = KeptAs::Opacity::mean;
+    if (material->veil != Veil::none && source.alphaMode == "MASK") {
       kept.opacity = KeptAs::Opacity::cut;
-      kept.least_code = leastCode(of_vertices.least_opacity);
+      kept.least_code = leastCode(of_vertices->least_opacity);
       // cut at the texels, not at the factor
-      if (base_info.texture >= 0) material.opacity = 1.0f;
+      if (base_info.texture >= 0) material->opacity = 1.0f;
     }
-    if (is_used) use(base_info, kept, &material.base_image, &of_vertices.base);
-    if (is_used) readTransmissionImage(source, &material, &of_vertices);
-    looks_.materials.push_back(material);
-    looks_.of_vertices.push_back(of_vertices);
+    if (!is_read || !odd_.attempt(kGrey, [&] { use(base_info, kept, &material->base_image, &of_vertices->base); }))
+      material->base_color *= kUnreadGrey;
+    if (!odd_.attempt(kGrey, [&] { readTransmissionImage(source, material, of_vertices); }))
+      material->transmission *= kUnreadGrey;
   }
 
-  void readEmission(const tinygltf::Material& source, bool is_used, Material* material, GltfLooks::OfVertices* of_vertices) {
-    material->label = {source.name, lightGroupOf(source.extras)};
+  void readEmission(const tinygltf::Material& source, Material* material, GltfLooks::OfVertices* of_vertices) {
     const tinygltf::Value* extension = extensionOf(source.extensions, "KHR_materials_emissive_strength");
     const double strength =
-        extension == nullptr ? 1.0 : checkedFactor(numberIn(*extension, "emissiveStrength", 1.0), 1e12, "emissiveStrength");
-    for (int channel = 0; channel < 3; ++channel) {
-      const double factor = checkedFactor(source.emissiveFactor[static_cast<size_t>(channel)], 1.0, "emissiveFactor");
-      material->emissive[channel] = static_cast<float>(strength * factor);
-    }
-    const TextureInfo info = infoOf(source.emissiveTexture, "emissiveTexture");
+        extension == nullptr ? 1.0 : checkedFactor(numberIn(*extension, "emissiveStrength", 1.0), kBrightest, "emissiveStrength");
+    const std::vector<double>& factor = source.emissiveFactor;
+    const double most = *std::max_element(factor.begin(), factor.end());
+    // programs write so what others write as a strength
+    if (most > 1.001) odd_.add("taken as it is", fmt::format("{}: emissiveFactor of {:g}, above 1", place_, most));
+    for (int channel = 0; channel < 3; ++channel)
+      material->emissive[channel] = checkedFactor(
+          strength * checkedFactor(factor[static_cast<size_t>(channel)], kBrightest, "emissiveFactor"), kBrightest, "emission");
     // it is drawn as it is, without light: neither its own
     if (extensionOf(source.extensions, "KHR_materials_unlit") != nullptr) material->emissive = glm::vec3(0.0f);
-    if (is_used && material->emissive != glm::vec3(0.0f)) use(info, {}, &material->emissive_image, &of_vertices->emissive);
+    if (material->emissive == glm::vec3(0.0f)) return;
+    use(infoOf(source.emissiveTexture, "emissiveTexture"), {}, &material->emissive_image, &of_vertices->emissive);
   }
 
-  void readVeil(const tinygltf::Material& source, double opacity, Material* material, GltfLooks::OfVertices* of_vertices) const {
+  void readVeil(const tinygltf::Material& source, double opacity, Material* material, GltfLooks::OfVertices* of_vertices) {
     const tinygltf::Value* transmission = extensionOf(source.extensions, "KHR_materials_transmission");
     if (transmission != nullptr)
       material->transmission = checkedFactor(numberIn(*transmission, "transmissionFactor", 0.0), 1.0, "transmissionFactor");
@@ -205,8 +225,7 @@ class LooksReader {
     const double factor = checkedFactor(opacity, 1.0, "baseColorFactor[3]");
     material->opacity = static_cast<float>(factor);
     if (!is_cut) return;
-    const double cutoff = source.alphaCutoff;
-    if (!(cutoff >= 0.0)) fail("alphaCutoff", "a number of 0 or more", std::to_string(cutoff));
+    const double cutoff = std::max(source.alphaCutoff, 0.0);
     material->opacity = factor >= cutoff ? 1.0f : 0.0f;
     // above 1: nothing reaches the cutoff
     of_vertices->least_opacity = static_cast<float>(cutoff <= 0.0 ? 0.0 : factor > 0.0 ? std::min(cutoff / factor, 2.0) : 2.0);
@@ -226,16 +245,7 @@ class LooksReader {
     const bool is_alone = of_vertices->base.set < 0;
     if (is_alone) of_vertices->base = placing;
     // a place for each image would be one more for every vertex of the scene: its mean will do
-    if (!is_alone && placing != of_vertices->base) averaged_.insert(looks_.materials.size());
-  }
-
-  std::vector<double> fourIn(const tinygltf::Value& object, const char* key) const {
-    const tinygltf::Value& four = object.Get(key);
-    std::vector<double> numbers;
-    for (size_t i = 0; four.IsArray() && i < four.ArrayLen(); ++i)
-      numbers.push_back(four.Get(static_cast<int>(i)).IsNumber() ? four.Get(static_cast<int>(i)).GetNumberAsDouble() : -1.0);
-    if (numbers.size() != 4) fail(key, "four numbers", "something else");
-    return numbers;
+    if (!is_alone && placing != of_vertices->base) averaged_.insert(looks_.materials.size() - 1);
   }
 
   TextureInfo infoOf(const tinygltf::TextureInfo& source, const char* key) const {
@@ -259,7 +269,9 @@ class LooksReader {
 
   void transform(const tinygltf::Value* source, TextureInfo* info) const {
     if (source == nullptr || !source->IsObject()) return;
-    const glm::dvec2 offset = pairIn(*source, "offset", glm::dvec2(0.0)), scale = pairIn(*source, "scale", glm::dvec2(1.0));
+    const std::vector<double> offsets = numbersIn(*source, "offset", 2), scales = numbersIn(*source, "scale", 2);
+    const glm::dvec2 offset = offsets.empty() ? glm::dvec2(0.0) : glm::dvec2(offsets[0], offsets[1]);
+    const glm::dvec2 scale = scales.empty() ? glm::dvec2(1.0) : glm::dvec2(scales[0], scales[1]);
     const double rotation = numberIn(*source, "rotation", 0.0), c = std::cos(rotation), s = std::sin(rotation);
     for (const double number : {offset.x, offset.y, scale.x, scale.y, rotation}) {
       if (!(std::abs(number) <= 1e6)) fail("KHR_texture_transform", "numbers of -1e6 to 1e6", std::to_string(number));
@@ -281,10 +293,13 @@ class LooksReader {
     *placing = info.placing;
     use->image = loader_.want(images_.name(static_cast<size_t>(source)), kept);
     if (texture.sampler < 0) return;
-    requireIndex(texture.sampler, model_.samplers.size(), path_, fmt::format("textures[{}]: sampler", info.texture), "a sampler");
-    const tinygltf::Sampler& sampler = model_.samplers[static_cast<size_t>(texture.sampler)];
-    use->wrap_u = wrapOf(sampler.wrapS);
-    use->wrap_v = wrapOf(sampler.wrapT);
+    odd_.attempt("repeated instead", [&] {
+      requireIndex(texture.sampler, model_.samplers.size(), path_, fmt::format("textures[{}]: sampler", info.texture),
+                   "a sampler");
+      const tinygltf::Sampler& sampler = model_.samplers[static_cast<size_t>(texture.sampler)];
+      use->wrap_u = wrapOf(sampler.wrapS);
+      use->wrap_v = wrapOf(sampler.wrapT);
+    });
   }
 
   // Of several kinds the one that is read.
@@ -332,6 +347,7 @@ class LooksReader {
   const tinygltf::Model& model_;
   SceneBudgets& budgets_;
   std::vector<std::string>* notes_;
+  Oddities& odd_;
   GltfImages images_;
   ImageLoader loader_;
   std::set<size_t> averaged_;  // materials whose transmission is the mean of its image
@@ -342,8 +358,8 @@ class LooksReader {
 }  // namespace
 
 GltfLooks readGltfLooks(const std::string& path, const tinygltf::Model& model, SceneBudgets& budgets,
-                        std::vector<std::string>* notes, ImageNeed need) {
-  return LooksReader(path, model, budgets, notes, need).read();
+                        std::vector<std::string>* notes, Oddities* odd, ImageNeed need) {
+  return LooksReader(path, model, budgets, notes, odd, need).read();
 }
 
 }  // namespace nlg

@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "scene/image_loader.h"
+#include "scene/oddities.h"
 #include "scene/scene.h"
 #include "scene/scene_budget.h"
 
@@ -42,12 +43,13 @@ struct GltfLooks {
 // Reads all materials, and those images that materials of the file's triangles use.
 //
 // budgets  files that images are read from and their pixels are taken from them
-// notes    what was not read, a line each
+// notes    what was not read, a line each. An image that cannot be read: a mean grey stands in the place of its colours, and nothing in
+//          the place of its light
 // need     of images
-// throws   InputError naming the material or texture on numbers out of range and indices of what is not there, on more bytes or
-//          pixels than the budgets hold. An image that cannot be read is noted: a mean grey stands in the place of its colours, and
-//          nothing in the place of its light
+// odd      receives material or texture, of numbers out of range, which are brought into it (of emission too much is taken as it is),
+//          and of indices of what is not there: what they are part of is as an image that cannot be read
+// throws   BudgetError on more bytes or pixels than the budgets hold
 GltfLooks readGltfLooks(const std::string& path, const tinygltf::Model& model, SceneBudgets& budgets,
-                        std::vector<std::string>* notes, ImageNeed need = ImageNeed::all);
+                        std::vector<std::string>* notes, Oddities* odd, ImageNeed need = ImageNeed::all);
 
 }  // namespace nlg

@@ -1,6 +1,7 @@
 // What a glTF file holds and a scene does not.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -8,9 +9,11 @@
 
 namespace nlg {
 
-// One line for each kind of thing: animations, skins, morph targets, points and lines, orthographic cameras, ranges of lamps,
-// a light_group that is no text, extensions that are neither read nor known to change nothing here. Images and alpha have their own
-// (gltf_looks.h, veils.h).
-std::vector<std::string> unreadParts(const tinygltf::Model& model);
+// One line for each kind of thing: animations, points and lines, orthographic cameras, ranges of lamps, a light_group that is no text;
+// and for each extension that is neither read nor known to change nothing of diffuse light, with the materials, objects and lamps that
+// it makes wrong. Images and alpha have their own (gltf_looks.h, veils.h).
+//
+// used_materials   of the scene's triangles
+std::vector<std::string> unreadParts(const tinygltf::Model& model, const std::set<int>& used_materials);
 
 }  // namespace nlg

@@ -114,8 +114,7 @@ std::string sunText(const Sun& sun) {
                      sun.irradiance.r, sun.irradiance.g, sun.irradiance.b);
 }
 
-constexpr double kLumensPerWatt = 683.0;  // that Blender's exporter multiplies by
-constexpr float kLeastSun = 50.0f, kLeastLamp = 500.0f;
+constexpr double kLumensPerWatt = 683.0, kFourPi = 12.566370614359172;  // that Blender's exporter multiplies and divides by
 
 float largestOf(const glm::vec3& rgb) { return std::max({rgb.r, rgb.g, rgb.b}); }
 
@@ -129,14 +128,14 @@ float brightestEmission(const Scene& scene) {
   return brightest;
 }
 
-void scaleLampsAndSuns(SceneLight* light, float factor) {
-  for (Lamp& lamp : light->lamps) lamp.intensity *= factor;
-  for (Sun& sun : light->suns) sun.irradiance *= factor;
+void scaleLampsAndSuns(SceneLight* light, double of_lamps, double of_suns) {
+  for (Lamp& lamp : light->lamps) lamp.intensity *= static_cast<float>(of_lamps);
+  for (Sun& sun : light->suns) sun.irradiance *= static_cast<float>(of_suns);
 }
 
 void scaleAll(Scene* scene, float factor) {
   SceneLight& light = scene->light;
-  scaleLampsAndSuns(&light, factor);
+  scaleLampsAndSuns(&light, factor, factor);
   for (glm::vec3* radiance : {&light.sky.zenith, &light.sky.horizon, &light.sky.ground, &light.baked.ambient})
     *radiance *= factor;
   for (std::vector<glm::vec3>* radiances :
@@ -169,14 +168,30 @@ const char* kBlenderExports =
     "writes "
     "area lamps and the world";
 
-// Nothing for the unit of the file.
-std::optional<std::string> unitNote(const Scene& scene, const LightOptions& options, bool has_more) {
-  if (options.light_unit == "file") return std::nullopt;
-  if (options.light_unit == "watt") return "lamps and suns divided by 683 (--light-unit)";
+// What brings lamps and suns into emission's unit.
+struct UnitFactors {
+  double lamps = 1.0, suns = 1.0;
+};
+
+// What is done, and how else it could be; the words are empty where nothing had to be chosen.
+std::pair<UnitFactors, std::string> unitOf(const Scene& scene, const LightOptions& options, bool has_more) {
+  using Kind = LightUnit::Kind;
+  const UnitFactors watts{1.0 / kLumensPerWatt, 1.0 / kLumensPerWatt}, raw{1.0 / kFourPi, 1.0};
+  if (options.light_unit == "file") return {};
+  if (options.light_unit == "watt") return {watts, "lamps and suns divided by 683 (--light-unit)"};
   if (options.light_unit != "auto") throw UsageError("--light-unit", "auto, file or watt", "'" + options.light_unit + "'");
-  if (!isInBlendersLumens(scene) || !has_more) return std::nullopt;
-  return "lamps and suns divided by 683: Blender's exporter multiplied them by it, and left emission as it is (--light-unit file "
-         "takes them as they are)";
+  const LightUnit& unit = scene.light.unit;
+  if (unit.sign.empty() || (scene.light.lamps.empty() && scene.light.suns.empty())) return {};
+  const std::string sign = " (the sign: " + unit.sign + ")";
+  if (unit.kind == Kind::same)
+    return {{}, "lamps and suns as they are, of Blender's exporter Unitless" + sign + "; --light-unit watt divides them by 683"};
+  const std::string taken = unit.kind == Kind::raw ? "Blender's raw W, lamps" : "683 times Blender's W and W/m²";
+  if (!has_more)
+    return {{}, "lamps and suns are " + taken + sign + ", and stay so: nothing else shines (--light-unit watt divides by 683)"};
+  const std::string other = "; --light-unit file takes them as they are";
+  if (unit.kind == Kind::raw) return {raw, "lamps divided by 4 pi: they are Blender's raw W" + sign + other};
+  return {watts,
+          "lamps and suns divided by 683: Blender's exporter multiplied them by it, and left emission as it is" + sign + other};
 }
 
 }  // namespace
@@ -227,13 +242,7 @@ bool hasLight(const Scene& scene) {
   return brightestEmission(scene) > 0.0f;
 }
 
-bool isInBlendersLumens(const Scene& scene) {
-  if (scene.light.writer != LightWriter::blender) return false;
-  float sun = 0.0f, lamp = 0.0f;
-  for (const Sun& one : scene.light.suns) sun = std::max(sun, largestOf(one.irradiance));
-  for (const Lamp& one : scene.light.lamps) lamp = std::max(lamp, largestOf(one.intensity));
-  return sun > 0.0f ? sun >= kLeastSun : lamp >= kLeastLamp;
-}
+bool isInOtherUnit(const Scene& scene) { return scene.light.unit.kind != LightUnit::Kind::same; }
 
 Sky defaultSky() { return {{0.35f, 0.55f, 0.95f}, {0.80f, 0.90f, 1.00f}, {0.20f, 0.18f, 0.15f}}; }
 Sun defaultSun() { return sunAt(120.0, 50.0, {5.0f, 4.7f, 4.1f}); }
@@ -244,12 +253,10 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
   const bool is_given = !options.sky.empty() || !options.sun.empty();
   const bool is_dark = !hasLight(scene);
   const bool takes_default = !is_given && (is_dark || (isOpen && !hasLightFromOutside(scene) && isOpen(scene)));
-  const auto note = unitNote(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f);
-  if (is_divided != nullptr) *is_divided = note.has_value();
-  if (note) {
-    scaleLampsAndSuns(&scene.light, static_cast<float>(1.0 / kLumensPerWatt));
-    done.push_back(*note);
-  }
+  const auto [factors, words] = unitOf(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f);
+  if (is_divided != nullptr) *is_divided = factors.lamps != 1.0;
+  scaleLampsAndSuns(&scene.light, factors.lamps, factors.suns);
+  if (!words.empty()) done.push_back(words);
   if (!options.sky.empty()) {
     GivenSky given = skyFrom(options.sky);
     scene.light.sky = std::move(given.sky);

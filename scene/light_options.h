@@ -27,17 +27,16 @@ bool hasLight(const Scene& scene);
 // Whether light comes from outside of a scene: a sky, suns, or a level's own light, which holds them.
 bool hasLightFromOutside(const Scene& scene);
 
-// Whether lamps and suns are what Blender's exporter makes of W and W/m² unless it is told not to: 683 times as much. It wrote the
-// file, and the brightest sun has 50 lux or more (.07 W/m²) or, without suns, the brightest lamp 500 cd or more (9 W).
-bool isInBlendersLumens(const Scene& scene);
+// Whether lamps and suns are in another unit than emission: LightUnit.
+bool isInOtherUnit(const Scene& scene);
 
 // What a scene without any light gets: a clear sky by day. Radiances of about 1, for surfaces that a picture shows as they are.
 Sky defaultSky();
 Sun defaultSun();
 
 // Gives a scene the light that the options ask for, in this order.
-// 1. Lamps and suns are divided by 683 as light_unit says; "auto" does so where isInBlendersLumens, and emission or what follows
-//    shines beside them.
+// 1. Lamps and suns are divided by 683 as light_unit says; "auto" does so where they are so many times W and W/m², divides raw lamps by
+//    4 pi, and neither unless emission or what follows shines beside them.
 // 2. The options' sky and suns replace the scene's own. The sun of a sky's image joins the scene's.
 // 3. Without either option a scene in which nothing shines gets defaultSky and defaultSun, and so does an open one without light from
 //    outside.

@@ -5,15 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "tool/error.h"
-
 namespace nlg {
 
 void SceneBudget::require(uint64_t amount, const std::string& path, const std::string& place) const {
   if (amount <= left()) return;
   const uint64_t room = std::numeric_limits<uint64_t>::max() - taken_;
-  throw InputError(path, place, fmt::format("at most {} {} in one scene", most_, what_),
-                   std::to_string(taken_ + std::min(amount, room)));
+  throw BudgetError(path, place, fmt::format("at most {} {} in one scene", most_, what_),
+                    std::to_string(taken_ + std::min(amount, room)));
 }
 
 void SceneBudget::take(uint64_t amount, const std::string& path, const std::string& place) {

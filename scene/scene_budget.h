@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <string>
 
+#include "tool/error.h"
+
 namespace nlg {
 
 inline constexpr uint64_t kMaxSceneTriangles = uint64_t{1} << 25;  // of a glTF or .obj file, instances counted each
@@ -21,13 +23,19 @@ inline constexpr uint64_t kLeastScanPixels = 4096;         // as which a smaller
 inline constexpr uint64_t kMaxAccessorElements = uint64_t{1} << 27;  // that the primitives of glTF read: corners, sparse values
 inline constexpr uint64_t kMaxAccessorZeros = uint64_t{1} << 20;     // of these, in accessors without a buffer view
 
+// A scene that asks for more than a budget holds: no part of it that could be left out.
+class BudgetError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 // One of them, as it is spent.
 class SceneBudget {
  public:
   // what   its unit, as errors name it: "triangles"
   SceneBudget(const char* what, uint64_t most) : what_(what), most_(most) {}
 
-  // throws   InputError naming the budget, what is asked of it so far, and the place, when that is more than there was
+  // throws   BudgetError naming the budget, what is asked of it so far, and the place, when that is more than there was
   void take(uint64_t amount, const std::string& path, const std::string& place);
   // The same, and nothing is spent: of what may be asked for at most.
   void require(uint64_t amount, const std::string& path, const std::string& place) const;

@@ -89,12 +89,19 @@ struct LightGroups {
   static uint8_t of(const std::vector<uint8_t>& groups, size_t index) { return groups.empty() ? 0 : groups[index]; }
 };
 
-// Who wrote the file that a scene's light is of. Blender's glTF exporter multiplies lamps and suns by 683, unless it is told not to, and
-// leaves emission as it is (light_options.h).
+// Who wrote the file that a scene's light is of.
 enum class LightWriter : uint8_t { other, gltf, blender };
+
+// What lamps and suns of a file are beside its emission, and by what sign that is known. Blender's glTF exporter multiplies them by 683
+// and divides lamps by 4 pi, or leaves out the first, or both; emission it leaves as it is (light_options.h).
+struct LightUnit {
+  enum class Kind : uint8_t { same, standard, raw } kind = Kind::same;
+  std::string sign;  // empty: nothing had to be chosen
+};
 
 struct SceneLight {
   LightWriter writer = LightWriter::other;
+  LightUnit unit;
   Sky sky;
   std::vector<Lamp> lamps;
   std::vector<Sun> suns;

@@ -138,7 +138,7 @@ SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
 }
 
 SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
-  GltfLevel level = readGltf(path, reading.unit_m, reading.veil_cover, reading.images);
+  GltfLevel level = readGltf(path, reading.unit_m, reading.veil_cover, reading.gltf, reading.images);
   const std::string sides = giveSolidsOneSide(level.scene).note();
   if (!sides.empty()) level.notes.push_back(sides);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
@@ -158,6 +158,10 @@ void refuseOtherFormats(const std::string& request, const std::string& extension
 SceneSource readScene(const std::string& request, const SceneReading& reading) {
   const std::string extension = extensionOf(request);
   refuseOtherFormats(request, extension);
+  const bool is_other = extension == ".obj" || extension == ".bsp" || archiveColon(request) != std::string::npos;
+  if (is_other && !(reading.gltf.scene_name.empty() && reading.gltf.leave_out.empty()))
+    throw UsageError(reading.gltf.scene_name.empty() ? "--leave-out" : "--scene-name", "a glTF file, whose nodes have names",
+                     request);
   if (extension == ".obj") return readObjFile(request, reading);
   if (extension == ".glb" || extension == ".gltf") return readGltfFile(request, reading);
   if (reading.unit_m != 1.0)
@@ -202,6 +206,11 @@ void describe(SceneReading& reading, OptionTable& table) {
       "hollows that are closed off from all air as wide as this, metres, are no air: walls of two sheets, boxes. A quarter of "
       "the scene's shortest side at most. 0: all air counts",
       0.0, 1e3);
+  table.add("scene_name", &reading.gltf.scene_name,
+            "the scene of a glTF file, by its name or its number from 1 on. None: the file's default");
+  table.addRepeated(
+      "leave_out", &reading.gltf.leave_out,
+      "nodes of a glTF file that are not read, with all that hangs on them: a pattern of their names, with * and ?");
   table.addNote(sceneBudgets());
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/gltf_reader.h"
 #include "scene/image_loader.h"
 #include "scene/scene.h"
 #include "scene/veils.h"
@@ -37,9 +38,10 @@ struct SceneReading {
   double veil_cover = kDenseVeil;     // judgeVeils' dense_veil: veils.h
   ImageNeed images = ImageNeed::all;  // geometry: where no light is asked for
   double cavity_m = 0.5;              // Scene::cavity_m, of which a small scene takes less: kCavityShare of its shortest side
+  GltfChoice gltf;                    // of a glTF file: which scene, and what of it
 };
 
-// Adds `unit` to a tool's table, and to its --help what a scene may take (scene_budget.h).
+// Adds these to a tool's table, and to its --help what a scene may take (scene_budget.h).
 void describe(SceneReading& reading, OptionTable& table);
 
 // request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);

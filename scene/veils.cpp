@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "scene/oddities.h"
 #include "scene/surface_look.h"
 
 namespace nlg {
 namespace {
 
 constexpr double kWhole = 0.995;
-constexpr size_t kMostNames = 6;
 
 // Points of a material, over all of its triangles, and of one of them. A triangle goes on where the one before it ended: one point of
 // each of many fills their image as evenly as many points of one.
@@ -56,10 +56,7 @@ std::vector<std::string> judgeVeils(Scene& scene, const std::vector<std::string>
     veils.push_back(fmt::format("{} ({}, stops {:.0f} %)", name, material.veil == Veil::dense ? "dense" : "thin", 100.0 * share));
   }
   if (veils.empty()) return {};
-  std::string line = fmt::format("{} {} light through: ", veils.size(), veils.size() == 1 ? "material lets" : "materials let");
-  for (size_t i = 0; i < std::min(veils.size(), kMostNames); ++i) line += (i > 0 ? ", " : "") + veils[i];
-  if (veils.size() > kMostNames) line += fmt::format(" and {} more", veils.size() - kMostNames);
-  return {line};
+  return {counted(veils.size(), "material lets", "materials let") + " light through: " + listed(veils)};
 }
 
 std::vector<glm::dvec4> meansOfMaterials(const Scene& scene, const std::vector<bool>& is_wanted,

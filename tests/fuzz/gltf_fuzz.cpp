@@ -72,6 +72,25 @@ Parts texturedSquare(const std::string& image) {
   return parts;
 }
 
+// A square on two joints, another that is morphed, and instances of a third; a coarser level, a hidden node, a second scene.
+Parts posedSquare() {
+  Parts parts;
+  parts.bin = kSquare + bytesOf<uint8_t>({0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0});
+  parts.views = replaced(parts.views, "}]", R"(},{"buffer":0,"byteOffset":60,"byteLength":16}])");
+  parts.accessors = replaced(parts.accessors, "}]",
+                             R"(},{"bufferView":2,"componentType":5121,"count":4,"type":"VEC4"},)"
+                             R"({"bufferView":2,"componentType":5121,"normalized":true,"count":4,"type":"VEC4"}])");
+  parts.primitives =
+      R"([{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1,"targets":[{"POSITION":0}]}],"weights":[0.5])";
+  parts.nodes =
+      R"([{"mesh":0,"skin":0},{"mesh":0,"weights":[2]},{"mesh":0,"name":"a_LOD1","extensions":{"EXT_mesh_gpu_instancing":{)"
+      R"("attributes":{"TRANSLATION":0}},"MSFT_lod":{"ids":[3]}}},{"mesh":0,"name":"UCX_a"},)"
+      R"({"children":[5],"extensions":{"KHR_node_visibility":{"visible":false}}},{"extras":{"nlg_ignore":true}}])";
+  parts.scenes = R"([{"nodes":[0,1,2,4]},{"name":"Night","nodes":[3]}])";
+  parts.more = R"(,"skins":[{"joints":[1,2]}],"extensionsUsed":["KHR_materials_sheen","XYZ_other"])";
+  return parts;
+}
+
 // What a .gltf may name: "square.bin".
 std::unique_ptr<ScratchFile> bufferBeside() {
   auto buffer = std::make_unique<ScratchFile>("square.bin");
@@ -92,6 +111,7 @@ Seeds seeds() {
   const std::pair<const char*, Parts> files[] = {
       {"square", Parts()},
       {"lit", litSquare()},
+      {"posed", posedSquare()},
       {"png", texturedSquare(png(2, 2, pixels(4, "\x10\x80\xf0\x40")))},
       {"jpg", texturedSquare(jpeg(2, 10, 20, 30))},
       {"webp", texturedSquare(webp(2, 2, pixels(4, "\x10\x80\xf0\x40")))},

@@ -88,6 +88,15 @@ class GltfFiles : public testing::Test {
     return inputErrorOf([&] { readGltf(write("hostile.gltf", bytes)); });
   }
 
+  // The same, or where the file is read the notes, behind its name.
+  std::string saidOf(const std::string& bytes) const {
+    std::string said = "hostile.gltf: ";
+    const std::string error = inputErrorOf([&] {
+      for (const std::string& note : readGltf(write("hostile.gltf", bytes)).notes) said += note + "; ";
+    });
+    return error == "no error" ? said : error;
+  }
+
   TemporaryFolder folder_;
 };
 

@@ -329,24 +329,24 @@ TEST_F(GltfReader, ReadsCamerasWhereTheirNodesStand) {
   expectNear(glm::dvec3(camera.up), {0, 0, -1}, "its top");
 }
 
-TEST_F(GltfReader, RefusesCamerasThatAreNone) {
+TEST_F(GltfReader, LeavesOutCamerasThatAreNone) {
   for (const char* yfov : {"0", "-1", "3.2", "1e300"}) {
     Parts parts;
     parts.more = replaced(kCameras, "1.5", yfov);
     parts.nodes = R"([{"mesh":0,"camera":0}])";
-    EXPECT_NE(errorOf(parts.text()).find("camera 0: yfov"), std::string::npos) << yfov << ": " << errorOf(parts.text());
+    EXPECT_NE(saidOf(parts.text()).find("camera 0: yfov"), std::string::npos) << yfov << ": " << saidOf(parts.text());
   }
   Parts parts;
   parts.more = kCameras;
   parts.nodes = R"([{"mesh":0,"camera":2}])";
-  EXPECT_NE(errorOf(parts.text()).find("node 0: camera"), std::string::npos);
+  EXPECT_NE(saidOf(parts.text()).find("node 0: camera"), std::string::npos);
 }
 
-TEST_F(GltfReader, RefusesLightsThatAreNone) {
+TEST_F(GltfReader, LeavesOutLightsThatAreNone) {
   const auto expectError = [&](const std::string& words, const std::string& from, const std::string& to) {
     Parts parts;
     parts.more = replaced(kLights, from, to);
-    const std::string error = errorOf(parts.text());
+    const std::string error = saidOf(parts.text());
     EXPECT_NE(error.find(words), std::string::npos) << "expected " << words << ", got: " << error;
   };
   expectError("light 0: color", "[1,0.5,0]", "[1,0.5]");
@@ -358,7 +358,7 @@ TEST_F(GltfReader, RefusesLightsThatAreNone) {
     Parts parts;
     parts.nodes = std::string(R"([{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":)") + idx + "}}}]";
     parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"}]}})";
-    const std::string error = errorOf(parts.text());
+    const std::string error = saidOf(parts.text());
     EXPECT_NE(error.find("node 0: light"), std::string::npos) << idx << ": " << error;
   }
 }
@@ -536,18 +536,19 @@ TEST_F(GltfReader, TakesTrianglesAndElementsOfTheBudget) {
   parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"indices":1}])";
   const std::string path = write("twice.gltf", parts.text());
   SceneBudget bytes = SceneBudgets().bytes;
-  const tinygltf::Model model = loadGltfFile(path, bytes);
+  Oddities odd(path);
+  const tinygltf::Model model = loadGltfFile(path, bytes, &odd);
   EXPECT_EQ(kMaxSceneBytes - bytes.left(), parts.text().size());
   SceneBudgets budgets;
-  const GltfLooks looks = readGltfLooks(path, model, budgets, nullptr);
-  readGltfMesh(model, 0, looks, path, budgets);
+  const GltfLooks looks = readGltfLooks(path, model, budgets, nullptr, &odd);
+  readGltfMesh(model, 0, looks, {}, path, budgets, &odd);
   EXPECT_EQ(kMaxSceneTriangles - budgets.triangles.left(), 4u);
   EXPECT_EQ(kMaxAccessorElements - budgets.accessor_elements.left(), 12u);
   EXPECT_EQ(budgets.accessor_zeros.left(), kMaxAccessorZeros);
   const auto errorWith = [&](SceneBudget SceneBudgets::*which, const SceneBudget& small) {
     SceneBudgets little;
     little.*which = small;
-    return inputErrorOf([&] { readGltfMesh(model, 0, looks, path, little); });
+    return inputErrorOf([&] { readGltfMesh(model, 0, looks, {}, path, little, &odd); });
   };
   EXPECT_EQ(errorWith(&SceneBudgets::triangles, {"triangles", 4}), "no error");
   EXPECT_EQ(errorWith(&SceneBudgets::triangles, {"triangles", 3}),
@@ -566,7 +567,7 @@ TEST_F(GltfReader, RefusesEveryTruncationOfAGlb) {
 TEST_F(GltfReader, RefusesChunksThatReachPastTheEnd) {
   const std::string whole = Parts().binary();
   const size_t bin_header = whole.find(std::string("BIN\0", 4)) - 4;
-  for (const size_t word : {size_t{4}, size_t{8}, size_t{12}, bin_header}) {
+  for (const size_t word : {size_t{4}, size_t{12}, bin_header}) {
     for (const uint32_t delta : {4u, 8u, 0x7fffffffu, 0xfffffff0u}) {
       std::string hostile = whole;
       uint32_t value = 0;
@@ -604,10 +605,11 @@ const Hostile kHostile[] = {
     {"huge offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":9007199254740990,)", "mesh 0, primitive 0: POSITION"},
     {"negative offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":-4,)", "accessors[0].byteOffset"},
     {"fewer vertices than indexed", R"("count":4)", R"("count":3)", "mesh 0, primitive 0: indices"},
-    {"corners not in threes", R"("count":6)", R"("count":5)", "mesh 0, primitive 0"},
+    {"corners not in threes", R"("count":6)", R"("count":5)", "mesh 0, primitive 0: 5 corners"},
     {"view past the buffer", R"("byteLength":48)", R"("byteLength":4800)", "mesh 0, primitive 0: POSITION"},
     {"view at a huge offset", R"("byteOffset":48)", R"("byteOffset":9007199254740990)", "mesh 0, primitive 0: indices"},
-    {"view of no buffer", R"({"buffer":0,"byteLength":48})", R"({"buffer":3,"byteLength":48})", "mesh 0, primitive 0: POSITION"},
+    {"view of no buffer", R"({"buffer":0,"byteLength":48})", R"({"buffer":3,"byteLength":48})",
+     "bufferViews[0]: expected all that glTF asks of it"},
     {"stride below the element", R"("byteLength":48})", R"("byteLength":48,"byteStride":4})", "mesh 0, primitive 0: POSITION"},
     {"no such view", R"("bufferView":0,)", R"("bufferView":9,)", "mesh 0, primitive 0: POSITION"},
     {"index of 33 bits", R"("POSITION":0)", R"("POSITION":4294967296)", "meshes[0].primitives[0].attributes.POSITION"},
@@ -627,34 +629,31 @@ const Hostile kHostile[] = {
     {"rotation of length zero", R"("mesh":0)", R"("mesh":0,"rotation":[0,0,0,0])", "node 0: rotation"},
     {"matrix of 15", R"("mesh":0)", R"("mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0])", "nodes[0].matrix"},
     {"projective matrix", R"("mesh":0)", R"("mesh":0,"matrix":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1])", "node 0: matrix"},
-    {"matrix and scale", R"("mesh":0)", R"("mesh":0,"scale":[1,1,1],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])", "nodes[0]"},
+    {"matrix and scale", R"("mesh":0)", R"("mesh":0,"scale":[1,1,1],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])",
+     "nodes[0]: a matrix, and translation"},
     {"nodes that are no list", R"("nodes":[{"mesh":0,"name":"square"}])", R"("nodes":5)", "nodes"},
     {"node twice", R"("nodes":[0])", R"("nodes":[0,0])", "node 0"},
     {"no such root", R"("nodes":[0])", R"("nodes":[1])", "node 1"},
     {"no such scene", R"("scenes":)", R"("scene":3,"scenes":)", "scene"},
-    {"required extension", R"("asset":)", R"("extensionsRequired":["KHR_texture_basisu","EXT_mesh_gpu_instancing"],"asset":)",
+    {"required extension", R"("asset":)", R"("extensionsRequired":["KHR_texture_basisu","XYZ_packed"],"asset":)",
      "extensionsRequired[1]: expected "},
-    {"required extension's name", R"("asset":)", R"("extensionsRequired":["EXT_mesh_gpu_instancing"],"asset":)",
-     "got EXT_mesh_gpu_instancing"},
+    {"required extension's name", R"("asset":)", R"("extensionsRequired":["XYZ_packed"],"asset":)", "got XYZ_packed"},
     {"required extension before what it provides", R"("buffers":[)",
      R"("extensionsRequired":["XYZ_packed"],"buffers":[{"byteLength":60},)", "got XYZ_packed"},
     {"normalized as text", R"("count":4)", R"("count":4,"normalized":"yes")", "accessors[0].normalized"},
-    {"bright material", R"("asset":)", R"("materials":[{"emissiveFactor":[2,0,0]}],"asset":)", "material 0: emissiveFactor"},
-    {"negative colour", R"("asset":)", R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[-1,0,0,1]}}],"asset":)",
-     "material 0: baseColorFactor"},
     {"colour of three", R"("asset":)", R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0]}}],"asset":)",
      "materials[0].pbrMetallicRoughness.baseColorFactor"},
     {"key twice", R"("mesh":0)", R"("mesh":0,"mesh":0)", "key \"mesh\""},
-    {"buffer without uri", R"("buffers":[)", R"("buffers":[{"byteLength":60},)", "buffers[0]"},
+    {"buffer without uri", R"("buffers":[)", R"("buffers":[{"byteLength":60},)", "buffer view 0 within the buffer's 1 bytes"},
     {"buffer of another length", R"("byteLength":60)", R"("byteLength":61)", "hostile.gltf"},
     {"buffer of no length", R"("byteLength":60)", R"("byteLength":0)", "hostile.gltf"},
     {"image without source", R"("asset":)", R"("images":[{"uri":""}, 7],"asset":)", "images[1]"},
     {"wrong version", R"("asset":{"version":"2.0"})", R"("asset":{})", "hostile.gltf"},
 };
 
-TEST_F(GltfReader, RefusesHostileFilesByNamingThePlace) {
+TEST_F(GltfReader, NamesThePlaceOfWhatIsHostile) {
   for (const Hostile& hostile : kHostile) {
-    const std::string error = errorOf(replaced(Parts().text(), hostile.from, hostile.to));
+    const std::string error = saidOf(replaced(Parts().text(), hostile.from, hostile.to));
     EXPECT_NE(error.find(hostile.place), std::string::npos) << hostile.name << ": " << error;
     EXPECT_NE(error.find("hostile.gltf: "), std::string::npos) << hostile.name << ": " << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << hostile.name << ": " << error;
@@ -672,18 +671,20 @@ TEST_F(GltfReader, RefusesPositionsThatAreNotFinite) {
   }
 }
 
-TEST_F(GltfReader, RefusesRingsAndSharedChildren) {
+TEST_F(GltfReader, CutsRingsAndSharedChildren) {
   Parts ring;
   ring.nodes = R"([{"mesh":0,"children":[1]},{"children":[2]},{"children":[0]}])";
-  EXPECT_NE(errorOf(ring.text()).find("own ancestor"), std::string::npos);
+  EXPECT_NE(saidOf(ring.text()).find("own ancestor"), std::string::npos);
+  EXPECT_EQ(read(ring).triangles.size(), 2u) << "cut where it closes";
   ring.scenes = "[]";
-  EXPECT_NE(errorOf(ring.text()).find("own ancestor"), std::string::npos);
+  EXPECT_NE(saidOf(ring.text()).find("own ancestor"), std::string::npos);
   // two to the power of 40 instances, were it allowed
   Parts diamonds;
   diamonds.nodes = "[";
   for (int i = 0; i < 40; ++i) diamonds.nodes += R"({"children":[)" + std::to_string(i + 1) + "," + std::to_string(i + 1) + "]},";
   diamonds.nodes += R"({"mesh":0}])";
-  EXPECT_NE(errorOf(diamonds.text()).find("two parents"), std::string::npos);
+  EXPECT_NE(saidOf(diamonds.text()).find("two parents"), std::string::npos);
+  EXPECT_EQ(read(diamonds).objects.size(), 1u);
 }
 
 TEST_F(GltfReader, RefusesDeepNesting) {

@@ -133,7 +133,7 @@ TEST(LightOptions, SkyAndSunReplaceTheScenesOwn) {
 // A scene of Blender's with a sun of 3 W/m² and a lamp of 100 W, in its exporter's units.
 Scene sceneOfBlender() {
   Scene scene = darkScene();
-  scene.light.writer = LightWriter::blender;
+  scene.light.unit = {LightUnit::Kind::standard, "a test says so"};
   scene.light.suns.push_back({{0, 1, 0}, glm::vec3(3.0f * 683.0f)});
   scene.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(683.0f * 100.0f / 12.566371f), 0.05f});
   return scene;
@@ -145,7 +145,7 @@ TEST(LightUnit, LampsOfBlenderAreInWattsWhereEmissionOrASkyStandsBesideThem) {
     EXPECT_EQ(done.size(), notes) << (done.empty() ? "" : done[0]);
     return scene.light.suns.empty() ? scene.light.lamps[0].intensity.r * 12.566371f : scene.light.suns[0].irradiance.r;
   };
-  EXPECT_EQ(sunOf(sceneOfBlender(), {}, 0), 3.0f * 683.0f) << "alone they are as they are";
+  EXPECT_EQ(sunOf(sceneOfBlender(), {}, 1), 3.0f * 683.0f) << "alone they are as they are";
   Scene emissive = sceneOfBlender();
   emissive.materials[emissive.triangle_material[0]].emissive = glm::vec3(5.0f);
   EXPECT_NEAR(sunOf(emissive, {}, 1), 3.0f, 1e-5f);
@@ -154,22 +154,15 @@ TEST(LightUnit, LampsOfBlenderAreInWattsWhereEmissionOrASkyStandsBesideThem) {
   EXPECT_EQ(sunOf(emissive, {{}, {}, "file"}, 0), 3.0f * 683.0f);
   EXPECT_NEAR(sunOf(sceneOfBlender(), {{}, {}, "watt"}, 1), 3.0f, 1e-5f);
   EXPECT_THROW(sunOf(emissive, {{}, {}, "lumen"}, 0), UsageError);
-  emissive.light.writer = LightWriter::gltf;
+  emissive.light.unit = {LightUnit::Kind::raw, "a test says so"};
+  EXPECT_EQ(sunOf(emissive, {}, 1), 3.0f * 683.0f) << "raw suns are in emission's unit";
+  Scene lamp = emissive;
+  lamp.light.suns.clear();
+  EXPECT_NEAR(sunOf(lamp, {}, 1), 683.0f * 100.0f / 12.566371f, 1.0f) << "raw lamps are not divided by 4 pi yet";
+  emissive.light.unit.kind = LightUnit::Kind::same;
+  EXPECT_EQ(sunOf(emissive, {}, 1), 3.0f * 683.0f) << "said, and left";
+  emissive.light.unit = {};
   EXPECT_EQ(sunOf(emissive, {}, 0), 3.0f * 683.0f) << "of another exporter";
-}
-
-TEST(LightUnit, WhatBlendersExporterDidNotMultiplyIsLeftAsItIs) {
-  Scene scene = sceneOfBlender();
-  EXPECT_TRUE(isInBlendersLumens(scene));
-  // its other modes: watts as they are, or over 4 pi
-  scene.light.suns[0].irradiance = glm::vec3(3.0f);
-  EXPECT_FALSE(isInBlendersLumens(scene)) << "the sun says so, whatever the lamps are";
-  scene.light.suns.clear();
-  EXPECT_TRUE(isInBlendersLumens(scene));
-  scene.light.lamps[0].intensity = glm::vec3(100.0f);
-  EXPECT_FALSE(isInBlendersLumens(scene));
-  scene.light.lamps.clear();
-  EXPECT_FALSE(isInBlendersLumens(scene));
 }
 
 TEST(LightOptions, AnOpenSceneWithoutLightFromOutsideGetsDaylightUnlessASkyIsGiven) {
