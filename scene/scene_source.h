@@ -36,9 +36,9 @@ inline constexpr double kCavityShare = 0.25;
 struct SceneReading {
   double unit_m = 1.0;  // metres of one unit of a glTF file, whose unit is the metre if it keeps to the rule, or of an .obj file
   double veil_cover = kDenseVeil;     // judgeVeils' dense_veil: veils.h
-  ImageNeed images = ImageNeed::all;  // geometry: where no light is asked for
   double cavity_m = 0.5;              // Scene::cavity_m, of which a small scene takes less: kCavityShare of its shortest side
   GltfChoice gltf;                    // of a glTF file: which scene, and what of it
+  ImageNeed images = ImageNeed::all;  // geometry: where no light is asked for
 };
 
 // Adds these to a tool's table, and to its --help what a scene may take (scene_budget.h).

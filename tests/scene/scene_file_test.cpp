@@ -9,9 +9,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class SceneFiles : public testing::Test {
+class FilesBeside : public testing::Test {
  protected:
-  SceneFiles() {
+  FilesBeside() {
     for (const char* sub : {"level", "level/textures", "maps"}) fs::create_directory(folder_ / sub);
     for (const char* name :
          {"level/wall.png", "level/textures/Wall 1.png", "level/textures/a+b.png", "level/100%41.png", "maps/secret.png"})
@@ -22,7 +22,7 @@ class SceneFiles : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(SceneFiles, AreFoundHoweverTheirAddressIsWritten) {
+TEST_F(FilesBeside, AreFoundHoweverTheirAddressIsWritten) {
   const std::string wall = folder_ / "level/textures/Wall 1.png";
   for (const char* address : {"textures/Wall 1.png", "./textures/Wall 1.png", "textures/Wall%201.png", "textures\\Wall 1.png",
                               ".\\textures\\Wall%201.png", "textures%5CWall%201.png", "textures%5cWall 1.png",
@@ -35,7 +35,7 @@ TEST_F(SceneFiles, AreFoundHoweverTheirAddressIsWritten) {
   EXPECT_EQ(find("100%41.png").path, folder_ / "level/100%41.png") << "a name that is there as it is goes before all others";
 }
 
-TEST_F(SceneFiles, ThatAreFoundByLessAreSaid) {
+TEST_F(FilesBeside, ThatAreFoundByLessAreSaid) {
   EXPECT_EQ(find("Textures\\wall 1.PNG").guess, "textures/Wall 1.png") << "in other case";
   EXPECT_EQ(find("C:\\work\\textures\\Wall 1.png").guess, "textures/Wall 1.png");
   EXPECT_EQ(find("file:///D:/work/wall.png").guess, "wall.png");
@@ -43,7 +43,7 @@ TEST_F(SceneFiles, ThatAreFoundByLessAreSaid) {
   EXPECT_EQ(find("..\\textures\\Wall 1.png").guess, "textures/Wall 1.png");
 }
 
-TEST_F(SceneFiles, ThatAreNotThereOrElsewhereAreNotOpened) {
+TEST_F(FilesBeside, ThatAreNotThereOrElsewhereAreNotOpened) {
   EXPECT_EQ(find("none.png").problem, "is not there");
   EXPECT_EQ(find("a\\none.png").problem, "is not there (tried a\\none.png, a/none.png)");
   for (const std::string& address :
