@@ -156,13 +156,18 @@ class GltfConverter {
       const bool is_guess = why.find(" name") != std::string::npos;
       note(holdings, "", " left out, " + why + (is_guess ? "; an extra nlg_ignore of false keeps a node" : ""));
     }
+    // what is left out of this scene another may show
+    const std::vector<char> visited = is_visited_;
+    std::replace(is_visited_.begin(), is_visited_.end(), kLeftOut, char{0});
     for (size_t s = 0; s < model_.scenes.size(); ++s) {
       NodeHoldings others;
-      tally(model_.scenes[s].nodes, &others);
+      if (static_cast<int>(s) != scene_idx_) tally(model_.scenes[s].nodes, &others);
       note(others, fmt::format("scene {} of {} is not read: ", s + 1, model_.scenes.size()), "; --scene-name " + sceneName(s));
     }
     NodeHoldings lost;
-    for (size_t i = 0; i < model_.nodes.size(); ++i) tally({static_cast<int>(i)}, &lost);
+    for (size_t i = 0; i < visited.size(); ++i) {
+      if (!visited[i]) tally({static_cast<int>(i)}, &lost);
+    }
     note(lost, "in no scene of the file, and not read: ", "");
   }
 

@@ -105,7 +105,7 @@ void addParts(const Material& material, PartsHash* parts) {
 
 // groups   those that the lights are in
 void addParts(const SceneLight& light, const LightGroups& groups, PartsHash* parts) {
-  const auto& [writer, sky, lamps, suns, lamp_labels, sun_labels, own_groups, sky_faces, baked, quake_grid] = light;
+  const auto& [writer, unit, sky, lamps, suns, lamp_labels, sun_labels, own_groups, sky_faces, baked] = light;
   const auto& [sky_positions, sky_triangles, shine] = sky_faces;
   // whether a place is in solid
   parts->add(Of::functions, sky_positions, sky_triangles);

@@ -137,6 +137,14 @@ TEST_F(GltfStrangers, NamesWhatOtherScenesHoldAndReadsThemByName) {
     EXPECT_EQ(night.scene.light.lamps.size(), 1u);
   }
   EXPECT_THROW(level(parts, {"Day", {}}), UsageError);
+  // what is hidden here and shown there counts there, too
+  Parts hidden = parts;
+  hidden.scenes = replaced(hidden.scenes, "[0]", "[0,4]");
+  hidden.nodes.back() = ',';
+  hidden.nodes += R"({"children":[1],"extensions":{"KHR_node_visibility":{"visible":false}}}])";
+  expectSays(level(hidden), "1 object (door) left out, hidden by KHR_node_visibility");
+  expectSays(level(hidden), "scene 2 of 2 is not read: 1 lamp, 1 object (door); --scene-name Night");
+  EXPECT_EQ(namesOf(level(hidden, {"Night", {}}).scene), "house door");
   parts.more += R"(,"scene":7)";
   expectSays(level(parts), "scene 8 of 2 by default: the first one instead");
 }
