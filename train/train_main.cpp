@@ -207,7 +207,8 @@ void printReport(const Request& request, const TrainingData& training, const Tra
   std::cout << result.dump() << '\n';
 }
 
-void run(const Request& request, TrainOptions options, const OptionTable& table) {
+// options   that the table describes: what an initial generator says of them goes over them, and into every record of the run
+void run(const Request& request, TrainOptions& options, const OptionTable& table) {
   check(request, options);
   std::vector<std::string> inputs = request.shards;
   inputs.insert(inputs.end(), request.held_out.begin(), request.held_out.end());
