@@ -84,38 +84,44 @@ std::string sidesText(const glm::dvec3& sides) { return fmt::format("{:.4g} x {:
 
 }  // namespace
 
-ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& options) {
+ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& options, std::optional<ChosenSpacing>* chosen) {
   ProbePlacementOptions placement;
   placement.density_growth = options.density_growth;
   placement.align_lattice = options.align_lattice;
   placement.max_probes = options.max_probes;
   placement.extent = extentFromNumbers(options.extent_m);
-  placement.spacing_min_m = placement.spacing_max_m =
-      options.spacing_m > 0.0 ? options.spacing_m : chooseSpacing(source.scene, placement).spacing_m;
-  if (placement.extent || source.scene.extent) return placement;
-  // as far as the lamps of all light sets
-  for (const Scene* lit : litScenes(source)) {
-    const std::optional<ExtentBox> reach = reachBeyondBounds(*lit, kMarginShare * placement.spacing_min_m);
-    if (!reach) continue;
-    if (!placement.reach) placement.reach = reach;
-    placement.reach->low_m = glm::min(placement.reach->low_m, reach->low_m);
-    placement.reach->high_m = glm::max(placement.reach->high_m, reach->high_m);
-  }
+  const auto place = [&](double spacing_m) {
+    placement.spacing_min_m = placement.spacing_max_m = spacing_m;
+    placement.reach.reset();
+    if (placement.extent || source.scene.extent) return;
+    // as far as the lamps of all light sets
+    for (const Scene* lit : litScenes(source)) {
+      const std::optional<ExtentBox> reach = reachBeyondBounds(*lit, kMarginShare * spacing_m);
+      if (!reach) continue;
+      if (!placement.reach) placement.reach = reach;
+      placement.reach->low_m = glm::min(placement.reach->low_m, reach->low_m);
+      placement.reach->high_m = glm::max(placement.reach->high_m, reach->high_m);
+    }
+  };
+  place(options.spacing_m > 0.0 ? options.spacing_m : BakeOptions().spacing_m);
+  if (options.spacing_m > 0.0) return placement;
+  const ChosenSpacing choice = chooseSpacing(source.scene, placement);
+  place(choice.spacing_m);
+  if (chosen != nullptr) *chosen = choice;
   return placement;
 }
 
 BakePlan planBake(const SceneSource& source, const BakeOptions& options, const std::vector<Generator>& generators,
                   int thread_count) {
   const Scene& scene = source.scene;
-  const ProbePlacementOptions placement = placementOf(source, options);
   BakePlan plan;
+  const ProbePlacementOptions placement = placementOf(source, options, &plan.chosen);
   plan.unit_m = source.unit_m;
   const Bounds bounds = sceneBounds(scene);
   plan.scene_m = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
   const ExtentBox box = probeExtent(scene, placement);
   plan.extent_m = box.high_m - box.low_m;
   plan.spacing_m = placement.spacing_min_m;
-  if (options.spacing_m == 0.0) plan.chosen = chooseSpacing(scene, placement);
   PlacedSample sample;
   plan.probes = estimateProbes(scene, placement, options.seed, &sample);
   plan.memory_bytes = kBaseBytes + kProbeBytes * plan.probes + kTriangleBytes * static_cast<double>(scene.triangles.size());

@@ -13,8 +13,10 @@ namespace nlg {
 
 // Where a bake places its probes: by its options, else where the scene's author says, else in the scene's bounds and what lies in
 // reach of them (floor_survey.h).
+// chosen   receives how the spacing was chosen, where nobody named one; may be null
 // throws   UsageError on an extent_m that is none
-ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& options);
+ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& options,
+                                  std::optional<ChosenSpacing>* chosen = nullptr);
 
 struct BakePlan {
   double unit_m = 0.0;       // of the file; 0: its format has its own

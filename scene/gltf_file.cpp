@@ -94,7 +94,8 @@ struct BufferFiles {
   SceneBudget* bytes_left;
 };
 
-BufferFiles findBuffers(const std::string& path, const std::vector<std::string>& addresses, SceneBudget& bytes_left) {
+BufferFiles findBuffers(const std::string& path, const std::vector<std::string>& addresses, SceneBudget& bytes_left,
+                        Oddities* odd) {
   BufferFiles files{{}, 0, &bytes_left};
   // what all of them hold is known before the first is read
   SceneBudget all = bytes_left;
@@ -102,6 +103,7 @@ BufferFiles findBuffers(const std::string& path, const std::vector<std::string>&
     const std::string place = "buffer \"" + address.substr(0, 80) + "\"";
     const FileBeside file = findBeside(path, address);
     if (file.path.empty()) throw InputError(path, place, "a file in the folder or below", "one that " + file.problem);
+    if (!file.guess.empty()) odd->add("read by another name than its address", place + " from " + file.guess);
     all.take(InputFile(file.path, place).size(), path, place);
     files.paths.push_back(file.path);
   }
@@ -148,7 +150,7 @@ tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left, O
     chunks.text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   const bool is_binary = !chunks.bin.empty();
   GltfJson json = readGltfJson(path, chunks.text, is_binary, odd);
-  BufferFiles files = findBuffers(path, json.buffer_files, bytes_left);
+  BufferFiles files = findBuffers(path, json.buffer_files, bytes_left, odd);
   if (json.plain_text.empty() && (is_binary ? !chunks.is_plain : chunks.text.size() < bytes.size()))
     json.plain_text = chunks.text;
   if (is_binary && !json.plain_text.empty()) bytes = binaryOf(path, std::move(json.plain_text), chunks.bin);

@@ -193,14 +193,16 @@ std::string farObjects(const Scene& scene) {
   const auto join = [](const ExtentBox& a, const ExtentBox& b) {
     return ExtentBox{glm::min(a.low_m, b.low_m), glm::max(a.high_m, b.high_m)};
   };
-  // a flat scene has a size, too
+  // along a side that is shorter than a room nothing is far
+  constexpr double kRoom = 10.0;
   const auto sizeOf = [](const ExtentBox& box) {
-    const glm::dvec3 sides = box.high_m - box.low_m + 1.0;
+    const glm::dvec3 sides = box.high_m - box.low_m + kRoom;
     return sides.x * sides.y * sides.z;
   };
   double whole = 0.0;
   std::string names;
-  for (size_t count = 0; count <= kMostFarObjects && left.size() > 1; ++count) {
+  size_t triangles_left = scene.triangles.size();
+  for (size_t count = 0; count <= kMostFarObjects; ++count) {
     // boxes of all objects before each, and of all from each on
     const ExtentBox nothing{glm::dvec3(HUGE_VAL), glm::dvec3(-HUGE_VAL)};
     std::vector<ExtentBox> before(left.size() + 1, nothing), from(left.size() + 1, nothing);
@@ -211,11 +213,15 @@ std::string farObjects(const Scene& scene) {
     if (count > 0 && sizeOf(from[0]) <= kMuchSmaller * whole)
       return "without " + names + " " + numberText(sides.x) + " x " + numberText(sides.y) + " x " + numberText(sides.z) +
              " m; a box named nlg_extent, or extent_m, says where probes are needed";
-    size_t furthest = 0;
+    // the level itself is no stray, however small the rest would be
+    const auto isLevel = [&](size_t i) { return 2 * left[i].first->triangle_count > triangles_left; };
     const auto sizeWithout = [&](size_t i) { return sizeOf(join(before[i], from[i + 1])); };
-    for (size_t i = 1; i < left.size(); ++i) {
-      if (sizeWithout(i) < sizeWithout(furthest)) furthest = i;
+    size_t furthest = left.size();
+    for (size_t i = 0; i < left.size(); ++i) {
+      if (!isLevel(i) && (furthest == left.size() || sizeWithout(i) < sizeWithout(furthest))) furthest = i;
     }
+    if (furthest == left.size()) break;
+    triangles_left -= left[furthest].first->triangle_count;
     names += (names.empty() ? "'" : ", '") + left[furthest].first->name.substr(0, 40) + "'";
     left.erase(left.begin() + static_cast<ptrdiff_t>(furthest));
   }

@@ -69,7 +69,7 @@ TEST(BakePlan, SeesWhatFunctionsTake) {
 TEST(BakePlan, SaysWhatSpacingItChose) {
   BakeOptions options;
   options.spacing_m = 0.0;
-  const BakePlan plan = planBake(groundOf(20), options, {}, 2);
+  const BakePlan plan = planBake(groundOf(10), options, {}, 2);
   EXPECT_EQ(plan.spacing_m, 0.5);
   const std::string text = toText(plan, 2);
   EXPECT_NE(text.find("\nspacing: 0.5 m was chosen (--spacing-m); 0.354 m would take about "), std::string::npos) << text;

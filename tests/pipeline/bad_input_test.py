@@ -164,7 +164,7 @@ def check_workflow():
         if not is_taken or any(word not in text for word in words) or any(word in text for word in absent):
             failures.append(f"workflow with {effort}: expected {words} and no {absent}, got\n    {text.strip()[-1500:]}")
     for more, words in [("effort: half", "one of short, full, got 'half'"), ("effort: [full]", "one of short, full"), ("full: {name: x}", "unknown key 'name'"), ("full: 3", "full: expected a map"),
-                        ("full: {train: {Steps: 1}}", "unknown key 'Steps' (did you mean 'steps'?)"), ("train: [steps]", "a map of settings"), ("bake: {spacing_m: 0}", "bake: spacing_m: expected a number from 0.0001 to 100000, got 0"), ("frontier: {corrected_lm_steps: 8}", "a list, got 8"), ("colour: red", "unknown key 'colour'"),
+                        ("full: {train: {Steps: 1}}", "unknown key 'Steps' (did you mean 'steps'?)"), ("train: [steps]", "a map of settings"), ("bake: {spacing_m: -1}", "bake: spacing_m: expected a number from 0 to 100000, got -1"), ("frontier: {corrected_lm_steps: 8}", "a list, got 8"), ("colour: red", "unknown key 'colour'"),
                         ("train: {steps: 2001-01-01}", "a text, a number"), ("train: {1: 2}", "keys that are texts"), ("train: {a: 1, a: 2}", "workflow.yaml:6:15: expected each key once"),
                         ("effort: full\nfull: {report: {savings: [house_0]}}", "held out or for the evaluation")]:
         refuses_configuration(basis, held_out, "{}", words, more)

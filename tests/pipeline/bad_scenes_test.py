@@ -19,8 +19,8 @@ TRIANGLE = ('{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"node
             '"accessors":[{"bufferView":0,"componentType":5126,"count":%d,"type":"VEC3","min":[0,0,0],"max":[1,1,1]}],'
             '"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"uri":"%s","byteLength":36}]}')
 FILES = {
-    "no_json.gltf": "{", "empty.gltf": "", "outside.gltf": TRIANGLE % (3, "../scene.bin"), "absolute.gltf": TRIANGLE % (3, "/etc/hostname"),
-    "remote.gltf": TRIANGLE % (3, "http://localhost/scene.bin"), "absent_buffer.gltf": TRIANGLE % (3, "nowhere.bin"), "too_many.gltf": TRIANGLE % (300, "scene.bin"),
+    "no_json.gltf": "{", "empty.gltf": "", "outside.gltf": TRIANGLE % (3, "../elsewhere.bin"), "absolute.gltf": TRIANGLE % (3, "/etc/hostname"),
+    "remote.gltf": TRIANGLE % (3, "http://localhost/elsewhere.bin"), "absent_buffer.gltf": TRIANGLE % (3, "nowhere.bin"), "too_many.gltf": TRIANGLE % (300, "scene.bin"),
     "garbage.glb": b"glTF\x02\0\0\0\xff\xff\xff\x7f garbage",
 }
 # scene → what its refusal names
