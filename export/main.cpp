@@ -162,10 +162,8 @@ TrainingState readState(const Request& request, const CheckpointFile& checkpoint
 }
 
 void checkParity(const Parity& parity, double held_out_blend_rmse, const ExportOptions& options) {
-  // a steep network makes thousandths of the last bits of its theta; a stored phi has steps of four of them
-  constexpr double kSteepness = 10.0;
   double difference = parity.theta;
-  raise(difference, parity.output / kSteepness);
+  raise(difference, parity.output);
   if (difference < options.parity_tolerance && std::isfinite(held_out_blend_rmse)) return;
   throw CheckFailed("parity of libtorch and evaluator over " + std::to_string(parity.functions) + " functions",
                     "a difference below " + std::to_string(options.parity_tolerance), std::to_string(difference));

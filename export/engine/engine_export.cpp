@@ -222,6 +222,7 @@ int engineMain(int argc, char** argv) {
       "what a texture holds of the grid's groups of light: NAME or NAME=FACTOR, of a group or a whole light set; none: as the "
       "grid begins");
   table.add("places", &options.places, "places at which the error is measured", 1, 100000000);
+  table.common({"grid", "format", "out", "origin_m", "extent_m", "spacing_m", "intensity", "light_groups"});
   app.add_option("--grid", request.grid, "a light grid with light (.safetensors)")->required();
   app.add_option("--format", request.format, formatNames())->required();
   app.add_option("--out", request.out, "the folder to write the format's files to")->required();
