@@ -92,7 +92,13 @@ class LooksReader {
  public:
   LooksReader(const std::string& path, const tinygltf::Model& model, SceneBudgets& budgets, std::vector<std::string>* notes,
               Oddities* odd, ImageNeed need)
-      : path_(path), model_(model), budgets_(budgets), notes_(notes), odd_(*odd), images_(path, model, budgets.bytes), loader_(need) {}
+      : path_(path),
+        model_(model),
+        budgets_(budgets),
+        notes_(notes),
+        odd_(*odd),
+        images_(path, model, budgets.bytes),
+        loader_(need) {}
 
   GltfLooks read() {
     const std::set<int> used = usedMaterials();
