@@ -67,7 +67,9 @@ double functionSeconds(const PlacedSample& sample, const RayScene& rays, const B
     ++visited;
     // of probes in solid most are left out before anybody looks at them
     if (builder.begin(probe.position_m, probe.spacing_m, InSolid::left_out, &eyes)) continue;
-    if (builder.look() == ProbeOutcome::function && builder.generate(&function) == ProbeOutcome::function) {
+    const ProbeOutcome seen = builder.look();
+    if (seen == ProbeOutcome::in_solid) continue;
+    if (seen == ProbeOutcome::function && builder.generate(&function) == ProbeOutcome::function) {
       appendFunction(function, probe.position_m, probe.spacing_m, &rows);
       builder.sumBlend(function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
       const StoredFunction stored = storedFunction(rows, rows.functionCount() - 1);
