@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -49,8 +50,15 @@ std::pair<std::string, std::optional<int>> levelOf(const std::string& name) {
 
 bool is(const tinygltf::Value* value, bool truth) { return value != nullptr && value->IsBool() && value->Get<bool>() == truth; }
 
+// A dome with a picture of the sky, as it is called: to light it would be a wall around the level.
+constexpr std::string_view kSkyNames[] = {"sky", "skydome", "skybox", "skysphere"};
+
 NodeVerdict ofName(const std::string& name) {
   const std::string whole = lowered(name), start = without("0123456789._ ", whole);
+  std::string letters = start;
+  std::erase_if(letters, [](char c) { return c == '_' || c == '-' || c == ' '; });
+  if (std::find(std::begin(kSkyNames), std::end(kSkyNames), letters) != std::end(kSkyNames))
+    return {"for a sky and no wall, by its name; --sky says what shines, and the extra nlg_ignore: false keeps it", false};
   for (const auto& [word, is_prefix, with_children] : kNameRules) {
     const size_t at = start.size() - word.size();
     const bool is_end =

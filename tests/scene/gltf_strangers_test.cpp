@@ -60,6 +60,9 @@ TEST_F(GltfStrangers, LeavesOutWhatNamesSayIsForNoEye) {
   const std::tuple<const char*, std::vector<const char*>, const char*> cases[] = {
       {"the wall", {"UCX_wall_01", "UBX_wall", "USP_wall", "ucp_wall", "MCDCX_wall"}, "5 objects"},
       {"Wall", {"Kill-colonly", "kill_ConvColOnly", "Kill$colonly.001", "far-noimp", "nav-navmesh", "occ-occonly2"}, "6 objects"},
+      {"Skylight",
+       {"SkyDome", "sky_box.001", "Sky"},
+       "3 objects (SkyDome, sky_box.001, Sky) left out, for a sky and no wall, by its name"},
       {"Arch_LOD0", {"Arch_LOD1", "Arch_LOD2"}, "2 objects (Arch_LOD1, Arch_LOD2) left out, coarser levels of detail by name"},
       {"Arch_LOD0.001", {"arch_lod1.001", "Arch-LOD3"}, "2 objects"},
       {"Arch", {"Arch_LOD1"}, "1 object (Arch_LOD1) left out"},
