@@ -27,15 +27,14 @@ constexpr size_t kThetaAtOnce = 4;
 constexpr double kMarginShare = 0.05;  // of a spacing: with so much air over a roof its cells find places in it (air_places.h)
 
 // Of a function that takes a theta, on average over as many as there is time for.
-double thetaSeconds(const FunctionRows& rows, const BakeOptions& options, const std::vector<Generator>& generators) {
+// with_theta   their rows
+double thetaSeconds(const FunctionRows& rows, const std::vector<uint64_t>& with_theta, const BakeOptions& options,
+                    const std::vector<Generator>& generators) {
   std::vector<const Generator*> pointers;
   for (const Generator& generator : generators) pointers.push_back(&generator);
   ThetaPolicy policy(pointers, options.policy);
   std::vector<StoredFunction> functions;
-  for (uint64_t n = 0; n < rows.functionCount(); ++n) {
-    const StoredFunction function = storedFunction(rows, n);
-    if (!takesBareTent(policy.checkBareTent(function), options.policy)) functions.push_back(function);
-  }
+  for (const uint64_t row : with_theta) functions.push_back(storedFunction(rows, row));
   double seconds = 0.0;
   size_t made_count = 0;
   while (made_count < functions.size() && seconds < kMostSampleSeconds) {
@@ -60,7 +59,8 @@ double functionSeconds(const PlacedSample& sample, const RayScene& rays, const B
   FunctionRows rows;
   rows.point_count = kSupportPointCount;
   double seconds = 0.0;
-  size_t visited = 0, with_theta = 0;
+  size_t visited = 0;
+  std::vector<uint64_t> with_theta;  // rows of them
   for (const PlacedSample::Probe& probe : sample.probes) {
     if (seconds > kMostSampleSeconds) break;
     const double start = threadSeconds();
@@ -72,14 +72,15 @@ double functionSeconds(const PlacedSample& sample, const RayScene& rays, const B
     if (seen == ProbeOutcome::function && builder.generate(&function) == ProbeOutcome::function) {
       appendFunction(function, probe.position_m, probe.spacing_m, &rows);
       builder.sumBlend(function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
-      const StoredFunction stored = storedFunction(rows, rows.functionCount() - 1);
-      with_theta += !takesBareTent(checker.checkBareTent(stored, options.policy.check()), options.policy);
+      const uint64_t row = rows.functionCount() - 1;
+      const FunctionCheck tent = checker.checkBareTent(storedFunction(rows, row), options.policy.check());
+      if (!takesBareTent(tent, options.policy)) with_theta.push_back(row);
     }
     seconds += threadSeconds() - start;
   }
-  return visited == 0 ? 0.0
-                      : (seconds + static_cast<double>(with_theta) * thetaSeconds(rows, options, generators)) /
-                            static_cast<double>(visited);
+  if (visited == 0) return 0.0;
+  seconds += static_cast<double>(with_theta.size()) * thetaSeconds(rows, with_theta, options, generators);
+  return seconds / static_cast<double>(visited);
 }
 
 std::string sidesText(const glm::dvec3& sides) { return fmt::format("{:.4g} x {:.4g} x {:.4g} m", sides.x, sides.y, sides.z); }

@@ -26,10 +26,11 @@ struct BakePlan {
   std::optional<ChosenSpacing> chosen;       // where nobody named a spacing
   double probes = 0.0;                       // estimated, before those without air are left out
   double machine_bytes = 0.0;                // of memory that this machine has
-  double memory_bytes = 0.0, seconds = 0.0;  // rough: within a factor of two
+  double memory_bytes = 0.0, seconds = 0.0;  // rough: mostly within a factor of two
 };
 
-// Takes about a second for a million triangles: some probes' functions and theta are made, and some rays traced, to see what they take.
+// Takes about a second for a million triangles, and half a second more with generators: some probes' functions and theta are made to see what
+// they take.
 // generators   of the bake; none: light alone is made
 // throws       UsageError on a setting that cannot be used, and on far too many probes
 BakePlan planBake(const SceneSource& source, const BakeOptions& options, const std::vector<Generator>& generators,

@@ -3,7 +3,6 @@
 #include <fnmatch.h>
 
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "scene/oddities.h"
+#include "scene/pk3_archive.h"
 
 namespace nlg {
 namespace {
@@ -29,18 +29,13 @@ constexpr NameRule kNameRules[] = {{"noimp", false, true},    {"navmesh", false,
                                    {"ubx_", true, false},     {"usp_", true, false},         {"ucp_", true, false},
                                    {"mcdcx_", true, false}};
 
-std::string lowered(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return name;
-}
-
 std::string without(const char* last_ones, const std::string& name) {
   return name.substr(0, name.find_last_not_of(last_ones) + 1);
 }
 
 // "arch" and 1 of Arch_LOD1, and of its copy Arch_LOD1.001; without a level the name alone.
 std::pair<std::string, std::optional<int>> levelOf(const std::string& name) {
-  std::string whole = lowered(name);
+  std::string whole = lowerCase(name);
   const size_t dot = whole.find_last_of('.');
   if (dot != std::string::npos && without("0123456789", whole).size() == dot + 1) whole.resize(dot);
   const std::string plain = without("0123456789", whole);
@@ -54,7 +49,7 @@ bool is(const tinygltf::Value* value, bool truth) { return value != nullptr && v
 constexpr std::string_view kSkyNames[] = {"sky", "skydome", "skybox", "skysphere"};
 
 NodeVerdict ofName(const std::string& name) {
-  const std::string whole = lowered(name), start = without("0123456789._ ", whole);
+  const std::string whole = lowerCase(name), start = without("0123456789._ ", whole);
   std::string letters = start;
   std::erase_if(letters, [](char c) { return c == '_' || c == '-' || c == ' '; });
   if (std::find(std::begin(kSkyNames), std::end(kSkyNames), letters) != std::end(kSkyNames))

@@ -17,8 +17,8 @@ struct NodeVerdict {
 inline constexpr const char* kCoarserNodes = "coarser levels of detail (MSFT_lod)";
 
 // Of all nodes that these roots reach. In this order: patterns of names, with * and ?; KHR_node_visibility; the extra nlg_ignore, true or,
-// against all that follows, false; MSFT_lod, and triggers of physics; engines' own rules for names, of which those for levels of detail
-// ask for a finer level of the same name.
+// against all that follows, false; MSFT_lod, and triggers of physics; names of skies; engines' own rules for names,
+// of which those for levels of detail ask for a finer level of the same name.
 //
 // notes   receives the patterns that no name has
 std::vector<NodeVerdict> judgeNodes(const tinygltf::Model& model, std::vector<int> nodes,

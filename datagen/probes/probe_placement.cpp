@@ -323,7 +323,8 @@ ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options) {
   ChosenSpacing chosen;
   if (!hasExtent(scene, options)) return chosen;
   const NearbyTriangles nearby(scene);
-  const glm::dvec3 sides = probeExtent(scene, options).high_m - probeExtent(scene, options).low_m;
+  const ExtentBox box = probeExtent(scene, options);
+  const glm::dvec3 sides = box.high_m - box.low_m;
   const double largest = std::max({sides.x, sides.y, sides.z});
   const auto probesAt = [&](double spacing_m) {
     const auto lattice = latticeOver(extentToCover(scene, options, spacing_m), spacing_m, glm::dvec3(0.5), false);
