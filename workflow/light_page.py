@@ -1,4 +1,4 @@
-"""docs/reference/light.md: light, against ground truth and rivals. Written by results.py from docs/results/light.json."""
+"""docs/reference/light.md: light, against ground truth and baselines. Written by results.py from docs/results/light.json."""
 from results_page import spread, table
 from results_quotes import number, percent
 
@@ -13,17 +13,17 @@ SHOWN_THINNED = (.03, .06)  # in tables of methods; what is thinned to more is f
 
 INTRODUCTION = """# Light
 
-*`workflow/results.py write` writes this page from `docs/results/light.json`, which holds every method at every spacing. Change nothing here by hand.*
+*Written by `workflow/results.py write` from `docs/results/light.json`. Change nothing here by hand.*
 
-What a level looks like under each way to light it, against ground truth by path tracing. All methods have the same probes, the same rays and the same places. Errors are RMSE of irradiance over its root mean square, in three groups, always in this order:
+Errors of every way to light a level, against ground truth by path tracing. All methods have the same probes, the same rays and the same sample points. An error is the RMSE of irradiance over the root mean square of truth, in three groups, always in this order:
 
-- **air**: places uniform in air, any normal.
-- **surface**: 5 to 50 cm before surfaces, with the surface's normal.
-- **turned**: the same places, any normal.
+- **air**: points uniform in air, any normal.
+- **surface**: points 5 to 50 cm before surfaces, with the surface's normal.
+- **turned**: the same points, any normal.
 
-Light at probes is *point*, gathered where the probe stands; *solved*, fitted to light at places in air that no figure uses; or a method's *own* form. *Dark* is the mean light at places that should be dark, beyond what truth has there, over the level's mean; of scenes that have enough such places to tell. *Jumps* are what neighbouring places differ by beyond truth. Parentheses hold 95 % intervals, by bootstrap over scenes.
+The light of probes is *point*, gathered where the probe stands; *solved*, least squares over points in air that no figure uses; or the method's *own* form. *Dark* is the mean light beyond truth at points that should be dark, over the level's mean. *Edges* is the mean light beyond truth within 10 cm of edges, over truth there. Parentheses hold 95 % intervals, by bootstrap over scenes.
 
-How it is measured, and what the methods are: [formats](formats.md#lightjson). How light is baked: [theory](../theory/light.md). What was tried: [lab](../lab/light.md).
+Methods and measures: [formats](formats.md#lightjson). How light is baked: [theory](../theory/light.md). What was tried: [lab](../lab/light.md).
 """
 
 
@@ -46,7 +46,7 @@ def shown(methods):
 
 
 def missed_text(front):
-    """Of rivals' points that none of ours matches: which, where, and how large."""
+    """Of the baselines' points that none of ours matches: which, where, and how large."""
     if not front["missed"]:
         return "none"
     largest = max(entry["largest_bytes"] for entry in front["missed_in"].values())
@@ -60,7 +60,7 @@ def reached(holds):
 
 
 def by_spacing_section(found):
-    """What is held against rivals, a column a spacing; a cell that reaches its target is bold."""
+    """What is held against baselines, a column a spacing; a cell that reaches its target is bold."""
     spacings = list(found["levels"])
     least = lambda limits: "; ".join(f"≤ {number(limit, 1)}" for limit in limits) if limits else ""
 
@@ -81,12 +81,12 @@ def by_spacing_section(found):
         text = f"{number(ours, 3)}; {number(trilinear, 3)}; {number(exact, 3)}"
         return f"**{text}**" if 5 * ours <= trilinear and ours <= exact else text
 
-    rows = [ratios("levels, over the best rival", "levels", (.7, .5, .5)), ratios("levels, over the best rival with solved light", "levels_solved", None),
-            ratios("furnished and thin-walled scenes, over the best rival", "furnished", (.7, .6, .6)), ratios("the same, over the best rival with solved light", "furnished_solved", None),
+    rows = [ratios("levels, over the best baseline", "levels", (.7, .5, .5)), ratios("levels, over the best baseline with solved light", "levels_solved", None),
+            ratios("furnished and thin-walled scenes, over the best baseline", "furnished", (.7, .6, .6)), ratios("the same, over the best baseline with solved light", "furnished_solved", None),
             ratios("at a tenth of DDGI's bytes, over DDGI this far apart", "tenth_of_ddgi", (.5, .5, .5)),
-            *([ratios("all scenes by room, over the best rival", "by_room", None), ratios("the same, over the best rival with solved light", "by_room_solved", None)] if found.get("by_room") else []),
+            *([ratios("all scenes by room, over the best baseline", "by_room", None), ratios("the same, over the best baseline with solved light", "by_room_solved", None)] if found.get("by_room") else []),
             ["excess light in the dark: ours; valid trilinear; exact visibility", "a fifth of the first, no more than the second", *map(dark, spacings)]]
-    text = ("\n### By spacing of the probes\nErrors are *air; surface; turned*, each over that of the rival that does best over the scenes. Rivals: a validity mask (*valid trilinear*), APV, and DDGI as "
+    text = ("\n### By spacing of the probes\nErrors are *air; surface; turned*, each over that of the baseline that does best over the scenes. Baselines: a validity mask (*valid trilinear*), APV, and DDGI as "
             "RTXGI ships it, with and without relocation. **Bold** reaches the target.\n")
     text += table(["", "target", *map(spacing_text, spacings)], rows)
     interval = lambda key: "; ".join(estimate(found[key][SHOWN_SPACING][group], 2) for group in GROUPS)
@@ -127,13 +127,13 @@ def targets_section(results):
     found = results["targets"]
     front, most, unlit, outside = found["front"], found["per_probe"], found["unlit_largest"], found["outside_largest"]
     rows = [box_row(found["box"])] if found["box"] else []
-    rows += [["rivals' points, all that can be stored, that one of ours matches in error at no more bytes", "all", f"{front['met']:,} of {front['of']:,}; the others: {missed_text(front)}", reached(front["met"] == front["of"] if front["of"] else None)],
+    rows += [["points of baselines that can be stored, matched by one of ours in error at no more bytes", "all", f"{front['met']:,} of {front['of']:,}; the others: {missed_text(front)}", reached(front["met"] == front["of"] if front["of"] else None)],
              ["air that nothing lights, and air outside the tree: largest of all scenes", "≤ .05 %; 0", f"{percent(unlit)}; {percent(outside)}", reached(unlit <= .0005 and outside == 0)],
              ["bytes a live probe, everything (talk 236 to 339, DDGI 1,056)", "≤ 60", f"{most['least']:.0f} to {most['most']:.0f}", reached(most["most"] <= 60)]]
     rows += [[what, "≤ 1 MB", bytes_text(size), reached(size <= 1e6)] for what, size in (("kaos2 at the error of our own probes with point light 1 m apart", found["level_bytes"]),
-             ("kaos2 with less error than every rival 1 m apart", found["bytes_below_rivals"])) if size is not None]
+             ("kaos2 with less error than every baseline 1 m apart", found["bytes_below_rivals"])) if size is not None]
     return (f"\n## All light\nOurs is `{results['ours']}` with solved light, through the engine's own look-up.\n" + by_spacing_section(found) + thinning_section(results.get("thinning", {}))
-            + "\n### Bytes and times\n" + table(["", "target", "measured", "reached"], rows + speed_rows(results)))
+            + "\n### Bytes and times\n" + table(["", "target", "measured", "reached"], rows + speed_rows(results)) + methods_section(results["methods"]))
 
 
 THINNED_KINDS = {"levels": .4, "furnished": .3, "daylight": None}  # with the target of bytes at equal error
@@ -155,22 +155,22 @@ def thinning_section(found):
             text, limit = "; ".join(number(value, 2) for value in values), targets.get(kind)
             cells.append(f"**{text}**" if limit and all(value <= limit for value in values) else text)
         rows.append([what, "; ".join(f"≤ {number(targets[kind], 1)}" if targets[kind] else "" for kind in kinds if targets).strip("; "), *cells])
-    return ("\n### For fewer bytes\nGrids that are [thinned](../guide/bake.md#fewer-bytes-for-this-light), over the whole one, probes 1 m apart; then what the same error takes, of all grids that were measured "
+    return ("\n### For fewer bytes\n[Thinned](../guide/bake.md#fewer-bytes-for-this-light) grids over the whole one, probes 1 m apart; then the bytes for the same error, of all grids that were measured "
             f"(probes {', '.join(f'{spacing:g}' for spacing in spacings[:-1])} and {spacings[-1]:g} m apart, whole and thinned). Errors are *air; surface; turned; relative error in air*, geometric means "
-            f"over scenes. When targets were set a grid took {before} bytes a probe. Elsewhere on this page bytes a probe of thinned grids are of all probes of the whole grid.\n"
+            f"over scenes. When targets were set a grid took {before} bytes a probe.\n"
             + table(["", "target", *(KIND_TITLES[kind].lower() for kind in kinds)], rows))
 
 
 FRONT_PICTURE = """
-![Error of indirect light against bytes, by kind of scene: the light grid and its rivals](../images/light_against_bytes.png)
+![Error of indirect light against bytes, by kind of scene: the light grid and its baselines](../images/light_against_bytes.png)
 
-*Geometric means over the scenes of a kind. A rival's line leads from probes 2 m apart to 1 m. Each dot of the light grid is one grid, with light solved for: filled the whole ones, hollow the thinned ones. Its line is their front.*
+*Geometric means over the scenes of a kind. A baseline's line leads from probes 2 m apart to 1 m. Each dot of the light grid is one grid with solved light: filled whole, hollow thinned. Its line is their front.*
 """
 
 
 INDIRECT_INTRODUCTION = """
 ## Indirect light
-What a grid is for where the engine itself draws lamps, suns and shining surfaces, with shadow maps: light that surfaces send back, and the sky's. In truth and in all methods nothing comes straight from lamps, suns and shining surfaces (`nlg-validate light --light-direct reflected`).
+Light that surfaces send back, and the sky's, for engines that draw lamps, suns and emissive surfaces themselves. Neither truth nor any method has light straight from these (`nlg-validate light --light-direct reflected`).
 """
 INDIRECT_TARGETS = {"levels": (.7, .5, .5), "furnished": (.7, .6, .6), "daylight": None}
 
@@ -185,21 +185,21 @@ def indirect_rows(found):
     least = lambda limits: "; ".join(f"≤ {number(limit, 1)}" for limit in limits) if limits else ""
     rows = []
     for kind, limits in INDIRECT_TARGETS.items():
-        for way, words in (("own", "over the best rival"), ("solved", "over the best rival with solved light")):
+        for way, words in (("own", "over the best baseline"), ("solved", "over the best baseline with solved light")):
             of_way, held_to = found["to_best_rival"][kind][way], limits if way == "own" else None
             if of_way:
                 rows.append([f"{KIND_TITLES[kind].lower()}, {words}", least(held_to), *(indirect_ratios(of_way.get(spacing, {}), held_to) for spacing in spacings)])
-    for key, words in (("by_room", "over the best rival"), ("by_room_solved", "over the best rival with solved light")):
+    for key, words in (("by_room", "over the best baseline"), ("by_room_solved", "over the best baseline with solved light")):
         if found[key]:
             rows.append([f"all scenes by room, {words}", "", *(indirect_ratios(found[key].get(spacing, {})) for spacing in spacings)])
-    rows.append(["relative error (SMAPE) in air, over the best rival: levels; furnished scenes; rooms beside daylight", "",
+    rows.append(["relative error (SMAPE) in air, over the best baseline: levels; furnished scenes; rooms beside daylight", "",
                  *("; ".join(number(of_kind[spacing]["value"], 2) for of_kind in found["smape_in_air"].values() if spacing in of_kind) for spacing in spacings)])
     rows.append(["at a tenth of DDGI's bytes, over DDGI this far apart", "≤ .5; ≤ .5; ≤ .5", *(indirect_ratios(found["tenth_of_ddgi"].get(spacing, {}), (.5, .5, .5)) for spacing in spacings)])
     return ["", "target", *map(spacing_text, spacings)], rows
 
 
 def behind(found):
-    """Where, over the scenes of a kind, the best rival has less error than ours: a text each."""
+    """Where, over the scenes of a kind, the best baseline has less error than ours: a text each."""
     texts = []
     for kind, ways in found["to_best_rival"].items():
         entries = [(spacing, group, entry[group]) for of_way in ways.values() for spacing, entry in of_way.items() for group in GROUPS if group in entry]
@@ -208,58 +208,68 @@ def behind(found):
     return texts
 
 
+def methods_rows(by_kind, kinds, further):
+    """A row a method at SHOWN_SPACING: its errors in each kind of scene, then what further makes of its entries, one a kind or none."""
+    entries = {kind: shown(by_kind[kind][SHOWN_SPACING]) for kind in kinds}
+    titles = {slug: entry["name"] for of_kind in entries.values() for slug, entry in of_kind.items()}
+    rows = []
+    for slug, title in titles.items():
+        for light in LIGHT_ORDER:
+            of_light = [entries[kind].get(slug, {}).get(light) for kind in kinds]
+            if any(of_light):
+                rows.append([title, light, *("; ".join(number(entry[group]["value"], 3) for group in GROUPS) if entry else "" for entry in of_light), *further(of_light)])
+    return rows
+
+
+def per_probe(of_light):
+    sizes = [entry["per_probe"] for entry in of_light if entry]
+    return f"{sum(sizes) / len(sizes):,.0f}"
+
+
+def kind_heads(by_kind, kinds):
+    scenes = {kind: max(entry[light]["scenes"] for entry in by_kind[kind][SHOWN_SPACING].values() for light in LIGHT_ORDER if light in entry) for kind in kinds}
+    return [f"{KIND_TITLES[kind].lower()} ({scenes[kind]})" for kind in kinds]
+
+
+def behind_by_scene(by_scene, scenes):
+    """Where ours has more error than the best baseline of a scene: a text each."""
+    titles = {"air": "air", "surface": "surface", "turned": "turned", "smape_in_air": "relative error in air"}
+    texts = [f"{scenes[scene]['name']} {title} {number(entry[key]['value'], 2)} × {entry[key]['rival']}" for scene, entry in by_scene.items() for key, title in titles.items() if entry[key]["value"] > 1]
+    return "; ".join(texts) or "nowhere"
+
+
 def indirect_section(results):
     found = results["indirect"]
-    places = next(iter(found["scenes"].values()))["truth"]["places"]
+    places = next(iter(found["scenes"].values()))["places"]
     kinds = [kind for kind in KIND_TITLES if kind in found["methods"]]
-    names = list(dict.fromkeys(name for kind in kinds for name in shown(found["methods"][kind][SHOWN_SPACING])))
-    rows = []
-    for name in names:
-        entries = {kind: found["methods"][kind][SHOWN_SPACING].get(name, {}) for kind in kinds}
-        for light in LIGHT_ORDER:
-            of_light = [entries[kind].get(light) for kind in kinds]
-            if any(of_light):
-                title = next(entry["name"] for entry in entries.values() if entry)
-                sizes = [entry["per_probe"] for entry in of_light if entry]
-                rows.append([title, light, *("; ".join(number(entry[group]["value"], 3) for group in GROUPS) if entry else "" for entry in of_light), f"{sum(sizes) / len(sizes):,.0f}"])
-    front, ahead = found["front"], {group: sum(entry[group]["value"] > 1 for entry in found["by_scene"].values()) for group in (*GROUPS, "smape_in_air")}
-    text = INDIRECT_INTRODUCTION + f"\nOf revision {', '.join(f'`{revision}`' for revision in found['revisions'])}; {len(found['scenes'])} scenes, {places['air']:,} places in air of each and {places['surface']:,} before surfaces. Ours is `{results['ours']}` with solved light. Errors, and all ratios, are *air; surface; turned*. **Bold** reaches the target.\n"
+    front = found["front"]
+    text = INDIRECT_INTRODUCTION + f"\nRevision {', '.join(f'`{revision}`' for revision in found['revisions'])}; {len(found['scenes'])} scenes, {places['air']:,} points in air of each and {places['surface']:,} before surfaces. Ours is `{results['ours']}` with solved light. Errors and ratios are *air; surface; turned*. **Bold** reaches the target.\n"
     text += table(*indirect_rows(found))
-    text += (f"\nOf rivals' points, all that can be stored, one of ours matches {front['met']:,} of {front['of']:,} in error at no more bytes (target: all). The others: {missed_text(front)}. Ours is behind the best rival over the scenes of a kind here: {'; '.join(behind(found)) or 'nowhere'}.\n"
-             f"\nMean errors by kind of scene, probes {spacing_text(SHOWN_SPACING)} apart. Exact visibility and target functions are yardsticks that nobody could ship:\n"
-             + table(["weights", "light", *(f"{KIND_TITLES[kind].lower()} ({max(entry[light]['scenes'] for entry in found['methods'][kind][SHOWN_SPACING].values() for light in LIGHT_ORDER if light in entry)})" for kind in kinds), "bytes a probe"], rows))
-    text += (f"\nScene by scene, over the rival that does best there, whichever it is and however its light came about: ours is behind in {ahead['air']}; {ahead['surface']}; {ahead['turned']} of {len(found['by_scene'])} scenes, and in relative error in air (SMAPE) in {ahead['smape_in_air']}. *DDGI float* is DDGI before its maps are rounded to RTXGI's formats, which was still measured then.\n"
-             + table(["scene", "error of ours", "over the best rival", "the best rival: in air", "surface", "turned", "relative error in air", "over"],
-                     [[found["scenes"][scene]["name"], "; ".join(number(entry[group]["rmse"], 3) for group in GROUPS), indirect_ratios(entry), *(entry[group]["rival"] for group in GROUPS), number(entry["smape_in_air"]["value"], 2), entry["smape_in_air"]["rival"]] for scene, entry in found["by_scene"].items()]))
+    text += (f"\nOf the points of baselines that can be stored, one of ours matches {front['met']:,} of {front['of']:,} in error at no more bytes (target: all). The others: {missed_text(front)}.\n"
+             f"\nWhere the best baseline over the scenes of a kind has less error than ours: {'; '.join(behind(found)) or 'nowhere'}. Against the best baseline of each scene, solved light included: {behind_by_scene(found['by_scene'], found['scenes'])}.\n"
+             f"\nMean errors by kind of scene (number of scenes), probes {spacing_text(SHOWN_SPACING)} apart. Exact visibility and target functions cannot be stored:\n"
+             + table(["weights", "light", *kind_heads(found["methods"], kinds), "bytes a probe"], methods_rows(found["methods"], kinds, lambda of_light: [per_probe(of_light)])))
     return text + thinning_section(found.get("thinning", {})) + (FRONT_PICTURE if "against_bytes" in found else "")
 
 
-HEAD = ["weights", "light", "air", "surface", "turned", "over valid trilinear: air", "surface", "turned", "dark", "jumps, mean", "unlit", "bytes a probe", "bake, processor s"]
+def methods_section(by_kind):
+    """All light: a row a method; empty where nothing was measured at SHOWN_SPACING."""
+    kinds = [kind for kind in ("levels", "furnished", "daylight") if SHOWN_SPACING in by_kind.get(kind, {})]
+    if not kinds:
+        return ""
+
+    def further(of_light):
+        of_kinds = lambda write: "; ".join(write(entry) if entry else "" for entry in of_light)
+        return [of_kinds(lambda entry: number(entry["dark"]["value"], 3)), of_kinds(lambda entry: number(entry["edge"], 2) if "edge" in entry else ""), per_probe(of_light), of_kinds(lambda entry: f"{entry['seconds']:,.1f}")]
+
+    return (f"\n### By method\nMean errors by kind of scene (number of scenes), probes {spacing_text(SHOWN_SPACING)} apart. Dark, edges and processor seconds of the bake are in the order of the kinds.\n"
+            + table(["weights", "light", *kind_heads(by_kind, kinds), "dark", "edges", "bytes a probe", "bake, s"], methods_rows(by_kind, kinds, further)))
 
 
-def method_row(name, light, entry):
-    ratios = [number(entry[group]["ratio"]["value"], 2) if "ratio" in entry[group] else "" for group in GROUPS]
-    return [name, light, *(estimate(entry[group]) for group in GROUPS), *ratios, number(entry["dark"]["value"]), number(entry["jump_mean"], 4), percent(entry["unlit"]), f"{entry['per_probe']:,.0f}", f"{entry['seconds']:,.1f}"]
-
-
-def methods_section(kind, found):
-    scenes = max(entry[light]["scenes"] for entry in found.values() for light in LIGHT_ORDER if light in entry)
-    rows = [method_row(entry["name"], light, entry[light]) for entry in found.values() for light in LIGHT_ORDER if light in entry]
-    return f"\n## {KIND_TITLES[kind]}, probes {spacing_text(SHOWN_SPACING)} apart\nMeans over {scenes} scene{'s' if scenes != 1 else ''}; ratios are geometric means.\n" + table(HEAD, rows)
-
-
-SEEN_HEAD = ["method", "light", "ΔE", "off by 1.5 ×", "by 2 ×", "within 10 cm of edges: by 2 ×", "excess", "in shadow: by 2 ×", "figures: ΔE", "by 2 ×", "rings", "in shadow"]
 SEEN_INTRODUCTION = """
 ## What the eye sees
-Views of every room, from where a player stands, drawn by truth and by every method pixel by pixel. Each view is exposed by its own truth, so that a dark room counts as much as a terrace. ΔE is the mean HyAB distance in CIE L\\*a\\*b\\* of what is shown: 2.3 is just seen. *Off* is the share of pixels that are brighter or darker than truth by more than the factor. *Excess* is the mean light beyond truth's, over truth's. A *figure* is three balls in the middle of a room. *Rings* are pixels darker by a third than every truth within 20 cm. *Shadow* is where no sun shines, in scenes that have suns: a patch of sun that is smaller than the probes' spacing is too dark in every grid, and engines draw it with shadow maps. How it is measured: [formats](formats.md#viewsjson).
+Views of every room from where a player stands, drawn by truth and by every method pixel by pixel. Each view is exposed by its own truth. ΔE is the mean HyAB distance in CIE L\\*a\\*b\\* of what is shown: 2.3 is just visible. *Off* is the share of pixels brighter or darker than truth by more than a factor of two, *edges* the same within 10 cm of edges. *Rings* are pixels darker by a third than every truth within 20 cm. A patch of sun smaller than the spacing of the probes is too dark in every grid; engines draw it with shadow maps. How it is measured: [formats](formats.md#viewsjson).
 """
-
-
-def seen_row(entry):
-    of = lambda name, key, write: write(entry[name][key]) if name in entry else ""
-    delta = lambda value: number(value, 1)
-    return [entry["name"], entry["light"], of("all", "hyab", delta), of("all", "off_1_5", percent), of("all", "off_2", percent), of("edge", "off_2", percent), of("edge", "excess", lambda value: number(value, 2)),
-            of("shadow", "off_2", percent), of("figure", "hyab", delta), of("figure", "off_2", percent), of("all", "ringing", percent), of("shadow", "ringing", percent)]
 
 
 def seen_targets(found, ours):
@@ -274,7 +284,7 @@ def seen_targets(found, ours):
     for key, title, limit in (("levels", "levels", .6), ("rooms", "furnished scenes and rooms beside daylight", .5)):
         if key in found["hyab_over_best_rival"]:
             ratio = found["hyab_over_best_rival"][key]
-            rows.append([f"{title}: ΔE over that of the best rival, {ratio['rival']}", f"≤ {number(limit, 1)}", estimate(ratio, 2), reached(ratio["value"] <= limit)])
+            rows.append([f"{title}: ΔE over that of the best baseline, {ratio['rival']}", f"≤ {number(limit, 1)}", estimate(ratio, 2), reached(ratio["value"] <= limit)])
     largest = found["ringing_largest"]
     rows.append(["rings, the scene that has most: of all pixels; in shadow", "≤ .1 %", "; ".join(percent(value) for value in largest.values()), reached(largest["all"] <= .001)])
     return table(["", "target", "measured", "reached"], rows)
@@ -283,35 +293,30 @@ def seen_targets(found, ours):
 def seen_section(results):
     found = results["views"]
     revisions = ", ".join(f"`{revision}`" for revision in found["revisions"])
-    text = SEEN_INTRODUCTION + f"\nViews are of revision {revisions}.\n" + seen_targets(found, results["ours"])
-    for kind, methods in found["methods"].items():
-        text += f"\n### {KIND_TITLES[kind]}, as seen\n{max(entry['scenes'] for entry in methods.values())} scenes, probes {spacing_text(SHOWN_SPACING)} apart.\n" + table(SEEN_HEAD, [seen_row(entry) for entry in methods.values()])
-    return text
-
-
-BY_ROOM_HEAD = ["weights", "light", "by room: air", "surface", "turned", "edges", "corners", "beside light"]
-BY_ROOM = ("air_by_room", "surface_by_room", "turned_by_room", "edge", "corner", "beside_light")
-
-
-def by_room_section(found):
-    """Empty of results without these figures."""
-    rows = [[entry["name"], light, *(number(entry[light][key], 3) for key in BY_ROOM)] for entry in found.values() for light in LIGHT_ORDER if light in entry and all(key in entry[light] for key in BY_ROOM)]
-    text = ("\nBy room: errors over the light that stands at the place, every room alike. Then what answers have beyond truth: within 10 cm of edges and corners, over truth there; beside light, "
-            "over what is around.\n")
-    return text + table(BY_ROOM_HEAD, rows) if rows else ""
+    kinds = {kind: max(entry["scenes"] for entry in methods.values()) for kind, methods in found["methods"].items()}
+    percents = lambda value: number(100 * value, 1)
+    rows = []
+    for slug, name, light in dict.fromkeys((slug, entry["name"], entry["light"]) for methods in found["methods"].values() for slug, entry in methods.items()):
+        entries = [found["methods"][kind].get(slug) for kind in kinds]
+        rows.append([name, light, *("; ".join([number(entry["all"]["hyab"], 1), percents(entry["all"]["off_2"]), percents(entry["edge"]["off_2"]) if "edge" in entry else "", percents(entry["all"]["ringing"])])
+                                    if entry else "" for entry in entries)])
+    return (SEEN_INTRODUCTION + f"\nRevision {revisions}.\n" + seen_targets(found, results["ours"])
+            + f"\nBy kind of scene (number of scenes), probes {spacing_text(SHOWN_SPACING)} apart: *ΔE; off; edges; rings*, shares in per cent.\n"
+            + table(["method", "light", *(f"{KIND_TITLES[kind].lower()} ({count})" for kind, count in kinds.items())], rows))
 
 
 def scenes_section(scenes):
-    rows = [[entry["name"], KIND_TITLES[entry["kind"]].lower(), f"{entry['truth']['places']['dark']:,}", percent(entry["truth"]["noise"]), *(number(entry["floor"][group], 3) for group in GROUPS)] for entry in scenes.values()]
-    first = next(iter(scenes.values()))["truth"]["places"]
-    text = (f"\n## Scenes\nOf each, {first['air']:,} places in air and {first['surface']:,} before surfaces. The floor is the error of harmonics gathered at the place itself, which no probe is better than. "
-            "The truth's noise is its own standard deviation over its root mean square.\n")
-    return text + table(["scene", "kind", "dark places", "truth's noise", "floor: air", "surface", "turned"], rows)
+    """What bounds every figure: truth's own noise, and what no probe is better than."""
+    noise = max(scenes.values(), key=lambda entry: entry["truth"]["noise"])
+    floors = "; ".join(f"{group} {number(min(values), 3)} to {number(max(values), 3)}" for group in GROUPS for values in [[entry["floor"][group] for entry in scenes.values()]])
+    places = next(iter(scenes.values()))["truth"]["places"]
+    return (f"\n## Scenes\n{len(scenes)} scenes, {places['air']:,} points in air of each and {places['surface']:,} before surfaces: {', '.join(sorted(entry['name'] for entry in scenes.values()))}. Truth's standard deviation over its root mean square is at most "
+            f"{percent(noise['truth']['noise'])} ({noise['name']}). Harmonics gathered at the sample point itself, the least error that a probe can have: {floors}.\n")
 
 
 BLEND_INTRODUCTION = """
 ## Holes, leaks and shares
-What the functions of {ours} make of blends, probes {spacing} apart, at points in air and before surfaces. A *hole*: nobody has weight, though some probe should. A *leak*: probes that should have none hold more than a fifth. *TV*: half of what shares are off by, mean. In the order *holes; leaks; TV*, in per cent. How it is measured: [theory](../theory/math.md#7-errors).
+Errors of blends by the functions of {ours}, probes {spacing} apart, at points in air and before surfaces. A *hole*: no probe has weight, though some should. A *leak*: probes that should have none hold more than a fifth. *TV*: half of the mean error of shares. In the order *holes; leaks; TV*, in per cent. Bounds: [theory](../theory/math.md#7-errors).
 """
 
 
@@ -328,9 +333,7 @@ def blend_section(results):
 
 def page(all_results):
     results = all_results[NAME]
-    text = INTRODUCTION + f"\nMade by `{results['command']}` of revision {', '.join(f'`{revision}`' for revision in results['revisions'])}. {results.get('note', '')}\n"
+    text = INTRODUCTION + f"\nMade by `{results['command']}`, revision {', '.join(f'`{revision}`' for revision in results['revisions'])}. {results.get('note', '')}\n"
     text += (indirect_section(results) if "indirect" in results else "") + targets_section(results)
     text += seen_section(results) if "views" in results else ""
-    text += "".join(methods_section(kind, shown(found[SHOWN_SPACING])) + by_room_section(shown(found[SHOWN_SPACING])) for kind, found in results["methods"].items()
-                    if kind in ("levels", "furnished", "daylight") and SHOWN_SPACING in found)
     return text + blend_section(results) + scenes_section(results["scenes"])

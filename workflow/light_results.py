@@ -47,22 +47,14 @@ def estimate(figure):
 
 
 def method_entry(found):
-    entry = {"scenes": len(found["scenes"])}
-    for group in GROUPS:
-        entry[group] = {**estimate(found[group]), "median": found[group]["median"]}
-        if "ratio" in found[group]:
-            entry[group]["ratio"] = estimate(found[group]["ratio"])
-    entry["dark"] = estimate(found["dark"])
-    for key in ("colour", "jump_mean", "jump_largest", "unlit", "outside", "seconds", "per_probe", "look_ups_per_s", *figures.BY_ROOM.values(), *figures.LEAKS):
-        if key in found:
-            entry[key] = found[key]["mean"]
-    return {**entry, "bytes": found["bytes"]}
+    entry = {"scenes": len(found["scenes"]), **{key: estimate(found[key]) for key in (*GROUPS, "dark")}}
+    return {**entry, **{key: found[key]["mean"] for key in ("seconds", "per_probe", "edge") if key in found}}
 
 
 def methods(points):
-    """spacing → weights → light → figures over scenes"""
+    """spacing → weights → light → figures over scenes; with probes as far apart as today's."""
     out = {}
-    for spacing in figures.summary(points)["spacings"]:
+    for spacing in figures.summary([point for point in points if point.spacing_m == TODAY[1]])["spacings"]:
         of_spacing = out.setdefault(spacing_key(spacing["spacing_m"]), {})
         for found in spacing["methods"]:
             name, _, thinned_to = found["weights"].partition(figures.THINNED)
@@ -257,6 +249,7 @@ def read_scene(path, ours, light_direct):
     if take(options, ["light_direct"], f"{path}: provenance.options")["light_direct"] != light_direct:
         fail(f"{path}: provenance.options.light_direct", light_direct, options["light_direct"])
     truth = take(take(document, ["truth"], path)["truth"], ["noise", "places"], f"{path}: truth")
+    truth["places"] = take(truth["places"], ["air", "surface"], f"{path}: truth.places")
     floor = take(take(document, ["floor"], path)["floor"], GROUPS, f"{path}: floor")
     blended = blend(document, ours, path)
     return revision(document, path), {"name": document["scene"], "kind": "", "truth": truth, "floor": {group: floor[group]["rmse"] for group in GROUPS}, **({"blend": blended} if blended else {})}
@@ -300,9 +293,10 @@ def indirect(folder, ours):
     best = {kind: {way: to_best_rival(of_kind[kind], ours, rivals, solved=way == "solved") for way, rivals in (("own", RIVALS), ("solved", SOLVED_RIVALS))}
             for kind in ("levels", "furnished", "daylight")}
     relative = {kind: {spacing: entry["air"] for spacing, entry in to_best_rival(of_kind[kind], ours, RIVALS, solved=False, error=lambda point, _: point.smape).items()} for kind in best}
-    return {"revisions": revisions, "scenes": scenes, "to_best_rival": best, "smape_in_air": relative, "by_room": to_best_rival(points, ours, RIVALS, solved=False, error=by_room), "by_room_solved": to_best_rival(points, ours, SOLVED_RIVALS, solved=True, error=by_room),
+    kept = {key: {"name": entry["name"], "places": entry["truth"]["places"]} for key, entry in scenes.items()}
+    return {"revisions": revisions, "scenes": kept, "to_best_rival": best, "smape_in_air": relative, "by_room": to_best_rival(points, ours, RIVALS, solved=False, error=by_room), "by_room_solved": to_best_rival(points, ours, SOLVED_RIVALS, solved=True, error=by_room),
             "by_scene": by_scene(points, ours), "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours),
-            "thinning": {kind: thinning(of_kind[kind], ours) for kind in best if of_kind[kind]}, "against_bytes": {kind: against_bytes(some, ours) for kind, some in of_kind.items() if some},
+            "thinning": {kind: thinning(of_kind[kind], ours) for kind in best if of_kind[kind]}, "against_bytes": {kind: against_bytes(of_kind[kind], ours) for kind in best if of_kind[kind]},
             "methods": {kind: methods(some) for kind, some in of_kind.items() if some}}
 
 
@@ -314,12 +308,13 @@ def collect(folder, ours=OURS):
     points, scenes, revisions = measured(folder, files, ours, "all")
     kinds = {point.scene: point.kind for point in points}
     out = {"schema_version": 1, "run": NAME, "command": "workflow/results.py collect-light FOLDER", "ours": ours, "revisions": revisions, "scenes": scenes,
-           "targets": targets(points, ours), "thinning": {}, "methods": {"all": methods(points)}}
+           "targets": targets(points, ours), "thinning": {}, "methods": {}}
     for kind in SCENE_KINDS:
         of_kind = [point for point in points if point.kind == kind]
-        if of_kind:
+        if any(point.spacing_m == TODAY[1] for point in of_kind):
             out["methods"][kind] = methods(of_kind)
-            out["thinning"][kind] = thinning(of_kind, ours)
+            if kind != "boxes":
+                out["thinning"][kind] = thinning(of_kind, ours)
     if any((folder / "indirect").glob("*.json")):
         out["indirect"] = indirect(folder / "indirect", ours)
     if found := sorted((folder / "views").glob("*.json")):

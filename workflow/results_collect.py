@@ -21,11 +21,11 @@ from tool.input_file import read_json as read_node
 
 STAGES = ("network", "corrected", "fitted", "stored")
 POPULATIONS = ("all", "theta", "hard")
-FITS = ("direct", "adam_theta0", "lm_theta0", "adam_random", "best_known")
+FITS = ("direct", "best_known")
 ERRORS = ("blend_rmse", "rmse")
 SCHEMA_VERSION = 2  # of summary.json and frontier.json
 RESULTS_VERSION = 2  # of docs/results/NAME.json; 1: plain RMSE alone, of before the one loss
-STATISTICS = ("median", "mean", "p95", "p99", "worst")
+STATISTICS = ("median", "mean", "p95")
 DIGITS = 4  # significant: as many as any text shows
 
 
@@ -68,17 +68,12 @@ def revision(document, place):
     return take(document, ["provenance"], place)["provenance"].get("revision", "unknown")
 
 
-def quantiles(q, place):
-    return take(q, [*STATISTICS, "functions"], place)
-
-
 def figures(source, place):
-    """One population's figures: the errors in full, their means alone at test points and occluded points."""
-    out = {"functions": source["functions"], **{key: {**quantiles(take(source, ERRORS, place)[key], f"{place}.{key}"), "interval": source[key]["interval"]} for key in ERRORS}}
-    for key in ("rmse_test_points", "rmse_occluded"):
-        out[key] = {**take(source[key], ["mean"], f"{place}.{key}"), "interval": take(source[key]["interval"], ["mean"], f"{place}.{key}.interval")}
-    keys = ["leak", "share_failing_check", "share_fitted", "us_per_function", "us_per_function_median"]
-    return {**out, **take(source, keys, place)}
+    """One population's figures; of the blend RMSE with intervals."""
+    out = {"functions": source["functions"], **{key: take(take(source, ERRORS, place)[key], STATISTICS, f"{place}.{key}") for key in ERRORS}}
+    out["blend_rmse"]["interval"] = take(source["blend_rmse"]["interval"], ["mean", "p95"], f"{place}.blend_rmse.interval")
+    out["rmse_occluded"] = take(source["rmse_occluded"], ["mean"], f"{place}.rmse_occluded")
+    return {**out, **take(source, ["share_failing_check", "share_fitted", "us_per_function"], place)}
 
 
 def by_population(source, place):
@@ -88,20 +83,18 @@ def by_population(source, place):
 def sample(source, place):
     """What direct fits were made of: too few functions for percentiles of their own to stand beside those of all."""
     def short(population, where):
-        return {**{key: take(population[key], ["median", "mean"], where) for key in ERRORS}, **take(population, ["functions", "us_per_function"], where)}
+        return {"blend_rmse": take(population["blend_rmse"], ["mean"], where), **take(population, ["us_per_function"], where)}
     words = [word for word in (*STAGES, *FITS) if word in source]
-    return {**take(source, ["functions", "hard", "ratios"], place), **{key: source[key] for key in ("best_known_from",) if key in source},
-            **{word: {key: short(source[word][key], f"{place}.{word}.{key}") for key in ("theta", "hard")} for word in words}}
+    ratios = {word: {"to_best_known": take(entry["to_best_known"], ["median", "median_hard"], f"{place}.ratios.{word}")} for word, entry in take(source, ["functions", "hard", "ratios"], place)["ratios"].items()}
+    return {**take(source, ["functions", "hard"], place), "ratios": ratios, **{word: {"theta": short(source[word]["theta"], f"{place}.{word}.theta")} for word in words}}
 
 
 def representation(source, place):
     out = take(source, ["parameters", "theta_bytes", "weights_bytes", "weights_sha256", "stages"], place)
-    out.update({key: source[key] for key in ("evaluate_us", "convergence", "stored_bytes_mean") if key in source})
+    out.update({key: source[key] for key in ("evaluate_us", "stored_bytes_mean") if key in source})
     out.update({word: by_population(source[word], f"{place}.{word}") for word in STAGES})
     if "sample" in source:
         out["sample"] = sample(source["sample"], f"{place}.sample")
-    out["by_scene"] = {scene: {word: {key: quantiles(errors[key], f"{place}.by_scene.{scene}.{word}.{key}") for key in ERRORS} for word, errors in words.items()}
-                       for scene, words in sorted(source["by_scene"].items())}
     return out
 
 
@@ -128,13 +121,14 @@ def point_key(point, others):
 
 
 def frontier(path):
-    """Points by representation and family; what is by scene stays behind."""
+    """Points of the front of functions that take a theta, by representation and family."""
     document = read_measured(path)
-    keys = ["functions", "bare_tent", "front_sentences", "speed_at_equal_error", "speed_at_equal_error_hard"]
+    keys = ["functions", "front_sentences", "speed_at_equal_error", "speed_at_equal_error_hard"]
     out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
            **take(document, keys, path), "points": {}}
-    out["bare_tent"] = {key: value for key, value in out["bare_tent"].items() if key != "by_scene"}
     for point in document["points"]:
+        if not point["figures"]["theta"]["on_front"]:
+            continue
         kept = {key: value for key, value in point.items() if key not in {"representation", "by_scene"}}
         others = out["points"].setdefault(point["representation"], {})
         others[point_key(point, others)] = kept
@@ -142,9 +136,10 @@ def frontier(path):
 
 
 def stability(path):
+    """Cases; what was promised and measured of those alone that do not hold."""
     document = read_json(path)
-    keys = ["group", "name", "must_hold", "measured", "holds", "fails_check", "ran", "note"]
-    return {"revision": revision(document, path), "cases": [take(case, keys, path) for case in document["cases"]]}
+    texts = lambda case: ["must_hold", "measured"] if case["ran"] and not case["holds"] else []
+    return {"revision": revision(document, path), "cases": [take(case, ["group", "name", "holds", "ran", *texts(case)], path) for case in document["cases"]]}
 
 
 BAKE_COUNTS = ("threads", "probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes",

@@ -8,17 +8,15 @@ from results_collect import fail, held_to, read_json, revision, slug, take
 
 import light_figures as figures
 
-CLASSES = ("all", "edge", "near", "shadow", "sun", "figure")
-FIGURES = ("hyab", "relative", "excess", "off_1_5", "off_2", "off_2_brighter", "ringing", "unlit")
+CLASSES = ("all", "edge", "shadow")
+FIGURES = ("hyab", "off_2", "ringing")
 DDGIS = ("DDGI as shipped", "DDGI as shipped, relocated")
 
 
 def class_figures(found, place):
-    kept = take(found, ["hyab", "relative", "excess", "ringing", "unlit"], place)
-    for key, name in (("off_1.5", "off_1_5"), ("off_2", "off_2")):
-        off = take(take(found, [key], place)[key], ["brighter", "darker"], f"{place}.{key}")
-        kept[name] = off["brighter"] + off["darker"]
-    return {**kept, "off_2_brighter": found["off_2"]["brighter"]}
+    kept = take(found, ["hyab", "off_2", "ringing"], place)
+    off = take(kept["off_2"], ["brighter", "darker"], f"{place}.off_2")
+    return {**kept, "off_2": off["brighter"] + off["darker"]}
 
 
 def read_scene(path, kinds):
@@ -28,8 +26,7 @@ def read_scene(path, kinds):
     for method in take(document, ["methods"], path)["methods"]:
         of_classes = {name: class_figures(method[name], f"{path}: {method['weights']}.{name}") for name in CLASSES if name in method}
         by_method[(method["weights"], method["light"])] = of_classes
-    return {"scene": scene, "kind": kinds.get(scene) or figures.scene_kind(scene, False), "views": len(take(document, ["views"], path)["views"]),
-            "revision": revision(document, path), "methods": by_method}
+    return {"scene": scene, "kind": kinds.get(scene) or figures.scene_kind(scene, False), "revision": revision(document, path), "methods": by_method}
 
 
 def method_entry(name, light, scenes):
@@ -48,7 +45,7 @@ def methods(scenes):
 
 
 def over_best_rival(scenes, ours, rivals):
-    """Ours over the rival whose pictures differ least, by the geometric mean over scenes of the ratios of mean HyAB."""
+    """Ours over the baseline whose pictures differ least, by the geometric mean over scenes of the ratios of mean HyAB."""
     found = []
     for rival in dict.fromkeys(method for scene in scenes for method in scene["methods"] if method[0] in rivals and method[1] != "solved"):
         pairs = [(scene["methods"][ours]["all"]["hyab"], scene["methods"][rival]["all"]["hyab"]) for scene in scenes if rival in scene["methods"]]
@@ -71,8 +68,6 @@ def collect(files, kinds, ours, rivals):
     rooms = of_kind["furnished"] + of_kind["daylight"]
     ratios = {name: over_best_rival(some, (ours, "solved"), rivals) for name, some in (("levels", of_kind["levels"]), ("rooms", rooms)) if some}
     return {"revisions": sorted({scene["revision"] for scene in scenes}),
-            "scenes": {slug(scene["scene"]): {"name": scene["scene"], "kind": scene["kind"], "views": scene["views"],
-                                              "ours": scene["methods"][(ours, "solved")]["all"]} for scene in scenes},
             "hyab_over_best_rival": {name: ratio for name, ratio in ratios.items() if ratio},
             "ringing_largest": {name: max(scene["methods"][(ours, "solved")][name]["ringing"] for scene in scenes if name in scene["methods"][(ours, "solved")])
                                 for name in ("all", "shadow") if any(name in scene["methods"][(ours, "solved")] for scene in scenes)},
