@@ -18,7 +18,7 @@ INTRODUCTION = """# Light against Cycles
 
 *Written by `workflow/results.py write` from `docs/results/cycles.json`. Change nothing here by hand.*
 
-Our path tracer against [Cycles](https://www.cycles-renderer.org/), the path tracer of Blender 3.4, on rooms of what artists bring. Blender models a room, and its own exporter writes it as glTF, with the exporter's defaults and Punctual Lights ticked. Cycles bakes the irradiance at places in the room, `nlg-render irradiance` traces it from the exported file, and the means over the places are compared.
+Our path tracer against [Cycles](https://www.cycles-renderer.org/) of Blender 3.4. Blender models a room and exports it as glTF, with the exporter's defaults and Punctual Lights ticked. Cycles bakes the irradiance at sample points in the room, `nlg-render irradiance` traces it from the exported file, and the means over the points are compared.
 
 ```sh
 apt-get install --no-install-recommends blender python3-numpy     # Debian's, 3.4; no package of the project
@@ -26,17 +26,17 @@ workflow/cycles/compare.py                                        # a table of r
 workflow/results.py collect-cycles out/cycles                     # this page
 ```
 
-A room is 4 × 3 × 2.6 m, of closed boxes, with a crate in it. Two thirds of the places are anywhere in its air, with any normal; one third are 2 cm before a surface, with its normal. What Cycles bakes on are squares of 2 mm that no ray meets and that are not exported.
+A room is 4 × 3 × 2.6 m, of closed boxes, with a crate in it. Two thirds of the sample points are in its air, with any normal; one third 2 cm before a surface, with its normal. Cycles bakes on squares of 2 mm that no ray meets and that are not exported.
 """
 SETTINGS = """
 ## What makes both comparable
-- **Materials** are exported as Principled BSDF. For Cycles they are made anew, of the same images: diffuse, transparent and emission nodes. Principled is not Lambert's at any roughness, and Cycles refracts, where glTF's transmission goes straight through.
-- **Cycles** by default leaves light out: filter glossy, clamping, the light threshold, adaptive sampling and denoising are off, and all kinds of bounces are 64.
-- **Meshes that shine** are met by paths alone (`sample_as_light` off), and have one user each. What 3.4 draws on them is biased: beside a closed form, an image's light was off by 1 % in the mean, and by several at single places.
-- **Images** are large for what they show. Between texels Cycles takes means of sRGB codes, and glTF of linear light: at edges in small images it is darker.
-- **White**: no surface here reflects more than .9, as nlg takes whiter ones for .9 (`light/light_transport.cpp`).
-- **Lamps and suns** come with the file, 683 times as bright as its emission, as the exporter has them by default: nlg recognises it ([units](../theory/light.md#units)). The world is not exported; its sky is given by `--sky`.
-- **Alpha** in Cycles is alpha. `alphaMode` MASK cuts at a half, so that the fence's image has only 0 and 1.
+- **Materials** are exported as Principled BSDF. For Cycles they are replaced by diffuse, transparent and emission nodes with the same images: Principled is not Lambertian at any roughness, and Cycles refracts where glTF's transmission does not.
+- **Cycles**: filter glossy, clamping, the light threshold, adaptive sampling and denoising are off; 64 bounces of every kind.
+- **Emissive meshes** are met by paths alone (`sample_as_light` off): light sampling of 3.4 is biased by 1 % in the mean against a closed form.
+- **Images** are large: between texels Cycles averages sRGB codes, glTF linear light.
+- **White**: no surface reflects more than .9, to which nlg clamps (`light/light_transport.cpp`).
+- **Lamps and suns** come with the file, 683 times as bright as its emission, the exporter's default: nlg recognises it ([units](../theory/light.md#units)). The world is not exported; `--sky` gives its sky.
+- **Alpha**: `alphaMode` MASK cuts at a half, so that the fence's image has only 0 and 1.
 """
 
 
@@ -56,9 +56,9 @@ def page(all_results):
     ratios = [found["channels"][channel]["ratio"] for found in scenes.values() for channel in CHANNELS]
     inside = sum(LOW <= ratio <= HIGH for ratio in ratios)
     first = next(iter(scenes.values()))
-    text = INTRODUCTION + f"\nOf revision `{results['revision']}` and Blender {results['blender']}: {first['places']:,} places; {first['runs']} bakes of {first['samples']:,} samples; {first['runs']} runs of {first['rays']:,} rays.\n"
-    text += f"\n## Irradiance over Cycles'\nRatios of the means, with their standard errors. {inside} of {len(ratios)} lie from {number(LOW, 2)} to {number(HIGH, 2)}. *Places differ*: root mean square of the difference at a place over that of Cycles, in the channel where it is largest; in parentheses what both sides' noise makes of it by itself.\n"
-    return text + table(["scene", *CHANNELS, "places differ"], [row(name, scenes[name]) for name in SCENES]) + SETTINGS
+    text = INTRODUCTION + f"\nOf revision `{results['revision']}` and Blender {results['blender']}: {first['places']:,} sample points; {first['runs']} bakes of {first['samples']:,} samples; {first['runs']} runs of {first['rays']:,} rays.\n"
+    text += f"\n## Irradiance over Cycles'\nRatios of the means, with their standard errors. {inside} of {len(ratios)} lie from {number(LOW, 2)} to {number(HIGH, 2)}. *Points differ*: root mean square of the difference at a point over that of Cycles, in the channel where it is largest; in parentheses the share of both sides' noise in it.\n"
+    return text + table(["scene", *CHANNELS, "points differ"], [row(name, scenes[name]) for name in SCENES]) + SETTINGS
 
 
 def collect(folder):

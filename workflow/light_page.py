@@ -132,7 +132,7 @@ def targets_section(results):
              ["bytes a live probe, everything (talk 236 to 339, DDGI 1,056)", "≤ 60", f"{most['least']:.0f} to {most['most']:.0f}", reached(most["most"] <= 60)]]
     rows += [[what, "≤ 1 MB", bytes_text(size), reached(size <= 1e6)] for what, size in (("kaos2 at the error of our own probes with point light 1 m apart", found["level_bytes"]),
              ("kaos2 with less error than every baseline 1 m apart", found["bytes_below_rivals"])) if size is not None]
-    return (f"\n## All light\nOurs is `{results['ours']}` with solved light, through the engine's own look-up.\n" + by_spacing_section(found) + thinning_section(results.get("thinning", {}))
+    return (f"\n## All light\nOurs is `{results['ours']}` with solved light, through the engine's own look-up.\n" + by_spacing_section(found) + thinning_section(results.get("thinning", {}), explained="thinning" not in results.get("indirect", {}))
             + "\n### Bytes and times\n" + table(["", "target", "measured", "reached"], rows + speed_rows(results)) + methods_section(results["methods"]))
 
 
@@ -140,7 +140,7 @@ THINNED_KINDS = {"levels": .4, "furnished": .3, "daylight": None}  # with the ta
 THINNED_ERRORS = (*GROUPS, "smape_in_air")
 
 
-def thinning_section(found):
+def thinning_section(found, explained=True):
     """What is left out for fewer bytes, and what fewer bytes the same error takes; empty where nothing was thinned."""
     kinds = [kind for kind in THINNED_KINDS if found.get(kind, {}).get("thinned")]
     if not kinds:
@@ -155,6 +155,8 @@ def thinning_section(found):
             text, limit = "; ".join(number(value, 2) for value in values), targets.get(kind)
             cells.append(f"**{text}**" if limit and all(value <= limit for value in values) else text)
         rows.append([what, "; ".join(f"≤ {number(targets[kind], 1)}" if targets[kind] else "" for kind in kinds if targets).strip("; "), *cells])
+    if not explained:
+        return "\n### For fewer bytes\nAs of indirect light, above.\n" + table(["", "target", *(KIND_TITLES[kind].lower() for kind in kinds)], rows)
     return ("\n### For fewer bytes\n[Thinned](../guide/bake.md#fewer-bytes-for-this-light) grids over the whole one, probes 1 m apart; then the bytes for the same error, of all grids that were measured "
             f"(probes {', '.join(f'{spacing:g}' for spacing in spacings[:-1])} and {spacings[-1]:g} m apart, whole and thinned). Errors are *air; surface; turned; relative error in air*, geometric means "
             f"over scenes. When targets were set a grid took {before} bytes a probe.\n"

@@ -3,7 +3,7 @@
 
     workflow/results.py collect RUN [--config CONFIG] [--no-pictures] [--add]    measured → docs/results, then write
     workflow/results.py collect-light FOLDER [--ours NAME] [--no-pictures]    what was measured of light → docs/results/light.json, then write
-    workflow/results.py collect-siege FOLDER                             what the siege found → docs/results/reliability.json, then write
+    workflow/results.py collect-siege FOLDER                             what fault injection found → docs/results/reliability.json, then write
     workflow/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
     workflow/results.py write                                            docs/results → every text
     workflow/results.py check                                            names every text that says something else
@@ -166,8 +166,8 @@ def main():
     collecting_light = commands.add_parser("collect-light", help="what was measured of light → docs/results/light.json, then write")
     collecting_light.add_argument("folder", type=Path, help="SCENE.json of nlg-validate light, one a scene")
     collecting_light.add_argument("--no-pictures", action="store_true", help="leave docs/images as it is")
-    collecting_light.add_argument("--ours", default=light_page.OURS, help="the weights that are held against rivals (%(default)s)")
-    collecting_siege = commands.add_parser("collect-siege", help="what the siege found → docs/results, then write")
+    collecting_light.add_argument("--ours", default=light_page.OURS, help="the weights that are compared with baselines (%(default)s)")
+    collecting_siege = commands.add_parser("collect-siege", help="what fault injection found → docs/results, then write")
     collecting_siege.add_argument("folder", type=Path, help="--out of tests/siege/run.py")
     collecting_cycles = commands.add_parser("collect-cycles", help="light against Cycles → docs/results, then write")
     collecting_cycles.add_argument("folder", type=Path, help="--out of workflow/cycles/compare.py")

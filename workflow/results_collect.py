@@ -123,7 +123,7 @@ def point_key(point, others):
 def frontier(path):
     """Points of the front of functions that take a theta, by representation and family."""
     document = read_measured(path)
-    keys = ["functions", "front_sentences", "speed_at_equal_error", "speed_at_equal_error_hard"]
+    keys = ["functions", "front_sentences", "speed_at_equal_error"]
     out = {"revision": revision(document, path), "held_out_sha256": document["provenance"].get("inputs", {}).get("held_out", ""),
            **take(document, keys, path), "points": {}}
     for point in document["points"]:

@@ -73,7 +73,7 @@ class Page(unittest.TestCase):
         page = cycles_page.page({"cycles": cycles_page.collect(self.folder)})
         self.assertIn("15 of 18 lie from .98 to 1.02.", page)
         self.assertIn("| .211 ± .002 | .211 ± .002 | .211 ± .002 | .031 (.030) |", page)
-        self.assertIn("Of revision `0123abc` and Blender 3.4.1: 600 places; 4 bakes of 1,024 samples; 4 runs of 4,096 rays.", page)
+        self.assertIn("Of revision `0123abc` and Blender 3.4.1: 600 sample points; 4 bakes of 1,024 samples; 4 runs of 4,096 rays.", page)
 
     def test_results_of_two_revisions_or_of_too_few_scenes_are_refused(self):
         self.write("sum", 1.0, revision="other")
