@@ -10,7 +10,6 @@ import light_figures as figures
 
 CLASSES = ("all", "edge", "shadow")
 FIGURES = ("hyab", "off_2", "ringing")
-DDGIS = ("DDGI as shipped", "DDGI as shipped, relocated")
 
 
 def class_figures(found, place):
