@@ -40,7 +40,7 @@ struct RelightReport {
 nlohmann::ordered_json toJson(const RelightReport& report);
 std::string toSummary(const RelightReport& report, const std::string& path);
 
-// Keys: docs/guide/bake.md.
+// Keys: docs/reference/bake_json.md.
 nlohmann::ordered_json toJson(const BakeReport& report);
 
 // The lines that a bake ends with, three or four.

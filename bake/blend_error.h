@@ -29,7 +29,7 @@ using BlendErrors = std::array<BlendFigures, kBlendClassCount>;
 // grid      of the same scene, in the world's coordinates
 BlendErrors blendErrors(const BlendTargets& targets, const LightGrid& grid);
 
-// Keys: docs/guide/bake.md.
+// Keys: docs/reference/bake_json.md.
 nlohmann::ordered_json toJson(const BlendErrors& errors);
 // Two lines.
 std::string toText(const BlendErrors& errors);

@@ -15,7 +15,7 @@ namespace nlg {
 // Seconds and bytes are counts times what the same work, or the same thing, took in this bake on average. Functions that were not made
 // may well have been cheaper or dearer than those that were: the figures say what a saving is worth, not what another bake would show.
 struct Saving {
-  std::string what;            // one of the names of docs/guide/bake.md
+  std::string what;            // one of the names of docs/reference/bake_json.md
   uint64_t count = 0, of = 0;  // how many were left out, of how many
   // Of the processor, all threads together. Below 0 where finding out took longer than it saved. Nothing where the bake did none of
   // that work, and so does not know what it costs.
@@ -32,7 +32,7 @@ struct Saving {
 std::vector<Saving> savingsOf(const Bake& bake, const std::vector<Generator>& generators, const PolicyOptions& policy,
                               const GridPrecision& stored, const std::vector<uint64_t>& weights_bytes, int threads);
 
-// An object each; seconds_saved and bytes_saved only where they are known. Keys: docs/guide/bake.md.
+// An object each; seconds_saved and bytes_saved only where they are known. Keys: docs/reference/bake_json.md.
 nlohmann::ordered_json toJson(const std::vector<Saving>& savings);
 // A line of text each.
 std::string toTable(const std::vector<Saving>& savings);

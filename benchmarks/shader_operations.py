@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """What one pixel of look_up.glsl costs at most, for each kind of grid: counted in its SPIR-V, all loops unrolled, all eight probes lit.
 
-    shader_operations.py        prints the table of docs/guide/shaders.md
+    shader_operations.py        prints the table of docs/reference/engines.md
 
 Needs glslangValidator, spirv-opt and spirv-dis (Debian: glslang-tools, spirv-tools). Operations are on single numbers: a product of four is
 four. Whatever moves or renames numbers, labels and branches do not count; a function of GLSL (exp, min, max, unpackHalf2x16) is one.

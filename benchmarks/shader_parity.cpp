@@ -1,4 +1,4 @@
-// look_up.glsl on Vulkan against lookUpIrradiance, over baked levels: docs/guide/shaders.md has its table.
+// look_up.glsl on Vulkan against lookUpIrradiance, over baked levels: docs/reference/engines.md has its table.
 //
 //     bench_shader_parity GRID.safetensors...
 //

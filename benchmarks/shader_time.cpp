@@ -1,4 +1,4 @@
-// What look_up.glsl takes on whatever Vulkan device there is, beside bare tents: docs/guide/shaders.md has its table.
+// What look_up.glsl takes on whatever Vulkan device there is, beside bare tents: docs/reference/engines.md has its table.
 //
 //     bench_shader_time GRID.safetensors [REPETITIONS]
 //
