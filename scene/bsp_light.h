@@ -1,4 +1,4 @@
-// What a Quake III level says of light, in the unit and the axes of a Scene: docs/theory/light.md, "Quake III levels".
+// What a Quake III level says of light, in the unit and the axes of a Scene: docs/reference/quake3_light.md.
 #pragma once
 
 #include <cstdint>

@@ -28,7 +28,7 @@ struct BspLevel {
 // (free_standing.h); behind them stands a movable one for each submodel that has triangles, named by its entity ("func_door *3"),
 // where that places it.
 //
-// Its light is that of docs/theory/light.md, "Quake III levels": baked light from lightmaps and vertices, faces of sky, lamps and
+// Its light is that of docs/reference/quake3_light.md: baked light from lightmaps and vertices, faces of sky, lamps and
 // suns that the entities hold, the light grid.
 //
 // path     a .bsp file; without archives, shader scripts and textures are not at hand: flags are those that the .bsp holds, all
