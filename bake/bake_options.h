@@ -7,8 +7,8 @@
 
 #include "bake/policy_options.h"
 #include "datagen/weighting/weighting_builder.h"
+#include "nlg/policy.h"
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/fit/theta_policy.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "scene/light_options.h"
 #include "scene/scene_source.h"

@@ -7,7 +7,7 @@
 
 #include "bake/bake_options.h"
 #include "datagen/probes/probe_placement.h"
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
 
 namespace nlg {
 

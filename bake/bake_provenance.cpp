@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/bake_options.h"
-#include "runtime_eval/simd/simd_target.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/simd.h"
+#include "nlg/support.h"
 #include "scene/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

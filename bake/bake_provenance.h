@@ -8,7 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "bake/scene_functions.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
 #include "tool/options.h"
 
 namespace nlg {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tool/printable.h"
+#include "nlg/look_up.h"
 
 namespace nlg {
 namespace {

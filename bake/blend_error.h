@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/blend_targets.h"
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 
 namespace nlg {
 

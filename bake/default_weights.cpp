@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 

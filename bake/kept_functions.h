@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "datagen/weighting/weighting_builder.h"
-#include "runtime_eval/fit/theta_policy.h"
+#include "nlg/policy.h"
 
 namespace nlg {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "bake/kept_functions.h"
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 
 namespace nlg {
 

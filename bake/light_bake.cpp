@@ -19,6 +19,8 @@
 #include "tool/printable.h"
 #include "tool/processor_time.h"
 #include "tool/progress.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/light_grid/packed_light.h"
 
 namespace nlg {
 namespace {

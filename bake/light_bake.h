@@ -7,7 +7,8 @@
 #include "bake/scene_functions.h"
 #include "light/probe_light.h"
 #include "light/thinning.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
+#include "runtime_eval/light_grid/packed_light.h"
 
 namespace nlg {
 

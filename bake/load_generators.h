@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
 
 namespace nlg {
 

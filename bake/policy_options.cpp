@@ -1,5 +1,6 @@
 #include "bake/policy_options.h"
 
+#include "runtime_eval/policy/stage_plan.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -8,7 +9,7 @@ void describePolicy(PolicyOptions& options, OptionTable& table) {
   table.group("Policy: which theta are worked on, and how long");
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) \
   table.add(#name, &options.name, help, static_cast<type>(low), static_cast<type>(high));
-#include "runtime_eval/fit/policy_options.def"
+#include "nlg/policy_options.def"
 }
 
 ThetaPrecision thetaPrecisionFromName(const std::string& name) {

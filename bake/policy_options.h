@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "runtime_eval/fit/theta_policy.h"
+#include "nlg/policy.h"
 #include "tool/options.h"
 
 namespace nlg {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 
 namespace nlg {
 

@@ -9,7 +9,7 @@
 #include "bake/bake_options.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
 #include "tool/options.h"
 
 namespace nlg {

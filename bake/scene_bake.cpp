@@ -10,6 +10,7 @@
 #include "tool/parallel_for.h"
 #include "tool/processor_time.h"
 #include "tool/progress.h"
+#include "runtime_eval/policy/refinement.h"
 
 namespace nlg {
 namespace {

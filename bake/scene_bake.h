@@ -9,9 +9,9 @@
 #include "bake/kept_functions.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
-#include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/fit/theta_policy.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/generator.h"
+#include "nlg/light_grid.h"
+#include "nlg/policy.h"
 
 namespace nlg {
 

@@ -3,7 +3,9 @@
 
 #include <cmath>
 
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
+#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {

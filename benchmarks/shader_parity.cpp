@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/light_grid/light_grid_file.h"
-#include "runtime_eval/shader_grid/shader_grid.h"
+#include "nlg/light_grid.h"
+#include "nlg/shader_grid.h"
 #include "tests/runtime_eval/shader_grid/compute_device.h"
 #include "tests/runtime_eval/shader_grid/places.h"
 

@@ -22,10 +22,10 @@
 #include <string>
 #include <vector>
 
+#include "nlg/light_grid.h"
+#include "nlg/shader_grid.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/adam.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
-#include "runtime_eval/shader_grid/shader_grid.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/shader_grid/compute_device.h"
 #include "tests/runtime_eval/shader_grid/places.h"

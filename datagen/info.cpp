@@ -10,7 +10,7 @@
 #include "datagen/commands.h"
 #include "datagen/dataset/function_set.h"
 #include "datagen/dataset/shard_reader.h"
-#include "runtime_eval/fit/theta_policy.h"
+#include "nlg/policy.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

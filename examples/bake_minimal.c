@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "runtime_eval/c_api/nlg.h"
+#include "nlg/nlg.h"
 
 int main(int argc, char** argv) {
   static uint8_t phi[NLG_SUPPORT_POINT_COUNT];

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/fit/theta_policy.h"
+#include "nlg/generator.h"
+#include "nlg/policy.h"
 
 namespace {
 

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
+#include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {

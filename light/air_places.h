@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "datagen/visibility/ray_scene.h"
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 
 namespace nlg {
 

@@ -17,13 +17,12 @@
 #include <vector>
 
 #include "datagen/visibility/ray_scene.h"
-#include "runtime_eval/light_grid/light_grid.h"
-#include "runtime_eval/light_grid/spherical_harmonics.h"
+#include "nlg/light_grid.h"
 #include "scene/scene.h"
 
 namespace nlg {
 
-// Coefficients of arriving radiance (spherical_harmonics.h), red, green, blue each.
+// Coefficients of arriving radiance (nlg/light_grid.h), red, green, blue each.
 using LightSh = std::array<glm::vec3, kShCount>;
 
 glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal);

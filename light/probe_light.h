@@ -12,7 +12,8 @@
 #include "light/air_places.h"
 #include "light/light_solve.h"
 #include "light/light_transport.h"
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
 
 namespace nlg {
 

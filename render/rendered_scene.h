@@ -12,9 +12,9 @@
 #include "light/light_transport.h"
 #include "light/methods/light_method.h"
 #include "light/methods/method_set.h"
+#include "nlg/light_grid.h"
 #include "render/render_run.h"
 #include "render/sight.h"
-#include "runtime_eval/light_grid/light_grid.h"
 
 namespace nlg {
 

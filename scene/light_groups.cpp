@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -8,7 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "scene/light_groups.h"
 #include "scene/sky_file.h"
 #include "tool/error.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "runtime_eval/weights_file/file_result.h"
+#include "nlg/result.h"
 
 namespace nlg {
 

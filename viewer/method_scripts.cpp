@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "nlg/shader_grid.h"
 #include "runtime_eval/numbers/half.h"
-#include "runtime_eval/shader_grid/shader_grid.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -5,7 +5,7 @@
 
 #include "light/methods/ddgi.h"
 #include "light/methods/method_set.h"
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 #include "viewer/data_script.h"
 
 namespace nlg {

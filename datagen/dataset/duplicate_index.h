@@ -17,7 +17,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "runtime_eval/support/stored_function.h"
+#include "nlg/support.h"
 
 namespace nlg {
 

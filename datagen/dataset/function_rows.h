@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/support/stored_function.h"
+#include "nlg/support.h"
 
 namespace nlg {
 

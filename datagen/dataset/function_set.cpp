@@ -7,6 +7,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
+#include "nlg/support.h"
 
 namespace nlg {
 namespace {
@@ -58,7 +59,7 @@ void prepare(const std::vector<std::string>& paths, uint64_t pattern_hash, int p
   reserveRows(count, &set);
 }
 
-constexpr uint64_t kMirrorCount = 8;
+constexpr uint64_t kImages = kMirrorCount;
 
 // The samples of a function's mirror image: whole octants change places.
 class MirroredSamples {
@@ -69,8 +70,8 @@ class MirroredSamples {
   StoredFunction of(const StoredFunction& function, size_t mirror) {
     if (mirror == 0) return function;
     uint8_t* const validity = row_.data() + point_count_;
-    const size_t points = point_count_ / kMirrorCount, bytes = points / 8;
-    for (size_t octant = 0; octant < kMirrorCount; ++octant) {
+    const size_t points = point_count_ / kImages, bytes = points / 8;
+    for (size_t octant = 0; octant < kImages; ++octant) {
       std::copy_n(function.phi + (octant ^ mirror) * points, points, row_.data() + octant * points);
       std::copy_n(function.validity + (octant ^ mirror) * bytes, bytes, validity + octant * bytes);
     }
@@ -126,11 +127,11 @@ struct KnownFunctionSearch::Impl {
         mirrored(static_cast<size_t>(set.point_count)),
         index(rule, set.point_count, [this](uint64_t id) { return image(id); }) {}
 
-  StoredFunction image(uint64_t id) { return mirrored.of(functionAt(held_out, id / kMirrorCount), id % kMirrorCount); }
+  StoredFunction image(uint64_t id) { return mirrored.of(functionAt(held_out, id / kImages), id % kImages); }
   // Nothing is left to learn about an image of a function that is known already.
   bool isOpen(uint64_t id) const {
-    const uint64_t n = id / kMirrorCount;
-    return id % kMirrorCount == 0 ? !known.in_training[n] : !known.in_training_mirrored[n];
+    const uint64_t n = id / kImages;
+    return id % kImages == 0 ? !known.in_training[n] : !known.in_training_mirrored[n];
   }
 
   const FunctionSet& held_out;
@@ -145,7 +146,7 @@ KnownFunctionSearch::KnownFunctionSearch(const DuplicateRule& rule, const Functi
   const uint64_t count = held_out.functionCount();
   impl_->known.in_training.assign(count, false);
   impl_->known.in_training_mirrored.assign(count, false);
-  for (uint64_t id = 0; id < count * kMirrorCount; ++id) impl_->index.add(impl_->image(id));
+  for (uint64_t id = 0; id < count * kImages; ++id) impl_->index.add(impl_->image(id));
 }
 
 KnownFunctionSearch::~KnownFunctionSearch() = default;
@@ -156,8 +157,8 @@ void KnownFunctionSearch::see(const StoredFunction& training) {
   impl_->index.forEachMatch(
       training, [this](uint64_t id) { return impl_->isOpen(id); },
       [this](const DuplicateIndex::Match& match) {
-        const uint64_t n = match.id / kMirrorCount;
-        if (match.id % kMirrorCount == 0) impl_->known.in_training[n] = true;
+        const uint64_t n = match.id / kImages;
+        if (match.id % kImages == 0) impl_->known.in_training[n] = true;
         impl_->known.in_training_mirrored[n] = true;
       });
 }

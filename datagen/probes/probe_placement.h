@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 #include "scene/scene.h"
 
 namespace nlg {

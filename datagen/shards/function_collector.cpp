@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 
 namespace nlg {
 namespace {

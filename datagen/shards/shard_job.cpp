@@ -8,6 +8,8 @@
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/provenance.h"
+#include "runtime_eval/support/point_set.h"
+#include "nlg/support.h"
 
 namespace nlg {
 namespace {

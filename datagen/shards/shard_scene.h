@@ -5,7 +5,7 @@
 #include <string>
 
 #include "datagen/dataset/shard.h"
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 #include "scene/jitter.h"
 #include "scene/scene.h"
 

@@ -7,8 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "datagen/view/triangles.h"
-#include "runtime_eval/support/stored_function.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
 
 namespace nlg {
 

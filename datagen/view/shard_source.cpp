@@ -1,7 +1,7 @@
 #include "datagen/view/shard_source.h"
 
 #include "datagen/shards/shard_scene.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -8,7 +8,7 @@
 #include "datagen/dataset/shard.h"
 #include "datagen/view/function_slice.h"
 #include "datagen/view/view.h"
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 #include "scene/scene.h"
 
 namespace nlg {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "datagen/visibility/segment_kernel.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
 
 namespace nlg {
 

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "nlg/support.h"
 #include "runtime_eval/simd/aligned.h"
-#include "runtime_eval/support/support_pattern.h"
 
 namespace nlg {
 

@@ -10,7 +10,8 @@
 
 #include "datagen/visibility/local_triangles.h"
 #include "datagen/visibility/packet_tree.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
+#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

@@ -17,7 +17,8 @@
 #include "datagen/visibility/segment_kernel.h"
 #include "datagen/visibility/solid_eye.h"
 #include "datagen/visibility/support_visibility.h"
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
+#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

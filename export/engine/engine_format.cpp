@@ -12,7 +12,7 @@
 
 #include "export/engine/sh_texture.h"
 #include "export/shader/shader_export.h"
-#include "runtime_eval/light_grid/irradiance.h"
+#include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/shader_grid/nlg_light_grid.h"
 #include "tool/error.h"

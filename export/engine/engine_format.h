@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "export/engine/sh_texture.h"
-#include "runtime_eval/light_grid/light_grid.h"
-#include "runtime_eval/light_grid/resampled_light.h"
-#include "runtime_eval/shader_grid/shader_grid.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
+#include "nlg/shader_grid.h"
 
 namespace nlg {
 

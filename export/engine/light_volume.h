@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/light_grid/resampled_light.h"
+#include "nlg/look_up.h"
 
 namespace nlg {
 

@@ -2,7 +2,7 @@
 //
 // Seven volumes stand one behind the other along z. Texel (x, y, z) of the box is texel (x, y, z + 1) of each of them; the first
 // and the last slice of a volume are once more those beside them, so that a linear filter stays inside its volume. The 27
-// coefficients of a texel, red, green and blue of each in the order of spherical_harmonics.h, are red, green, blue and alpha of
+// coefficients of a texel, red, green and blue of each in the order of nlg/light_grid.h, are red, green, blue and alpha of
 // the first volume, then of the second, and so on; the last alpha is 0. The texture is nx x ny x 7 (nz + 2) texels.
 #pragma once
 
@@ -59,7 +59,7 @@ TextureSize shTextureSize(const TextureSize& box_texels);
 // volume   |coefficients| <= kMaxEngineLight
 std::string packShTexture(const LightVolume& volume);
 
-// What a shader makes of it: seven linear reads, and irradiance by spherical_harmonics.h, no channel below 0. Outside the box, its
+// What a shader makes of it: seven linear reads, and irradiance by nlg/light_grid.h, no channel below 0. Outside the box, its
 // faces' light.
 // position_m   finite
 // normal_3     length 1

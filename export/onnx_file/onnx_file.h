@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
+#include "runtime_eval/evaluator/generator_data.h"
 
 namespace nlg {
 

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
 #include "tool/require_read.h"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime_eval/shader_grid/shader_grid.h"
+#include "nlg/shader_grid.h"
 
 namespace CLI {
 class App;

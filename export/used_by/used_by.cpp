@@ -7,8 +7,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/generator.h"
+#include "nlg/light_grid.h"
+#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/weights_file/weights_file.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "runtime_eval/weights_file/file_result.h"
+#include "nlg/result.h"
 
 namespace nlg {
 

@@ -6,18 +6,15 @@
 
 #include "integrations/python/arrays.h"
 #include "integrations/python/classes.h"
-#include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/fit/theta_policy.h"
-#include "runtime_eval/light_grid/light_grid.h"
-#include "runtime_eval/simd/aligned.h"
+#include "nlg/generator.h"
+#include "nlg/light_grid.h"
+#include "nlg/policy.h"
 
 namespace nlg {
 namespace {
 
 // Between two looks for Ctrl-C.
 constexpr py::ssize_t kFunctionsAtOnce = 64;
-constexpr py::ssize_t kPointsAtOnce = 4096;
 
 std::unique_ptr<Generator> loadGenerator(const py::object& source) {
   const FileSource file = sourceOf(source);
@@ -99,15 +96,9 @@ Rows<float> evaluateTheta(const Generator& generator, const py::object& theta, c
   float* const to = phi.mutable_data();
   const py::ssize_t point_count = places.shape(0);
   const py::gil_scoped_release released;
-  std::vector<LocalPoint> piece;
-  for (py::ssize_t first = 0; first < point_count; first += kPointsAtOnce) {
-    piece.resize(static_cast<size_t>(std::min(kPointsAtOnce, point_count - first)));
-    std::copy_n(places_from + 3 * first, 3 * piece.size(), piece.front().data());
-    const PointSet set = makePointSet(piece);
-    AlignedFloats values(static_cast<size_t>(set.padded_count));
-    evaluate(generator.representation(), set, theta_from, values.data());
-    std::copy_n(values.data(), piece.size(), to + first);
-  }
+  static_assert(sizeof(LocalPoint) == 3 * sizeof(float));
+  evaluate(generator.representation(), reinterpret_cast<const LocalPoint*>(places_from), static_cast<size_t>(point_count),
+           theta_from, to);
   return phi;
 }
 

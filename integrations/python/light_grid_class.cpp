@@ -11,8 +11,8 @@
 
 #include "integrations/python/arrays.h"
 #include "integrations/python/classes.h"
-#include "runtime_eval/light_grid/irradiance.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
 
 namespace nlg {
 namespace {

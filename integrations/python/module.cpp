@@ -7,9 +7,9 @@
 
 #include "integrations/python/arrays.h"
 #include "integrations/python/classes.h"
-#include "runtime_eval/light_grid/irradiance.h"
-#include "runtime_eval/simd/simd_target.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/look_up.h"
+#include "nlg/simd.h"
+#include "nlg/support.h"
 
 namespace nlg {
 namespace {

@@ -4,6 +4,7 @@
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "tool/processor_time.h"
+#include "nlg/look_up.h"
 
 namespace nlg {
 

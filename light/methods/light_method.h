@@ -13,8 +13,9 @@
 #include <glm/glm.hpp>
 
 #include "light/light_transport.h"
-#include "runtime_eval/light_grid/light_grid.h"
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/light_grid.h"
+#include "nlg/probe_tree.h"
+#include "nlg/look_up.h"
 
 namespace nlg {
 

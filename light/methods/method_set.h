@@ -13,7 +13,7 @@
 #include "light/methods/light_method.h"
 #include "light/methods/weightings.h"
 #include "light/probe_light.h"
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 
 namespace nlg {
 

@@ -11,7 +11,7 @@
 
 #include "light/methods/light_method.h"
 #include "light/probe_light.h"
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 
 namespace nlg {
 

@@ -4,8 +4,8 @@
 #include <bit>
 #include <memory>
 
-#include "runtime_eval/light_grid/irradiance.h"
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"

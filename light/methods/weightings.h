@@ -9,8 +9,9 @@
 #include "datagen/weighting/weighting_builder.h"
 #include "light/methods/light_method.h"
 #include "light/probe_light.h"
-#include "runtime_eval/light_grid/light_grid.h"
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/light_grid.h"
+#include "nlg/probe_tree.h"
+#include "nlg/look_up.h"
 
 namespace nlg {
 
@@ -68,7 +69,7 @@ class TargetFunctions : public Weighting {
   std::unordered_map<glm::dvec3, ProbeBlend, PlaceHash> blends_;
 };
 
-// What our own light grid's look-up gives (irradiance.h): shares, the weights that a bake solves with, and light.
+// What our own light grid's look-up gives (nlg/look_up.h): shares, the weights that a bake solves with, and light.
 class GridWeighting : public Weighting {
  public:
   // grid   in the world's coordinates, positions relative to the scene's origin; must outlive this object

@@ -1,4 +1,4 @@
-#include "runtime_eval/c_api/nlg.h"
+#include "nlg/nlg.h"
 
 #include <algorithm>
 #include <cstring>
@@ -9,12 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include "nlg/generator.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
+#include "nlg/policy.h"
+#include "nlg/simd.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/fit/theta_policy.h"
-#include "runtime_eval/light_grid/irradiance.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
-#include "runtime_eval/simd/simd_target.h"
+#include "runtime_eval/simd/aligned.h"
+#include "runtime_eval/support/point_set.h"
+#include "runtime_eval/evaluator/projection.h"
 
 namespace {
 
@@ -128,7 +131,7 @@ nlg::PolicyOptions optionsOf(const nlg_policy_options& options) {
   nlg::PolicyOptions result;
 #define NLG_CHOICE_OPTION(type, name, value, low, high, help)
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) result.name = options.name;
-#include "runtime_eval/fit/policy_options.def"
+#include "nlg/policy_options.def"
   result.theta_precision = static_cast<nlg::ThetaPrecision>(options.theta_precision);
   return result;
 }
@@ -242,7 +245,7 @@ nlg_policy_options nlg_default_policy(void) {
   nlg_policy_options options;
 #define NLG_CHOICE_OPTION(type, name, value, low, high, help)
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) options.name = value;
-#include "runtime_eval/fit/policy_options.def"
+#include "nlg/policy_options.def"
   options.theta_precision = static_cast<nlg_theta_precision>(nlg::PolicyOptions{}.theta_precision);
   return options;
 }

@@ -12,11 +12,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include "nlg/representation.h"
 #include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/point_order.h"
 
@@ -78,8 +78,6 @@ class Dictionary {
   mutable std::once_flag made_;
   mutable FitTables fit_tables_;
 };
-
-using SharedDictionary = std::shared_ptr<const Dictionary>;
 
 // Logits of a code at the nodes, not rounded: c, then one product after another in the order of k.
 // z        count floats: those behind are taken as 0

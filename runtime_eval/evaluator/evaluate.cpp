@@ -1,5 +1,6 @@
 #include "runtime_eval/evaluator/evaluate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -59,6 +60,17 @@ void evaluate(const Representation& representation, const PointSet& points, cons
     return;
   }
   HWY_DYNAMIC_DISPATCH(evaluateVectors)(representation, points, theta, values);
+}
+
+// In pieces that the first-level cache holds.
+void evaluate(const Representation& representation, const LocalPoint* points, size_t count, const float* theta, float* phi) {
+  constexpr size_t kPointsAtOnce = 512;
+  AlignedFloats values(kPointsAtOnce);
+  for (size_t first = 0; first < count; first += kPointsAtOnce) {
+    const size_t piece = std::min(kPointsAtOnce, count - first);
+    evaluate(representation, makePointSet(points + first, piece), theta, values.data());
+    std::copy_n(values.data(), piece, phi + first);
+  }
 }
 
 double evaluateReference(const Representation& representation, const LocalPoint& point, const double* theta) {

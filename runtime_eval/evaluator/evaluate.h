@@ -1,8 +1,9 @@
 // Evaluates one theta at many points: what a look-up in the game computes, and what every error is measured on.
 #pragma once
 
-#include "runtime_eval/evaluator/representation.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/representation.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 

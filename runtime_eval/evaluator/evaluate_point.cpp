@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "runtime_eval/evaluator/node_place.h"
+#include "runtime_eval/evaluator/dictionary.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
 
 namespace nlg {
 namespace {

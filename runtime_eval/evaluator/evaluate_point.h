@@ -2,8 +2,8 @@
 // and many points.
 #pragma once
 
-#include "runtime_eval/evaluator/representation.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/representation.h"
+#include "nlg/support.h"
 
 namespace nlg {
 

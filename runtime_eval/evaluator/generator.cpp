@@ -1,18 +1,29 @@
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
 
 #include <algorithm>
 #include <cstdlib>
 #include <utility>
+#include <vector>
 
-#include "runtime_eval/simd/simd_target.h"
+#include "nlg/simd.h"
+#include "runtime_eval/evaluator/generator_data.h"
 
 namespace nlg {
 
-Generator::Generator(const GeneratorData& data)
-    : representation_(data.representation),
-      projection_(data.basis),
-      theta0_(data.theta0),
-      exact_last_layer_(data.exact_last_layer) {
+struct Generator::Network {
+  Representation representation;
+  Projection projection;
+  LayerStack layers;
+  std::vector<float> theta0;
+  bool exact_last_layer = false;
+};
+
+struct GeneratorScratch::Buffers {
+  ProjectionScratch projection;
+  LayerScratch layers;
+};
+
+Generator::Generator(const GeneratorData& data) {
   // the last layer yields theta itself
   std::vector<GeneratorLayer> layers = data.layers;
   GeneratorLayer& last = layers.back();
@@ -21,8 +32,13 @@ Generator::Generator(const GeneratorData& data)
     for (int i = 0; i < last.input_count; ++i) last.weight[size_t(o) * last.input_count + i] *= scale;
     last.bias[o] = data.theta0[o] + scale * last.bias[o];
   }
-  layers_ = LayerStack(layers, data.slope);
+  network_ = std::make_shared<const Network>(
+      Network{data.representation, Projection(data.basis), LayerStack(layers, data.slope), data.theta0, data.exact_last_layer});
 }
+
+const Representation& Generator::representation() const { return network_->representation; }
+const float* Generator::theta0() const { return network_->theta0.data(); }
+bool Generator::exactLastLayer() const { return network_->exact_last_layer; }
 
 namespace {
 
@@ -57,10 +73,11 @@ FileResult Generator::parse(std::string_view bytes, Generator* generator) {
 
 template <class Sample>
 void Generator::generateAll(const Sample* phi, int count, float* theta, GeneratorScratch* scratch) const {
+  GeneratorScratch::Buffers& buffers = *scratch->buffers_;
   for (int begin = 0; begin < count; begin += kBatchCount) {
     const int batch = std::min(kBatchCount, count - begin);
-    projection_.project(phi + size_t(begin) * kSupportPointCount, batch, scratch->layers_.input(), &scratch->projection_);
-    layers_.run(batch, theta + size_t(begin) * representation_.thetaCount(), &scratch->layers_);
+    network_->projection.project(phi + size_t(begin) * kSupportPointCount, batch, buffers.layers.input(), &buffers.projection);
+    network_->layers.run(batch, theta + size_t(begin) * network_->representation.thetaCount(), &buffers.layers);
   }
 }
 
@@ -72,6 +89,10 @@ void Generator::generate(const float* phi, int count, float* theta, GeneratorScr
   generateAll(phi, count, theta, scratch);
 }
 
-GeneratorScratch::GeneratorScratch(const Generator& generator) : layers_(generator.layers_) {}
+GeneratorScratch::GeneratorScratch(const Generator& generator)
+    : buffers_(new Buffers{ProjectionScratch(), LayerScratch(generator.network_->layers)}) {}
+GeneratorScratch::~GeneratorScratch() = default;
+GeneratorScratch::GeneratorScratch(GeneratorScratch&&) noexcept = default;
+GeneratorScratch& GeneratorScratch::operator=(GeneratorScratch&&) noexcept = default;
 
 }  // namespace nlg

@@ -1,6 +1,7 @@
 #include <cmath>
 
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
+#include "runtime_eval/evaluator/generator_data.h"
 
 namespace nlg {
 namespace {

@@ -1,4 +1,4 @@
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
 
 #include <algorithm>
 #include <cinttypes>
@@ -7,7 +7,10 @@
 #include <locale>
 #include <sstream>
 
+#include "runtime_eval/evaluator/dictionary.h"
+#include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/weights_file/header_parser.h"
+#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 namespace {

@@ -1,6 +1,8 @@
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 
 #include <utility>
+
+#include "runtime_eval/evaluator/kernel_shape.h"
 
 namespace nlg {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "runtime_eval/numbers/finite.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
 
 namespace nlg {
 namespace {

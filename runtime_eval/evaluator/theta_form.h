@@ -14,7 +14,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/numbers/half.h"
 
 namespace nlg {

@@ -9,8 +9,8 @@
 
 #include <hwy/highway.h>
 
+#include "nlg/representation.h"
 #include "runtime_eval/evaluator/elementary-inl.h"
-#include "runtime_eval/evaluator/representation.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace nlg {

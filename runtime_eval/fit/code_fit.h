@@ -14,9 +14,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 #include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/simd/aligned.h"
+#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 

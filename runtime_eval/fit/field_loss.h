@@ -10,7 +10,7 @@ namespace nlg {
 //
 // order       cellOrder(r)
 // phi, mask   order.placeCount() floats each; mask 0 leaves a place out (its phi may be anything finite), others weigh it
-// theta       2 r³ floats: representation.h
+// theta       2 r³ floats: nlg/representation.h
 // gradient    2 r³ floats, overwritten with d sum / d theta
 double fieldLossAndGradient(const PointOrder& order, const float* phi, const float* mask, const float* theta, float* gradient);
 

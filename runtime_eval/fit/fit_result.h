@@ -3,21 +3,11 @@
 
 #include <chrono>
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/policy.h"
+#include "nlg/representation.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
-
-enum class FitStop {
-  budget,      // all steps taken
-  gradient,    // the gradient vanished
-  progress,    // steps stopped paying
-  damping,     // no damping made a step downhill (a minimum, or numbers at their end)
-  no_points,   // no valid point: theta returned as it was given
-  not_finite,  // start or function not finite: theta returned as it was given
-};
-inline constexpr int kFitStopCount = 6;
-const char* fitStopName(FitStop stop);
 
 struct FitResult {
   Theta theta;

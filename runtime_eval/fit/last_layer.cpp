@@ -1,4 +1,5 @@
 #include "runtime_eval/fit/last_layer.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // them follow from 9 x 9 normal equations (variable projection, Golub & Pereyra 1973). docs/theory/math.md §5.
 #pragma once
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 #include "runtime_eval/fit/symmetric_band.h"
 #include "runtime_eval/support/weighting_function.h"
 

@@ -3,7 +3,7 @@
 // Direct optimisation, refinement and the trainer all call these two routines.
 #pragma once
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 
 namespace nlg {
 

@@ -4,8 +4,9 @@
 // `mlp`: 264 fused multiply-adds a point; the gradient is summed in float over blocks of 256 points, the loss in double over blocks.
 #pragma once
 
-#include "runtime_eval/evaluator/representation.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/representation.h"
+#include "nlg/support.h"
+#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 

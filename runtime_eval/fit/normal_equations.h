@@ -3,8 +3,9 @@
 
 #include <vector>
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 #include "runtime_eval/fit/symmetric_band.h"
+#include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 #include "runtime_eval/fit/adam_update.h"
 #include "runtime_eval/simd/aligned.h"
 

@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "nlg/light_grid.h"
+#include "nlg/representation.h"
 #include "runtime_eval/evaluator/brick_quads.h"
-#include "runtime_eval/evaluator/representation.h"
-#include "runtime_eval/light_grid/spherical_harmonics.h"
+#include "runtime_eval/evaluator/dictionary.h"
 
 namespace nlg {
 

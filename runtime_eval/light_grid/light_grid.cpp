@@ -1,11 +1,14 @@
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include "runtime_eval/evaluator/brick_quads.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/evaluate_point.h"
+#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/light_grid/packed_light.h"
 
 namespace nlg {
 namespace {
@@ -128,14 +131,6 @@ FileResult checkGroups(const LightGrid& grid) {
     if (!result.ok()) return result;
   }
   return {};
-}
-
-// False where the weight counts as none.
-bool addWeight(uint32_t probe, float weight, ProbeWeights* weights) {
-  if (!(weight >= kLeastWeight)) return false;
-  weights->probe[weights->count] = probe;
-  weights->weight[weights->count++] = weight;
-  return true;
 }
 
 }  // namespace
@@ -289,62 +284,5 @@ PackedLight packedLightOf(const LightGrid& grid, double max_error) {
 }
 
 FileResult checkLight(const std::vector<float>& light) { return checkValues("light", light, kMaxGridLight); }
-
-void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
-  constexpr float kStretch = 1.0f / (1.0f - kResidue);
-  static_assert((1.0f - kResidue) * kStretch == 1.0f, "bare tents would not keep all");
-  weights->count = 0;
-  float sum = 0.0f, believed = 0.0f;
-  for (const ProbeAround& corner : around.corners) {
-    const uint32_t function = grid.probe_function[corner.probe];
-    if (function == kNoWeight) continue;
-    const float bare = tent(corner.local);
-    float share = 1.0f;
-    if (function != kFreeSpace) {
-      const Representation& representation = grid.representations[grid.function_representation[function]];
-      share = representation.isCode() ? evaluateQuads(representation.resolution, corner.local, grid.function_brick[function].step,
-                                                      grid.functionQuads(function))
-                                      : evaluateTentShare(representation, corner.local, bare, grid.functionTheta(function));
-    }
-    const float above = share - kResidue;
-    const float weight = bare * corner.tent_ratio * (above * kStretch);
-    if (!addWeight(corner.probe, weight, weights)) continue;
-    sum += weight;
-    believed += weight * above;
-  }
-  weights->certainty = sum > 0.0f ? std::min(1.0f, believed / (kResidue * sum)) : 0.0f;
-}
-
-void tentsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
-  weights->count = 0;
-  weights->certainty = 1.0f;
-  for (const ProbeAround& corner : around.corners) {
-    if (grid.probe_function[corner.probe] == kNoWeight) continue;
-    addWeight(corner.probe, tent(corner.local) * corner.tent_ratio, weights);
-  }
-}
-
-bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights) {
-  ProbesAround around;
-  if (!grid.tree.lookUp(position_m, &around)) return false;
-  weightsAround(grid, around, weights);
-  return true;
-}
-
-bool lookUpTents(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights) {
-  ProbesAround around;
-  if (!grid.tree.lookUp(position_m, &around)) return false;
-  tentsAround(grid, around, weights);
-  return true;
-}
-
-bool normaliseWeights(ProbeWeights* weights) {
-  if (weights->count == 0) return false;
-  float sum = 0.0f;
-  for (int i = 0; i < weights->count; ++i) sum += weights->weight[i];
-  const float scale = weights->certainty / sum;
-  for (int i = 0; i < weights->count; ++i) weights->weight[i] *= scale;
-  return true;
-}
 
 }  // namespace nlg

@@ -253,7 +253,8 @@ FileResult readLight(const TensorFileReader& reader, GridCounts* counts, LightGr
     LightAxis& axis = packed.axes.emplace_back();
     axis.bits = bits[k + 1];
     axis.offset = offsets[k];
-    std::copy_n(axes.begin() + static_cast<ptrdiff_t>(k * kShFloats), kShFloats, axis.direction.begin());
+    std::transform(&axes[k * kShFloats], &axes[k * kShFloats] + kShFloats, axis.direction.begin(),
+                   [](Half half) { return half.bits; });
   }
   result = checkLightLayout(packed);
   countRecords(packed, counts);
@@ -320,7 +321,7 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   for (const LightAxis& axis : light.axes) {
     light_bits.push_back(static_cast<uint8_t>(axis.bits));
     light_offsets.push_back(axis.offset);
-    light_axes.insert(light_axes.end(), axis.direction.begin(), axis.direction.end());
+    for (const uint16_t bits : axis.direction) light_axes.push_back({bits});
   }
   std::vector<uint8_t> light_records;
   if (result.ok() && has_light) light_records = codedRecords(light, recordsBefore(grid.tree, grid.probe_function));

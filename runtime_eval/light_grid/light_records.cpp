@@ -6,8 +6,9 @@
 #include <string>
 #include <unordered_map>
 
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 #include "runtime_eval/light_grid/morton.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/range_coder.h"
 
 namespace nlg {

@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "nlg/probe_tree.h"
 #include "runtime_eval/light_grid/packed_light.h"
-#include "runtime_eval/light_grid/probe_tree.h"
 
 namespace nlg {
 

@@ -7,7 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
+#include "runtime_eval/numbers/half.h"
 
 namespace nlg {
 namespace {
@@ -371,7 +372,11 @@ class LightPacker {
       LightAxis& axis = packed->axes.emplace_back();
       axis.bits = bits;
       axis.offset = choice.offset(k);
-      for (size_t i = 0; i < kShFloats; ++i) halfFromFloat(static_cast<float>(axes_[k][i] / bandOf(i)), &axis.direction[i]);
+      for (size_t i = 0; i < kShFloats; ++i) {
+        Half half;
+        halfFromFloat(static_cast<float>(axes_[k][i] / bandOf(i)), &half);
+        axis.direction[i] = half.bits;
+      }
       axis_of_.push_back(k);
     }
   }
@@ -383,7 +388,7 @@ class LightPacker {
     std::vector<Numbers> stored;  // axes as they are read, over the unit
     for (const LightAxis& axis : packed->axes) {
       Numbers& numbers = stored.emplace_back();
-      for (size_t i = 0; i < kShFloats; ++i) numbers[i] = bandOf(i) * double{floatFromHalf(axis.direction[i])};
+      for (size_t i = 0; i < kShFloats; ++i) numbers[i] = bandOf(i) * double{floatFromHalf({axis.direction[i]})};
     }
     const uint32_t most_scale =
         nearestScale(static_cast<size_t>(std::max_element(length_.begin(), length_.end()) - length_.begin()));
@@ -462,7 +467,8 @@ void unpackRecords(const PackedLight& packed, size_t count, const PlaceOf& place
   const auto words = static_cast<size_t>(lightWords(packed));
   std::vector<Numbers> axes(packed.axes.size());
   for (size_t k = 0; k < axes.size(); ++k)
-    std::transform(packed.axes[k].direction.begin(), packed.axes[k].direction.end(), axes[k].begin(), floatFromHalf);
+    std::transform(packed.axes[k].direction.begin(), packed.axes[k].direction.end(), axes[k].begin(),
+                   [](uint16_t bits) { return floatFromHalf({bits}); });
   for (size_t i = 0; i < (words > 0 ? count : 0); ++i) {
     float* const light = placeOf(i);
     const uint32_t* record = &packed.records[i * words];
@@ -497,7 +503,7 @@ FileResult checkLightLayout(const PackedLight& packed) {
     if (std::abs(int64_t{axis.offset}) > 1 << kMostAxisBits)
       return refuse(FileStatus::value_out_of_range, "light.offsets" + place);
     for (size_t i = 0; i < kShFloats; ++i) {
-      if (!std::isfinite(floatFromHalf(axis.direction[i])))
+      if (!std::isfinite(floatFromHalf({axis.direction[i]})))
         return refuse(FileStatus::value_not_finite, "light.axes: value " + std::to_string(k * kShFloats + i));
     }
   }

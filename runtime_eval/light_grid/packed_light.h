@@ -14,36 +14,20 @@
 // measure: a dark room counts as much as a terrace.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/light_grid/spherical_harmonics.h"
+#include "nlg/light_grid.h"
 #include "runtime_eval/numbers/half.h"
-#include "runtime_eval/weights_file/file_result.h"
 
 namespace nlg {
 
-inline constexpr int kMaxLightWords = 8;     // of 32 bits, a record
-inline constexpr int kMostScaleBits = 11;    // of s: 128 octaves
-inline constexpr int kMostAxisBits = 12;     // of u_k
-inline constexpr double kLightError = 0.02;  // by default
+inline constexpr int kMaxLightWords = 8;   // of 32 bits, a record
+inline constexpr int kMostScaleBits = 11;  // of s: 128 octaves
+inline constexpr int kMostAxisBits = 12;   // of u_k
 inline constexpr int kScalesAnOctave = 16;
 inline constexpr double kLeastLightError = 1e-3, kMostLightError = 0.5;  // what may be asked for
-
-struct LightAxis {
-  int bits = 0;                           // of u_k: 0 … kMostAxisBits; 0 of what all probes share
-  int32_t offset = 0;                     // |offset| <= 2^kMostAxisBits
-  std::array<Half, kShFloats> direction;  // 9 of red, green and blue each, as light has them
-};
-
-struct PackedLight {
-  float unit = 1.0f;  // > 0
-  int scale_bits = 0;
-  std::vector<LightAxis> axes;    // K, at most kShFloats
-  std::vector<uint32_t> records;  // wordsOf(…) a probe; bits that no number has are 0
-};
 
 // Where a number stands in a record; in no place where it has no bits.
 struct LightField {
@@ -79,5 +63,24 @@ LightPacking packLight(const std::vector<float>& light, double max_error, Packed
 // returns   ok; tensor_unexpected (a size), value_not_finite or value_out_of_range, with one line that says where; *light is
 //           empty then
 FileResult unpackLight(const PackedLight& packed, size_t probe_count, std::vector<float>* light);
+
+inline constexpr float kMaxEngineLight = 32768.0f;  // of |light| that half floats of engines hold: irradiance over pi fits, too
+
+// The power of ten by which light is multiplied to be at most kMaxEngineLight. largest   > 0
+double intensityThatFits(double largest);
+
+// Light, of each group and mixed by startingColours, becomes what packed_light holds of it.
+// returns   as unpackLight; or what checkLight says of it
+FileResult takePackedLight(LightGrid* grid);
+// Light becomes what a file holds of it: packed_light, with an error that packed_light.h speaks of, and 0 at probes without weight.
+LightPacking roundGridLight(double max_error, LightGrid* grid);
+// Whether packed_light says what `light`, or its groups, are.
+bool holdsPackedLight(const LightGrid& grid);
+// packed_light where the grid holds it, and light packed anew otherwise: what files and shaders take.
+PackedLight packedLightOf(const LightGrid& grid, double max_error);
+// As packed_light has it, of each group, by probe: 0 without weight.
+// returns   as unpackLight
+FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, size_t group_count,
+                           std::vector<std::vector<float>>* light);
 
 }  // namespace nlg

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 #include "runtime_eval/light_grid/probe_tree_numbering.h"
 
 namespace nlg {

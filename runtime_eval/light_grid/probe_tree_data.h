@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 
 namespace nlg {
 

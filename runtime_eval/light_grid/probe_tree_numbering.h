@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 
 namespace nlg {
 

@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "nlg/light_grid.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/grid_memory.h"
-#include "runtime_eval/light_grid/light_grid.h"
+#include "runtime_eval/numbers/half.h"
 #include "runtime_eval/weights_file/tensor_file.h"
 
 namespace nlg {

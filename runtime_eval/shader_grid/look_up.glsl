@@ -41,7 +41,7 @@ struct NlgLight {
   int status;
 };
 
-// Radiance as spherical harmonics (spherical_harmonics.h): what a compute pass writes into textures.
+// Radiance as spherical harmonics (nlg/light_grid.h): what a compute pass writes into textures.
 struct NlgRadiance {
   vec3 sh[9];
   float certainty;  // ProbeWeights
@@ -349,7 +349,7 @@ float nlgTentShare(NlgCorner corner) {
 
 // ---- light
 
-// The shares of irradiance of the nine coefficients, for a normal of length 1 (spherical_harmonics.h).
+// The shares of irradiance of the nine coefficients, for a normal of length 1 (nlg/light_grid.h).
 struct NlgBasis {
   float mean;
   vec4 low, high;  // of orders 1 and 2

@@ -1,4 +1,4 @@
-#include "runtime_eval/shader_grid/shader_grid.h"
+#include "nlg/shader_grid.h"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +9,7 @@
 
 #include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/weights_file/sha256.h"
@@ -399,7 +400,7 @@ class Packer {
       for (size_t i = 0; i < kShFloats; ++i) {
         const size_t coefficient = i / kShChannels, channel = i % kShChannels;
         const size_t place = coefficient == 0 ? 24 + channel : 8 * channel + coefficient - 1;
-        words[place] = bitsOf(light_.unit / scale_ * floatFromHalf(axis.direction[i]));
+        words[place] = bitsOf(light_.unit / scale_ * floatFromHalf({axis.direction[i]}));
       }
       words[27] = light_fields_[k];
     }

@@ -14,18 +14,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "runtime_eval/support/stored_function.h"
+#include "nlg/support.h"
 
 namespace nlg {
 
 // A tent up to here is stored as 0: at the rim of the support a function is 0 wherever the probe sees.
 inline constexpr float kRimTent = 0.5f / 255.0f;
-
-// Defaults of their own have only the options of the policy (fit/policy_options.def).
-struct LossOptions {
-  double dark_weight;  // >= 1
-  double blend_floor;  // (0, 1]
-};
 
 // Residuals and values are compared as they are: what counts where nobody asks for the loss, and in plain RMSEs.
 inline constexpr LossOptions kUnweighed{1.0, 1.0};

@@ -7,7 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
+#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 
@@ -28,7 +29,7 @@ struct PointOrder {
   int placeCount() const { return static_cast<int>(pattern_index.size()); }
 };
 
-// 8 batches of 1024 places, no place empty, minibatches of 256: stratifiedSupportPoints (support_pattern.h).
+// 8 batches of 1024 places, no place empty, minibatches of 256: stratifiedSupportPoints (point_set.h).
 const PointOrder& stratumOrder();
 
 // One batch: by cell of a grid of `resolution` nodes an axis over [-1, 1]³, pattern order inside a cell; each cell is filled up

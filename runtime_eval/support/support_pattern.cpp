@@ -1,4 +1,4 @@
-#include "runtime_eval/support/support_pattern.h"
+#include "runtime_eval/support/point_set.h"
 
 #include <algorithm>
 #include <cmath>
@@ -160,9 +160,9 @@ uint64_t hashPoints(const std::vector<LocalPoint>& points) {
   return hash;
 }
 
-PointSet makePointSet(const std::vector<LocalPoint>& points) {
+PointSet makePointSet(const LocalPoint* points, size_t count) {
   PointSet set;
-  set.count = static_cast<int>(points.size());
+  set.count = static_cast<int>(count);
   set.padded_count = (set.count + 15) / 16 * 16;
   for (AlignedFloats* values : {&set.x, &set.y, &set.z, &set.tent}) values->resize(set.padded_count);
   for (int i = 0; i < set.padded_count; ++i) {

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "nlg/support.h"
 #include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/loss_weights.h"
 #include "runtime_eval/support/point_order.h"
-#include "runtime_eval/support/stored_function.h"
 
 namespace nlg {
 

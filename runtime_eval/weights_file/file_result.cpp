@@ -1,4 +1,4 @@
-#include "runtime_eval/weights_file/file_result.h"
+#include "nlg/result.h"
 
 #include <iterator>
 

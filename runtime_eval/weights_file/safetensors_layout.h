@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime_eval/weights_file/file_result.h"
+#include "nlg/result.h"
 #include "runtime_eval/weights_file/header_parser.h"
 
 namespace nlg {

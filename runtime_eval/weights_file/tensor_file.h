@@ -3,7 +3,7 @@
 // The same rules, but that a tensor starts at a multiple of the size of its elements: fillers of dtype U8 named "padding.0",
 // "padding.1", … stand where bytes are skipped, spaces end the header, nothing overlaps and nothing is left over. Every tensor has one
 // dimension.
-// No exceptions, no dependency; statuses and results are those of file_result.h.
+// No exceptions, no dependency; statuses and results are those of nlg/result.h.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +15,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "nlg/result.h"
 #include "runtime_eval/numbers/half.h"
-#include "runtime_eval/weights_file/file_result.h"
 #include "runtime_eval/weights_file/header_parser.h"
 
 namespace nlg {

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime_eval/weights_file/file_result.h"
+#include "nlg/result.h"
 
 namespace nlg {
 

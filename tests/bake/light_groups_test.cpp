@@ -5,8 +5,9 @@
 #include <filesystem>
 
 #include "bake/scene_bake.h"
-#include "runtime_eval/light_grid/irradiance.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"

@@ -9,7 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "export/used_by/used_by.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
+#include "runtime_eval/evaluator/generator_data.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "runtime_eval/light_grid/irradiance.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
 #include "tests/fuzz/digests.h"
 #include "tests/fuzz/fuzz.h"
 

@@ -2,7 +2,8 @@
 // every form.
 #include <string>
 
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 

@@ -19,7 +19,8 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
+#include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/weights_file/header_parser.h"
 #include "runtime_eval/weights_file/weights_file.h"
 #include "tests/fuzz/digests.h"

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "runtime_eval/c_api/nlg.h"
+#include "nlg/nlg.h"
 
 enum { kWalls = 16, kPositions = 5000 };
 

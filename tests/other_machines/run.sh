@@ -31,14 +31,14 @@ cmake -S examples -B "$work/examples" -G Ninja --toolchain "$PWD/cmake/toolchain
 numbers=(-std=c11 -O2 -Wall -Wextra -Wpedantic -Werror tests/other_machines/numbers.c)
 if [ "$machine" = windows ]; then
   cp "$prefix/bin/nlg.dll" "$work/examples"
-  "$compiler-gcc-posix" "${numbers[@]}" -o "$work/examples/numbers.exe" -I "$prefix/include/nlg" -L "$prefix/lib" -lnlg
+  "$compiler-gcc-posix" "${numbers[@]}" -o "$work/examples/numbers.exe" -I "$prefix/include" -L "$prefix/lib" -lnlg
   unwanted=$("$compiler-objdump" -p "$work/examples/nlg.dll" | sed -n 's/.*DLL Name: //p' | grep -ivE '^(kernel32|msvcrt|user32)\.dll$' || true)
   [ -z "$unwanted" ] || fail "nlg.dll needs other DLLs: $unwanted"
 else
-  "$compiler-gcc" "${numbers[@]}" -o "$work/examples/numbers" -I "$prefix/include/nlg" -L "$prefix/lib" -L "build/highway-$machine/lib" \
+  "$compiler-gcc" "${numbers[@]}" -o "$work/examples/numbers" -I "$prefix/include" -L "$prefix/lib" -L "build/highway-$machine/lib" \
     -lnlg_runtime_eval -lnlg_weights_file -lnlg_regular_file -lhwy -lstdc++ -lm
 fi
-"$cc" "${numbers[@]}" -o "$work/numbers" -I . -L "$build/runtime_eval" -L "$build/runtime_eval/weights_file" -L "$build/runtime_eval/regular_file" \
+"$cc" "${numbers[@]}" -o "$work/numbers" -I include -L "$build/runtime_eval" -L "$build/runtime_eval/weights_file" -L "$build/runtime_eval/regular_file" \
   -lnlg_runtime_eval -lnlg_weights_file -lnlg_regular_file -lhwy -lstdc++ -lm
 
 weights=weights/tent_mlp4.safetensors

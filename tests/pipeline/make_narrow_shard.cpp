@@ -1,7 +1,8 @@
 // Writes a shard that bears the support pattern's hash but rows of 16 points: what no tool of ours makes, and none may believe.
 // With a second argument its functions are all the same one.
 #include "datagen/dataset/shard.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
+#include "runtime_eval/support/point_set.h"
 
 int main(int argc, char** argv) {
   if (argc != 2 && argc != 3) return 2;

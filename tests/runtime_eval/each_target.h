@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/simd/simd_target.h"
+#include "nlg/simd.h"
 
 namespace nlg {
 

@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {

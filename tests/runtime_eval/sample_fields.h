@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 #include "runtime_eval/numbers/random.h"
+#include "runtime_eval/simd/aligned.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {

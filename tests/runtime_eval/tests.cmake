@@ -31,18 +31,18 @@ nlg_test(test_runtime_eval
     runtime_eval/fit/adam_update_test.cpp
     runtime_eval/fit/soap_update_test.cpp
     runtime_eval/fit/last_layer_test.cpp
-    runtime_eval/fit/compensated_rounding_test.cpp
-    runtime_eval/fit/function_check_test.cpp
-    runtime_eval/fit/refinement_test.cpp
-    runtime_eval/fit/stage_runner_test.cpp
-    runtime_eval/fit/theta_policy_test.cpp
-    runtime_eval/fit/representation_choice_test.cpp
+    runtime_eval/policy/compensated_rounding_test.cpp
+    runtime_eval/policy/function_check_test.cpp
+    runtime_eval/policy/refinement_test.cpp
+    runtime_eval/policy/stage_runner_test.cpp
+    runtime_eval/policy/theta_policy_test.cpp
+    runtime_eval/policy/representation_choice_test.cpp
     runtime_eval/light_grid/probe_tree_test.cpp
   LINKS nlg::runtime_eval)
 # strict C: the interface's header must hold no C++ (and the warnings of nlg_warnings are for C++)
 add_library(c_engine OBJECT runtime_eval/c_api/c_engine.c)
 set_target_properties(c_engine PROPERTIES C_STANDARD 11 C_STANDARD_REQUIRED ON C_EXTENSIONS OFF)
-target_include_directories(c_engine PRIVATE ${PROJECT_SOURCE_DIR})
+target_include_directories(c_engine PRIVATE ${PROJECT_SOURCE_DIR}/include)
 target_compile_options(c_engine PRIVATE -Wall -Wextra -Wpedantic -Werror)
 nlg_test(test_c_api SOURCES runtime_eval/c_api/c_api_test.cpp LINKS nlg::runtime_eval c_engine)
 nlg_test(test_product_field
@@ -58,7 +58,7 @@ nlg_test(test_codes
   SOURCES
     runtime_eval/evaluator/dictionary_test.cpp
     runtime_eval/fit/code_fit_test.cpp
-    runtime_eval/fit/code_rounding_test.cpp
+    runtime_eval/policy/code_rounding_test.cpp
   LINKS nlg::runtime_eval)
 nlg_test(test_light_grid
   SOURCES

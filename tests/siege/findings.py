@@ -349,7 +349,7 @@ def orphaned_tools(siege, seconds):
 
 def policy_options(of_type):
     """Names of C's options of the policy, which has none of the choice between generators."""
-    table = Path(__file__).resolve().parents[2] / "runtime_eval/fit/policy_options.def"
+    table = Path(__file__).resolve().parents[2] / "include/nlg/policy_options.def"
     return re.findall(rf"^NLG_(?!CHOICE)\w+_OPTION\({of_type}, (\w+),", table.read_text(), re.MULTILINE)
 
 

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/c_api/nlg.h"
-#include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/generator.h"
+#include "nlg/light_grid.h"
+#include "nlg/nlg.h"
 #include "runtime_eval/regular_file/regular_file.h"
 
 extern "C" int cHeaderIsWhole(const uint8_t* bytes, size_t size);
@@ -76,7 +76,7 @@ bool setOption(nlg_policy_options* options, const std::string& name, double valu
 #define NLG_CHOICE_OPTION(type, option, usual, low, high, help)
 #define NLG_POLICY_OPTION(type, option, usual, low, high, help) \
   if (name == #option) return options->option = static_cast<type>(value), true;
-#include "runtime_eval/fit/policy_options.def"
+#include "nlg/policy_options.def"
   return false;
 }
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "light/methods/weightings.h"
-#include "runtime_eval/light_grid/irradiance.h"
+#include "nlg/look_up.h"
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/validate/light/lit_scenes.h"

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
 
 namespace nlg {
 

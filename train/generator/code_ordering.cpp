@@ -10,6 +10,9 @@
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "train/generator/theta_stages.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/support/point_order.h"
+#include "runtime_eval/evaluator/dictionary.h"
 
 namespace nlg {
 namespace {

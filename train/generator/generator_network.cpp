@@ -6,6 +6,7 @@
 
 #include "runtime_eval/evaluator/node_place.h"
 #include "runtime_eval/numbers/random.h"
+#include "runtime_eval/evaluator/dictionary.h"
 
 namespace nlg {
 namespace {

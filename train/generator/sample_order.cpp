@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "nlg/support.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/support/support_pattern.h"
 
 namespace nlg {
 namespace {

@@ -3,6 +3,8 @@
 #include "train/generator/dictionary_loss.h"
 
 #include "tool/parallel_for.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 

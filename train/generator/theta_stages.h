@@ -1,6 +1,6 @@
 // What becomes of a function's theta on its way: predicted, then its last layer solved.
 //
-// The same way as at bake time (runtime_eval/fit/theta_policy.h), but differentiable.
+// The same way as at bake time (nlg/policy.h), but differentiable.
 #pragma once
 
 #include "train/generator/function_loss.h"

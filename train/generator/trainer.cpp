@@ -11,6 +11,8 @@
 #include "train/generator/dictionary_loss.h"
 #include "train/generator/function_loss.h"
 #include "train/generator/loss_guard.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 namespace {

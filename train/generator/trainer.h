@@ -5,8 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "nlg/policy.h"
+#include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/fit/direct.h"
-#include "runtime_eval/fit/policy_options.h"
 #include "tool/options.h"
 #include "train/basis/basis_file.h"
 #include "train/generator/checkpoint.h"

@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
 #include "runtime_eval/fit/direct.h"
+#include "runtime_eval/fit/fit_result.h"
+#include "runtime_eval/support/weighting_function.h"
 #include "validate/errors/measured_word.h"
 
 namespace nlg {

@@ -2,7 +2,8 @@
 
 #include <array>
 
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
+#include "runtime_eval/support/point_set.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"

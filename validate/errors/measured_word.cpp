@@ -4,6 +4,7 @@
 
 #include "tool/error.h"
 #include "tool/parallel_for.h"
+#include "nlg/check.h"
 
 namespace nlg {
 namespace {
@@ -93,7 +94,8 @@ MeasuredWord measureTents(const FunctionSet& set, const Populations& populations
     PopulationLeaks leaks;
   };
   MeasuredWord word{"tent", std::vector<MeasuredFunction>(set.functionCount()), {}};
-  std::vector<Thread> threads(options.threadCount(), Thread(set, options.policy.check().loss()));
+  std::vector<Thread> threads;
+  for (int t = 0; t < options.threadCount(); ++t) threads.emplace_back(set, options.policy.check().loss());
   parallelFor(set.functionCount(), options.threadCount(), [&](uint64_t i, int t) {
     Thread& thread = threads[t];
     const FunctionCheck check = thread.checker.checkBareTent(storedFunction(set, i), options.policy.check());

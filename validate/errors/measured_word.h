@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "datagen/dataset/function_set.h"
+#include "nlg/check.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/fit/function_check.h"
+#include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/loss_weights.h"
+#include "runtime_eval/support/point_set.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "validate/errors/populations.h"
 #include "validate/errors/statistics.h"

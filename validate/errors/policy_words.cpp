@@ -7,6 +7,7 @@
 
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
+#include "runtime_eval/policy/theta_trace.h"
 
 namespace nlg {
 namespace {
@@ -62,7 +63,8 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
   for (int w = 0; w < kThetaWordCount; ++w) {
     result.words.push_back({wordName(static_cast<ThetaWord>(w)), std::vector<MeasuredFunction>(set.functionCount()), {}});
   }
-  std::vector<Thread> threads(options.threadCount(), Thread(set, options.policy.check().loss()));
+  std::vector<Thread> threads;
+  for (int t = 0; t < options.threadCount(); ++t) threads.emplace_back(set, options.policy.check().loss());
   Progress progress(std::string(representationName(generator.representation())) + ": functions",
                     static_cast<int64_t>(set.functionCount()));
   std::mutex mutex;

@@ -5,8 +5,11 @@
 #include <functional>
 #include <vector>
 
-#include "runtime_eval/fit/theta_policy.h"
+#include "nlg/policy.h"
+#include "runtime_eval/policy/stage_plan.h"
 #include "validate/errors/measured_word.h"
+#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 

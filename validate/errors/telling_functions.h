@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datagen/dataset/function_set.h"
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 #include "validate/errors/policy_words.h"
 
 namespace nlg {

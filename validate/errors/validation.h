@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "bake/policy_options.h"
+#include "nlg/policy.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/direct.h"
-#include "runtime_eval/fit/theta_policy.h"
 #include "tool/options.h"
 
 namespace nlg {

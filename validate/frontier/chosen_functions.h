@@ -2,7 +2,7 @@
 #pragma once
 
 #include "datagen/dataset/function_set.h"
-#include "runtime_eval/fit/theta_policy.h"
+#include "nlg/policy.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "validate/errors/populations.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime_eval/evaluator/representation.h"
-#include "runtime_eval/fit/theta_stage.h"
+#include "nlg/policy.h"
+#include "nlg/representation.h"
 #include "validate/frontier/chosen_functions.h"
 
 namespace nlg {

@@ -4,6 +4,9 @@
 #include <utility>
 
 #include "validate/frontier/plot_point.h"
+#include "runtime_eval/policy/stage_plan.h"
+#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "runtime_eval/fit/theta_policy.h"
+#include "nlg/policy.h"
 #include "validate/frontier/plot_point.h"
 
 namespace nlg {

@@ -9,8 +9,8 @@
 #include "bake/bake_options.h"
 #include "bake/scene_functions.h"
 #include "light/methods/method_set.h"
-#include "runtime_eval/evaluator/generator.h"
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/generator.h"
+#include "nlg/light_grid.h"
 
 namespace nlg {
 

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime_eval/light_grid/irradiance.h"
-#include "runtime_eval/light_grid/spherical_harmonics.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "validate/errors/statistics.h"

@@ -12,6 +12,8 @@
 #include "runtime_eval/numbers/random.h"
 #include "validate/errors/populations.h"
 #include "validate/stability/extreme_function.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 namespace {

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nlg/simd.h"
 #include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/simd/simd_target.h"
+#include "runtime_eval/simd/aligned.h"
+#include "runtime_eval/support/point_set.h"
 #include "train/basis/basis_fit.h"
 #include "validate/stability/extreme_function.h"
 #include "validate/stability/stability_case.h"

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "runtime_eval/fit/theta_policy.h"
+#include "nlg/policy.h"
 #include "validate/stability/stability_case.h"
 
 namespace nlg {

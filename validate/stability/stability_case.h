@@ -12,7 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "datagen/dataset/function_set.h"
-#include "runtime_eval/evaluator/generator.h"
+#include "nlg/generator.h"
+#include "runtime_eval/evaluator/generator_data.h"
 
 namespace nlg {
 

@@ -11,7 +11,7 @@
 #include "datagen/view/png_file.h"
 #include "light/air.h"
 #include "light/methods/method_set.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

@@ -10,7 +10,8 @@
 #include "datagen/dataset/hdf5_file.h"
 #include "datagen/dataset/shard_reader.h"
 #include "datagen/dataset/shard_writer.h"
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
+#include "runtime_eval/support/point_set.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 

@@ -1,5 +1,5 @@
 /* A program in strict C99 that has nlg_light_grid.h, and the C interface's header beside it. */
-#include "runtime_eval/c_api/nlg.h"
+#include "nlg/nlg.h"
 #include "runtime_eval/shader_grid/nlg_light_grid.h"
 
 /* a status of one is a status of the other */

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "nlg/light_grid.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tool/atomic_file.h"
 

@@ -3,7 +3,7 @@
 
 #include "light/methods/weightings.h"
 #include "light/probe_light.h"
-#include "runtime_eval/light_grid/irradiance.h"
+#include "nlg/look_up.h"
 #include "tests/scene/windowed_room.h"
 #include "tests/validate/light/lit_scenes.h"
 

@@ -9,11 +9,16 @@
 #include <limits>
 #include <type_traits>
 
-#include "runtime_eval/c_api/nlg.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
+#include "nlg/nlg.h"
+#include "nlg/policy.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/fit/theta_policy.h"
-#include "runtime_eval/light_grid/irradiance.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/simd/aligned.h"
+#include "runtime_eval/support/point_set.h"
+#include "runtime_eval/support/weighting_function.h"
 #include "tests/runtime_eval/c_api/c_engine.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_generator.h"
@@ -259,7 +264,7 @@ TEST(CApi, RefusesEveryOptionOutOfItsRangeByItsName) {
 #define NLG_CHOICE_OPTION(type, name, value, low, high, help)
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) \
   refuses(#name, &nlg_policy_options::name, static_cast<type>(low), static_cast<type>(high));
-#include "runtime_eval/fit/policy_options.def"
+#include "nlg/policy_options.def"
   nlg_policy_options other = nlg_default_policy();
   EXPECT_EQ(other.theta_precision, NLG_THETA_INT8);
   other.theta_precision = static_cast<nlg_theta_precision>(3);

@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "runtime_eval/c_api/nlg.h"
+#include "nlg/nlg.h"
 
 int engine_bake(const char* path, const unsigned char* phi, const unsigned char* validity, const unsigned char* blend_sum,
                 size_t count, float** theta, float** values) {

@@ -7,6 +7,7 @@
 #include "runtime_eval/evaluator/evaluate_point.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_dictionary.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
 
 namespace nlg {
 namespace {

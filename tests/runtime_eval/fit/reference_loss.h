@@ -1,8 +1,9 @@
 // Losses and their gradients in double, straight from the formulas (docs/theory/math.md §4): what the vector code is tested against.
 #pragma once
 
-#include "runtime_eval/evaluator/representation.h"
+#include "nlg/representation.h"
 #include "runtime_eval/support/point_order.h"
+#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 

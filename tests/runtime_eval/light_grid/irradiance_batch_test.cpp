@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime_eval/light_grid/irradiance.h"
+#include "nlg/look_up.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/light_grid/look_up_bounds.h"

@@ -1,4 +1,4 @@
-#include "runtime_eval/light_grid/irradiance.h"
+#include "nlg/look_up.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "runtime_eval/evaluator/kernel_shape.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_functions.h"

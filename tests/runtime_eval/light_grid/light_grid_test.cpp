@@ -1,4 +1,4 @@
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,16 @@
 #include <thread>
 
 #include "runtime_eval/evaluator/brick_quads.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/evaluate_point.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/light_grid/look_up_bounds.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_functions.h"
+#include "nlg/look_up.h"
+#include "runtime_eval/support/loss_weights.h"
+#include "nlg/support.h"
 
 namespace nlg {
 namespace {

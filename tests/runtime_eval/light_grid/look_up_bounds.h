@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nlg/light_grid.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/light_grid/light_grid.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {

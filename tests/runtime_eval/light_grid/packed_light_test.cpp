@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime_eval/light_grid/light_grid.h"
+#include "nlg/light_grid.h"
 #include "runtime_eval/light_grid/light_records.h"
 #include "runtime_eval/numbers/random.h"
 
@@ -168,7 +168,7 @@ TEST(PackedLight, RefusesWhatPackingNeverGives) {
   EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].bits = 13; }), FileStatus::value_out_of_range);
   EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].offset = -4097; }), FileStatus::value_out_of_range);
   EXPECT_EQ(statusOf([](PackedLight& p) { p.scale_bits = 12; }), FileStatus::value_out_of_range);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].direction[3].bits = 0xfc00; }), FileStatus::value_not_finite);
+  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].direction[3] = 0xfc00; }), FileStatus::value_not_finite);
   EXPECT_EQ(statusOf([](PackedLight& p) {
               for (LightAxis& axis : p.axes) axis.bits = kMostAxisBits;
             }),

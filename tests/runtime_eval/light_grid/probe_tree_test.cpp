@@ -1,4 +1,4 @@
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 
 #include <gtest/gtest.h>
 

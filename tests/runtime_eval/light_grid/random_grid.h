@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
+#include "nlg/light_grid.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/adam.h"
-#include "runtime_eval/light_grid/light_grid.h"
 #include "runtime_eval/light_grid/probe_tree_data.h"
 #include "tests/runtime_eval/light_grid/random_tree.h"
 #include "tests/runtime_eval/sample_dictionary.h"

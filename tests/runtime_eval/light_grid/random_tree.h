@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {

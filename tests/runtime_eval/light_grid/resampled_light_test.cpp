@@ -1,4 +1,4 @@
-#include "runtime_eval/light_grid/resampled_light.h"
+#include "nlg/look_up.h"
 
 #include <gtest/gtest.h>
 

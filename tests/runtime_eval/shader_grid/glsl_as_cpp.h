@@ -4,7 +4,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/packing.hpp>
 
-#include "runtime_eval/shader_grid/shader_grid.h"
+#include "nlg/shader_grid.h"
 
 namespace nlg::glsl {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/light_grid/irradiance.h"
+#include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {

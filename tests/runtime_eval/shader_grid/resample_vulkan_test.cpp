@@ -4,10 +4,10 @@
 #include <array>
 #include <bit>
 
-#include "runtime_eval/light_grid/resampled_light.h"
-#include "runtime_eval/light_grid/spherical_harmonics.h"
+#include "nlg/light_grid.h"
+#include "nlg/look_up.h"
+#include "nlg/shader_grid.h"
 #include "runtime_eval/numbers/half.h"
-#include "runtime_eval/shader_grid/shader_grid.h"
 #include "tests/runtime_eval/shader_grid/compute_device.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tests/runtime_eval/shader_grid/resampled_box.h"

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/light_grid/resampled_light.h"
+#include "nlg/look_up.h"
 
 namespace nlg {
 

@@ -1,4 +1,4 @@
-#include "runtime_eval/shader_grid/shader_grid.h"
+#include "nlg/shader_grid.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,11 @@
 #include <cmath>
 #include <limits>
 
+#include "nlg/look_up.h"
 #include "runtime_eval/evaluator/brick_quads.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/light_grid/irradiance.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_functions.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "runtime_eval/shader_grid/shader_grid.h"
+#include "nlg/shader_grid.h"
 #include "tests/runtime_eval/shader_grid/compute_device.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tests/runtime_eval/shader_grid/places.h"

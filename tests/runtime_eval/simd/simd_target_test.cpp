@@ -1,4 +1,4 @@
-#include "runtime_eval/simd/simd_target.h"
+#include "nlg/simd.h"
 
 #include <gtest/gtest.h>
 

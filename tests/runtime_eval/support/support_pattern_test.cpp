@@ -1,4 +1,5 @@
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
+#include "runtime_eval/support/point_set.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/fit/policy_options.h"
+#include "nlg/policy.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/support/loss_weights.h"
+#include "runtime_eval/support/point_set.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {

@@ -5,7 +5,10 @@
 #include <cmath>
 #include <functional>
 
-#include "runtime_eval/fit/theta_policy.h"
+#include "nlg/policy.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/support/loss_weights.h"
+#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "runtime_eval/support/support_pattern.h"
+#include "nlg/support.h"
 
 namespace nlg {
 namespace {

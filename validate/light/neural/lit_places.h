@@ -13,7 +13,7 @@
 #include "light/light_transport.h"
 #include "light/methods/light_method.h"
 #include "light/probe_light.h"
-#include "runtime_eval/light_grid/probe_tree.h"
+#include "nlg/probe_tree.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {

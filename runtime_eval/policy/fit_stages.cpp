@@ -1,0 +1,99 @@
+#include "runtime_eval/policy/fit_stages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "runtime_eval/evaluator/dictionary.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/fit/fit_result.h"
+#include "runtime_eval/fit/last_layer.h"
+#include "runtime_eval/support/weighting_function.h"
+
+namespace nlg {
+namespace {
+
+// What counts as progress: three accepted iterations in a row that lower the mean square by less than this share end a stage. The
+// fits of direct optimisation go on for far less; here the time is better spent on the next function.
+constexpr double kIterationProgress = 0.05;
+
+// Adam: a function whose RMSE is kFullRmse takes the steps that are asked for, others as many as is in proportion, and none more than
+// kMostSteps times as many. The same steps in all take a mean error 4 % lower so than evenly (docs/lab/training.md).
+constexpr double kFullRmse = 0.01, kMostSteps = 4.0;
+
+// One in so many of its steps goes from theta and one from theta0, the rest from the better of the two: what a network predicts may
+// lie where no steps lead far, and theta0 does not (docs/lab/training.md).
+constexpr int kRaceShare = 8;
+
+// One fit of the tent, so that workspaces have the memory that every later fit needs.
+template <class Fit>
+void warmUp(const Generator& generator, const Fit& fit) {
+  const Representation& representation = generator.representation();
+  Theta theta(generator.theta0(), generator.theta0() + representation.thetaCount());
+  fit(representation, tentFunction(pointOrder(representation)), theta.data());
+}
+
+}  // namespace
+
+LevenbergMarquardtStage::LevenbergMarquardtStage(const Generator& generator, Start start, int iterations)
+    : start_(start),
+      options_(refinementLevenbergMarquardt(generator.representation(), iterations)),
+      theta_(generator.representation().thetaCount()) {
+  options_.progress_tolerance = kIterationProgress;
+  warmUp(generator, [&](const Representation& representation, const WeightingFunction& tent, float* theta) {
+    LevenbergMarquardtOptions once = options_;
+    once.iterations = 1;
+    iterateLevenbergMarquardt(representation, tent, once, &kernel_, &workspace_, theta);
+  });
+}
+
+void LevenbergMarquardtStage::run(ThetaBatch& batch, const int* members, int member_count) {
+  for (int n = 0; n < member_count; ++n) {
+    const int i = members[n];
+    batch.meanSquare(i);
+    std::copy_n(start_ == Start::theta ? batch.theta(i) : batch.generator().theta0(), batch.thetaCount(), theta_.begin());
+    const FitResult fit =
+        iterateLevenbergMarquardt(batch.representation(), batch.function(i), options_, &kernel_, &workspace_, theta_.data());
+    batch.offer(i, theta_.data(), fit.rmse * fit.rmse, kOfferPays);
+  }
+}
+
+AdamStage::AdamStage(const Generator& generator, int full_steps)
+    : full_steps_(full_steps),
+      options_(refinementAdam(generator.representation(), full_steps)),
+      theta_(generator.representation().thetaCount()),
+      other_(theta_.size()) {
+  warmUp(generator, [&](const Representation& representation, const WeightingFunction& tent, float* theta) {
+    AdamOptions once = options_;
+    once.steps = 1;
+    iterateAdam(representation, tent, once, &workspace_, theta);
+    solveLastLayer(representation, 0, static_cast<int>(tent.phi.size()), tent.phi.data(), tent.mask.data(), theta, &last_layer_);
+  });
+}
+
+void AdamStage::run(ThetaBatch& batch, const int* members, int member_count) {
+  for (int n = 0; n < member_count; ++n) {
+    const int i = members[n];
+    const double share = std::min(kMostSteps, std::sqrt(batch.meanSquare(i)) / kFullRmse);
+    const int steps = static_cast<int>(std::clamp(full_steps_ * share, 1.0, double{std::numeric_limits<int>::max()}));
+    const int race_steps = steps / kRaceShare;
+    const WeightingFunction& function = batch.function(i);
+    const auto go = [&](int count, std::vector<float>* theta) {
+      options_.steps = count;
+      return iterateAdam(batch.representation(), function, options_, &workspace_, theta->data()).rmse;
+    };
+    std::copy_n(batch.theta(i), batch.thetaCount(), theta_.begin());
+    if (race_steps > 0) {
+      std::copy_n(batch.generator().theta0(), batch.thetaCount(), other_.begin());
+      if (go(race_steps, &other_) < go(race_steps, &theta_)) std::swap(theta_, other_);
+    }
+    const double rmse = go(steps - 2 * race_steps, &theta_);
+    batch.offer(i, theta_.data(), rmse * rmse, kOfferPays);
+    // its steps end somewhere around the least error: in the last layer the very least is a system of equations away
+    const bool is_solved = solveLastLayer(batch.representation(), 0, static_cast<int>(function.phi.size()), function.phi.data(),
+                                          function.mask.data(), theta_.data(), &last_layer_);
+    if (is_solved) batch.offer(i, theta_.data(), batch.meanSquareOf(theta_.data()), 1.0);
+  }
+}
+
+}  // namespace nlg

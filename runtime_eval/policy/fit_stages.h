@@ -1,0 +1,44 @@
+// Short fits after the correction: Levenberg–Marquardt for product fields, Adam for networks. They are direct optimisation from a
+// good start: every function that takes one counts as fitted.
+#pragma once
+
+#include <vector>
+
+#include "nlg/policy.h"
+#include "runtime_eval/fit/adam.h"
+#include "runtime_eval/fit/levenberg_marquardt.h"
+#include "runtime_eval/policy/theta_batch.h"
+
+namespace nlg {
+
+// For product fields, whose normal equations are a band, so that an iteration is cheap. Networks gain more by Adam in the same time,
+// the smallest too (docs/lab/training.md).
+class LevenbergMarquardtStage : public StageRun {
+ public:
+  enum class Start { theta, theta0 };
+  LevenbergMarquardtStage(const Generator& generator, Start start, int iterations);
+  void run(ThetaBatch& batch, const int* members, int member_count) override;
+
+ private:
+  Start start_;
+  LevenbergMarquardtOptions options_;
+  NormalEquationsKernel kernel_;
+  LevenbergMarquardtWorkspace workspace_;
+  std::vector<float> theta_;  // one function
+};
+
+class AdamStage : public StageRun {
+ public:
+  // full_steps   of a function whose RMSE is .01; of others in proportion, four times as many at most
+  AdamStage(const Generator& generator, int full_steps);
+  void run(ThetaBatch& batch, const int* members, int member_count) override;
+
+ private:
+  int full_steps_;
+  AdamOptions options_;
+  AdamWorkspace workspace_;
+  SymmetricBand last_layer_;
+  std::vector<float> theta_, other_;  // one function
+};
+
+}  // namespace nlg

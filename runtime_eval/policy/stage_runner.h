@@ -1,0 +1,52 @@
+// The stages of one representation before the refinement, on batches of functions.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "nlg/policy.h"
+#include "runtime_eval/policy/stage_plan.h"
+#include "runtime_eval/policy/theta_batch.h"
+#include "runtime_eval/policy/theta_trace.h"
+
+namespace nlg {
+
+// One of these a thread and generator. Without a trace it allocates nothing, once it is made.
+class StageRunner {
+ public:
+  // generator   must outlive it
+  // last        no stage after this one runs
+  StageRunner(const Generator& generator, const PolicyOptions& options, ThetaStage last = ThetaStage::adam);
+
+  // The network's theta of functions and all that follows. Every function has the same theta whatever stands beside it.
+  // theta     count x D, overwritten
+  // records   count of them: checks of network, corrected and fitted; stored is as fitted
+  // trace     may be null; grows by the functions
+  void make(const StoredFunction* functions, int count, float* theta, ThetaRecord* records, ThetaTrace* trace = nullptr);
+
+  const std::vector<StagePlan>& plan() const { return plan_; }
+
+ private:
+  struct Stage {
+    StagePlan plan;
+    std::unique_ptr<StageRun> run;
+  };
+
+  void makeBatch(const StoredFunction* functions, int count, float* theta, ThetaRecord* records, ThetaTrace* trace);
+  void runStage(Stage& stage, ThetaRecord* records);
+  // Checks what has changed since the word before; a theta that passed and would no longer is put back.
+  void finishWord(ThetaWord word, const StoredFunction* functions, ThetaRecord* records);
+  void checkNetwork(const StoredFunction* functions, ThetaRecord* records);
+
+  PolicyOptions options_;
+  std::vector<StagePlan> plan_;
+  std::vector<Stage> stages_;
+  ThetaBatch batch_;
+  FunctionChecker checker_;
+  std::vector<int> wrong_, members_;    // indices into the batch
+  std::vector<float> kept_;             // theta of the word before …
+  std::vector<ThetaStage> kept_ended_;  // … and the stages that made them
+  std::vector<double> before_;          // mean squares before a stage
+};
+
+}  // namespace nlg

@@ -1,0 +1,302 @@
+#include "runtime_eval/policy/stage_runner.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/fit/fit_result.h"
+#include "runtime_eval/fit/last_layer.h"
+#include "runtime_eval/fit/levenberg_marquardt.h"
+#include "runtime_eval/policy/theta_trace.h"
+#include "runtime_eval/support/weighting_function.h"
+#include "tests/runtime_eval/sample_generator.h"
+
+namespace nlg {
+namespace {
+
+// The exact last layer where the weights have one, and nothing else.
+constexpr StageOptions kNoFits{.good_rmse = 0.0, .lm_iterations = 0, .lm_theta0_iterations = 0, .adam_steps = 0};
+
+// A generator whose network gives one theta, whatever the function; to the bit where theta0 is 0.
+GeneratorData generatorOf(const Representation& representation, const Theta& theta, Theta theta0 = {}) {
+  GeneratorData data = sampleGenerator(representation, 48, 3, 1);
+  theta0.resize(theta.size(), 0.0f);
+  GeneratorLayer& last = data.layers.back();
+  std::fill(last.weight.begin(), last.weight.end(), 0.0f);
+  for (size_t d = 0; d < theta.size(); ++d) last.bias[d] = theta[d] - theta0[d];
+  data.output_scale.assign(theta.size(), 1.0f);
+  data.theta0 = std::move(theta0);
+  return data;
+}
+
+struct Improved {
+  Theta start, theta;  // the network's; after all stages
+  ThetaRecord record;
+  bool changed() const { return std::memcmp(start.data(), theta.data(), theta.size() * sizeof(float)) != 0; }
+};
+
+// Nothing passes the check, so that every function takes the stages and no theta is put back.
+PolicyOptions optionsOf(const StageOptions& stages, double tau_rmse) {
+  PolicyOptions options;
+  static_cast<StageOptions&>(options) = stages;
+  options.check() = {tau_rmse, 1e9, 1.0, 1.0, 1.0};  // all points count alike
+  return options;
+}
+
+Improved improve(const GeneratorData& data, const StoredSample& sample, const StageOptions& stages, double tau_rmse = 1e-9) {
+  const Generator generator(data);
+  StageRunner runner(generator, optionsOf(stages, tau_rmse));
+  Improved improved;
+  improved.theta.resize(data.representation.thetaCount());
+  ThetaTrace trace;
+  const StoredFunction stored = sample.view();
+  runner.make(&stored, 1, improved.theta.data(), &improved.record, &trace);
+  improved.start = trace.network;
+  // the record tells as much
+  EXPECT_EQ(improved.record.ended != ThetaStage::network, improved.changed());
+  return improved;
+}
+
+const Representation kRepresentations[] = {Representation::mlp(), Representation::tentMlp(), Representation::productField(3)};
+const Representation kExactNetworks[] = {Representation::mlp(), Representation::tentMlp()};
+const Representation kTwoFields[] = {Representation::productField(3), Representation::productField(5)};
+
+double rmseOf(const Representation& representation, const StoredSample& sample, const Theta& theta) {
+  return functionRmse(representation, decoded(sample.view(), pointOrder(representation)), theta.data());
+}
+
+TEST(StageRunner, NeverMakesAThetaWorse) {
+  constexpr StageOptions kShort{.good_rmse = 0.0, .lm_iterations = 2, .lm_theta0_iterations = 2, .adam_steps = 10};
+  for (const Representation& representation : kRepresentations) {
+    GeneratorData data = sampleGenerator(representation, 48, 3, 1);
+    data.exact_last_layer = !representation.isField();
+    const Generator generator(data);
+    StageRunner runner(generator, optionsOf(kShort, 1e-9));
+    const size_t D = static_cast<size_t>(representation.thetaCount());
+    constexpr int kCount = 101;
+    std::vector<StoredSample> samples;
+    std::vector<StoredFunction> functions;
+    for (int i = 0; i < kCount; ++i) samples.push_back(i % 3 == 2 ? noiseSample(i) : wallSample(i));
+    for (const StoredSample& sample : samples) functions.push_back(sample.view());
+    std::vector<float> theta(kCount * D);
+    std::vector<ThetaRecord> records(kCount);
+    ThetaTrace trace;
+    runner.make(functions.data(), kCount, theta.data(), records.data(), &trace);
+    for (int i = 0; i < kCount; ++i) {
+      const Theta start(&trace.network[i * D], &trace.network[i * D] + D), end(&theta[i * D], &theta[i * D] + D);
+      const double before = rmseOf(representation, samples[i], start), after = rmseOf(representation, samples[i], end);
+      EXPECT_TRUE(start == end || after < before) << "function " << i << ": " << before << " became " << after;
+      // whatever stands beside it
+      Theta alone(D);
+      ThetaRecord record;
+      runner.make(&functions[i], 1, alone.data(), &record);
+      EXPECT_EQ(alone, end) << "function " << i;
+    }
+  }
+}
+
+TEST(StageRunner, SolvesTheLastLayerWhenTheWeightsSaySo) {
+  for (const Representation& representation : kExactNetworks) {
+    for (uint64_t seed = 1; seed < 5; ++seed) {
+      const StoredSample sample = wallSample(seed);
+      const Theta start = randomTheta(representation, seed);
+      Theta expected = start, broken = start;
+      ASSERT_TRUE(solveLastLayer(representation, decoded(sample.view()), expected.data()));
+      // one that only its last layer makes infinite, and one that is solved already
+      broken[representation.shape().b3()] = NAN;
+      for (const Theta& from : {start, broken, expected}) {
+        GeneratorData data = generatorOf(representation, from);
+        EXPECT_FALSE(improve(data, sample, kNoFits).changed()) << "seed " << seed;
+        data.exact_last_layer = true;
+        const Improved improved = improve(data, sample, kNoFits);
+        EXPECT_EQ(improved.changed(), from != expected) << "seed " << seed;
+        EXPECT_EQ(improved.theta, expected) << "seed " << seed;
+      }
+    }
+  }
+}
+
+TEST(StageRunner, LeavesWhatItCannotMeasure) {
+  const Representation representation = Representation::tentMlp();
+  const StoredSample sample = wallSample(1);
+  StoredSample nowhere = sample;
+  std::fill(nowhere.validity.begin(), nowhere.validity.end(), uint8_t{0});
+  const Theta start = randomTheta(representation, 4);
+  Theta no_number = start, large = start;
+  no_number[7] = NAN;
+  large[7] = 1e30f;
+  GeneratorData data = generatorOf(representation, start);
+  data.exact_last_layer = true;
+  EXPECT_FALSE(improve(data, nowhere, kNoFits).changed());
+  for (const Theta& theta : {no_number, large}) {
+    data = generatorOf(representation, theta);
+    data.exact_last_layer = true;
+    EXPECT_FALSE(improve(data, sample, kNoFits).changed()) << theta[7];
+  }
+}
+
+TEST(StageRunner, TakesNoThetaThatFloat16CannotHold) {
+  const Representation representation = Representation::tentMlp();
+  Random random(5);
+  int tempting = 0;
+  for (uint64_t seed = 1; seed < 40; ++seed) {
+    const StoredSample sample = wallSample(seed);
+    // the first layer is far beyond float16, and the last one makes nothing of it: solved, it fits better
+    Theta start = randomTheta(representation, seed);
+    for (int d = ThetaLayout::w1; d < ThetaLayout::w2; ++d) start[d] = static_cast<float>(1e7 * random.normal());
+    std::fill(start.begin() + ThetaLayout::w3, start.end(), 0.0f);
+    GeneratorData data = generatorOf(representation, start);
+    data.exact_last_layer = true;
+    EXPECT_FALSE(improve(data, sample, kNoFits).changed()) << "seed " << seed;
+    Theta beyond = start;
+    solveLastLayer(representation, decoded(sample.view()), beyond.data());
+    tempting += rmseOf(representation, sample, beyond) < rmseOf(representation, sample, start);
+  }
+  EXPECT_GT(tempting, 0) << "no function says anything";
+}
+
+TEST(StageRunner, TakesAnInfiniteThetaForNoThetaEvenWhereItsValuesAreFinite) {
+  // the sigmoid of an infinite sum is 0 or 1
+  const Representation representation{RepresentationKind::tent_mlp4};
+  Theta theta(representation.thetaCount(), 0.1f);
+  theta[representation.shape().b3()] = INFINITY;
+  const GeneratorData data = generatorOf(representation, theta, randomTheta(representation, 3));
+  const Improved improved = improve(data, wallSample(1), StageOptions{});
+  EXPECT_TRUE(improved.changed());
+  for (const float value : improved.theta) EXPECT_TRUE(std::isfinite(value));
+}
+
+TEST(StageRunner, LeavesWhatIsGoodEnough) {
+  for (const Representation& representation : kRepresentations) {
+    const StoredSample sample = wallSample(1);
+    const Theta start = randomTheta(representation, 1);
+    const double rmse = rmseOf(representation, sample, start);
+    GeneratorData data = generatorOf(representation, start);
+    data.exact_last_layer = !representation.isField();
+    for (const double factor : {0.999, 1.001}) {
+      StageOptions options = kNoFits;
+      options.good_rmse = factor * rmse;
+      options.lm_iterations = 3;
+      EXPECT_EQ(improve(data, sample, options, 1.0).changed(), factor < 1.0) << representationName(representation);
+    }
+  }
+}
+
+// Fits as the stage does, where three iterations in a row are worth going on for only above 5 %.
+FitResult iterated(const Representation& representation, const StoredSample& sample, const Theta& start, int iterations) {
+  LevenbergMarquardtOptions options = refinementLevenbergMarquardt(representation, iterations);
+  options.progress_tolerance = 0.05;
+  NormalEquationsKernel kernel;
+  return fitLevenbergMarquardt(representation, decoded(sample.view(), pointOrder(representation)), start, options, &kernel);
+}
+
+TEST(StageRunner, FitsFieldsByLevenbergMarquardt) {
+  for (const Representation& representation : kTwoFields) {
+    const StoredSample sample = wallSample(4);
+    const Theta start = randomTheta(representation, 4);
+    StageOptions options = kNoFits;
+    options.lm_iterations = 3;
+    const FitResult expected = iterated(representation, sample, start, 3);
+    EXPECT_EQ(improve(generatorOf(representation, start), sample, options).theta, expected.theta);
+    EXPECT_LT(expected.rmse, 0.8 * rmseOf(representation, sample, start));
+  }
+}
+
+TEST(StageRunner, TakesTheta0ForAnotherStartOfAFunctionThatIsStillWrong) {
+  for (const Representation& representation : kTwoFields) {
+    const StoredSample sample = wallSample(4);
+    StageOptions options = kNoFits;
+    options.lm_theta0_iterations = 8;
+    const Theta theta0 = randomTheta(representation, 7), start = randomTheta(representation, 4);
+    const FitResult expected = iterated(representation, sample, theta0, 8);
+    const GeneratorData data = generatorOf(representation, start, theta0);
+    const double before = rmseOf(representation, sample, start);
+    ASSERT_LT(expected.rmse, 0.9 * before) << "a start that theta_0 is not better than says nothing";
+    for (const double factor : {0.45, 1.01}) {
+      options.retry_rmse = factor * before;
+      const Improved improved = improve(data, sample, options);
+      EXPECT_EQ(improved.theta, factor < 1.0 ? expected.theta : improved.start);
+    }
+    // theta_0's fit is no better: kept is what came
+    const Theta best = iterated(representation, sample, expected.theta, 200).theta;
+    options.retry_rmse = 0.0;
+    const Improved improved = improve(generatorOf(representation, best, theta0), sample, options);
+    EXPECT_LE(rmseOf(representation, sample, improved.theta), rmseOf(representation, sample, improved.start));
+  }
+}
+
+// An eighth of the steps from theta and from theta_0 each, the rest from the better; then the last layer is solved.
+FitResult racedAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
+                    const Theta& theta0, int steps) {
+  const auto fit = [&](const Theta& from, int count) {
+    return fitAdam(representation, function, from, refinementAdam(representation, count));
+  };
+  const FitResult own = fit(start, steps / 8), other = fit(theta0, steps / 8);
+  FitResult raced = fit(other.rmse < own.rmse ? other.theta : own.theta, steps - 2 * (steps / 8));
+  EXPECT_TRUE(solveLastLayer(representation, function, raced.theta.data()));
+  return raced;
+}
+
+TEST(StageRunner, FitsNetworksByAdam) {
+  int below_the_cap = 0;
+  for (const Representation& representation : kExactNetworks) {
+    const StoredSample sample = wallSample(1);
+    const WeightingFunction function = decoded(sample.view(), pointOrder(representation));
+    const Theta theta0(representation.thetaCount(), 0.0f), start = randomTheta(representation, 2);
+    const GeneratorData data = generatorOf(representation, start);
+    StageOptions options = kNoFits;
+    options.lm_iterations = options.lm_theta0_iterations = 8;  // not there
+    EXPECT_FALSE(improve(data, sample, options).changed());
+    const double before = rmseOf(representation, sample, start);
+    ASSERT_GT(before, 0.04) << "such functions take four times the steps";
+    const FitResult expected = racedAdam(representation, function, start, theta0, 4 * 60);
+    const double fitted = rmseOf(representation, sample, expected.theta);
+    ASSERT_LT(expected.rmse, 0.9 * before);
+    ASSERT_LT(fitted, expected.rmse) << "behind the steps the last layer is solved";
+    options.adam_steps = 60;
+    options.retry_rmse = 0.0;
+    for (const double factor : {0.99, 1.01}) {
+      options.adam_rmse = factor * before;
+      EXPECT_EQ(improve(data, sample, options).theta, factor < 1.0 ? expected.theta : start);
+    }
+    // an RMSE below .04 takes steps in proportion
+    const auto share = [&](double rmse) { return static_cast<int>(60 * std::min(4.0, rmse / 0.01)); };
+    ASSERT_EQ(share(0.9999 * fitted), share(1.0001 * fitted)) << "a float away from another count";
+    options.adam_rmse = 0.0;
+    const Theta more = racedAdam(representation, function, expected.theta, theta0, share(fitted)).theta;
+    EXPECT_EQ(improve(generatorOf(representation, expected.theta), sample, options).theta,
+              rmseOf(representation, sample, more) < fitted ? more : expected.theta);
+    below_the_cap += fitted < 0.04;
+  }
+  EXPECT_GT(below_the_cap, 0);
+}
+
+TEST(StageRunner, FitsFromTheta0WhereItsThetaLeadsNowhere) {
+  for (const Representation& representation : kExactNetworks) {
+    const StoredSample sample = wallSample(1);
+    const WeightingFunction function = decoded(sample.view(), pointOrder(representation));
+    // no unit of the first layer is open anywhere, and none leads to one that is
+    Theta stuck = randomTheta(representation, 2);
+    const NetworkShape& shape = representation.shape();
+    std::fill_n(stuck.begin() + shape.b1(), shape.first, -100.0f);
+    const Theta theta0 = randomTheta(representation, 4);
+    const GeneratorData data = generatorOf(representation, stuck, theta0);
+    StageOptions options = kNoFits;
+    options.adam_steps = 60, options.adam_rmse = 0.0, options.retry_rmse = 0.0;
+    const Improved improved = improve(data, sample, options);
+    const FitResult alone = fitAdam(representation, function, improved.start, refinementAdam(representation, 4 * 60));
+    const FitResult raced = racedAdam(representation, function, improved.start, theta0, 4 * 60);
+    ASSERT_LT(raced.rmse, 0.7 * alone.rmse);
+    EXPECT_LE(rmseOf(representation, sample, improved.theta), raced.rmse);
+    // too few steps for a race: all of them go from theta
+    options.adam_steps = 1;
+    FitResult few = fitAdam(representation, function, improved.start, refinementAdam(representation, 4));
+    solveLastLayer(representation, function, few.theta.data());
+    EXPECT_EQ(improve(data, sample, options).theta, few.theta);
+  }
+}
+
+}  // namespace
+}  // namespace nlg
