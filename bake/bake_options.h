@@ -10,7 +10,7 @@
 #include "nlg/policy.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/packed_light.h"
-#include "scene/light_options.h"
+#include "scene/lights/light_options.h"
 #include "scene/scene_source.h"
 #include "tool/options.h"
 

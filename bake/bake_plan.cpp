@@ -10,7 +10,7 @@
 #include "datagen/weighting/weighting_builder.h"
 #include "nlg/policy.h"
 #include "runtime_eval/support/weighting_function.h"
-#include "scene/light_sets.h"
+#include "scene/lights/light_sets.h"
 #include "scene/scene_size.h"
 #include "tool/printable.h"
 #include "tool/processor_time.h"

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "tool/printable.h"
 #include "nlg/look_up.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {

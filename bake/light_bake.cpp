@@ -12,15 +12,15 @@
 
 #include "light/air.h"
 #include "light/surface_cache.h"
+#include "runtime_eval/grid_file/light_grid_file.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/light_sets.h"
+#include "scene/lights/light_sets.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/printable.h"
 #include "tool/processor_time.h"
 #include "tool/progress.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
-#include "runtime_eval/light_grid/packed_light.h"
 
 namespace nlg {
 namespace {

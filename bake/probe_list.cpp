@@ -6,7 +6,7 @@
 #include <iostream>
 #include <iterator>
 
-#include "bake/relight.h"
+#include "bake/again/relight.h"
 #include "tool/tool_main.h"
 
 namespace nlg {

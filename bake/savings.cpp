@@ -8,7 +8,7 @@
 
 #include "datagen/visibility/link_table.h"
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/policy/stage_plan.h"
 
 namespace nlg {

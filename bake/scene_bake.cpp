@@ -6,11 +6,11 @@
 #include <optional>
 #include <unordered_map>
 
+#include "runtime_eval/policy/refinement.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/parallel_for.h"
 #include "tool/processor_time.h"
 #include "tool/progress.h"
-#include "runtime_eval/policy/refinement.h"
 
 namespace nlg {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "bake/again/kept_functions.h"
 #include "bake/blend_error.h"
-#include "bake/kept_functions.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
 #include "nlg/generator.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "bake/again/kept_functions.h"
 #include "bake/bake_options.h"
-#include "bake/kept_functions.h"
 #include "datagen/shards/function_pipeline.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"

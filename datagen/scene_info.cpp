@@ -9,8 +9,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "scene/light_options.h"
-#include "scene/pk3_archive.h"
+#include "scene/lights/light_options.h"
+#include "scene/quake/pk3_archive.h"
 #include "scene/scene.h"
 #include "tool/printable.h"
 

@@ -7,8 +7,8 @@
 
 #include "datagen/visibility/cavity.h"
 #include "light/air.h"
-#include "runtime_eval/light_grid/morton.h"
 #include "runtime_eval/numbers/random.h"
+#include "runtime_eval/probe_tree/morton.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/luminance.h"
-#include "scene/surface_look.h"
+#include "scene/image/surface_look.h"
+#include "scene/lights/luminance.h"
 
 namespace nlg {
 namespace {

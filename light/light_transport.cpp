@@ -10,8 +10,8 @@
 #include "light/sunlight.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/luminance.h"
-#include "scene/surface_look.h"
+#include "scene/image/surface_look.h"
+#include "scene/lights/luminance.h"
 #include "tool/error.h"
 
 namespace nlg {

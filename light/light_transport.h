@@ -4,7 +4,7 @@
 // meets shines with that light times the base colour, and with its own emission. Elsewhere paths are traced: next-event
 // estimation at every vertex to lamps, suns and shining triangles (these by multiple importance sampling), Russian roulette.
 // Lamps and suns are sampled at the place itself in both. Sky is met where a ray leaves the scene, or by a front of SkyFaces.
-// Colour, emission and what a veil lets through are those of the point that a ray meets (scene/surface_look.h). A path that meets
+// Colour, emission and what a veil lets through are those of the point that a ray meets (scene/image/surface_look.h). A path that meets
 // a veil goes on through it or back from it, by chance; a ray to a light is dimmed by every veil on its way.
 //
 // Directions are low-discrepancy; every number is a pure function of the scene, the options and the seed of the place, the same

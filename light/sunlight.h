@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "datagen/visibility/ray_scene.h"
-#include "scene/luminance.h"
+#include "scene/image/sky_image.h"
+#include "scene/lights/luminance.h"
 #include "scene/scene.h"
-#include "scene/sky_image.h"
 
 namespace nlg {
 

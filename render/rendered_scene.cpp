@@ -9,14 +9,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bake/bake_provenance.h"
+#include "bake/again/bake_provenance.h"
 #include "bake/default_weights.h"
 #include "bake/load_generators.h"
 #include "bake/scene_bake.h"
 #include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/light_sets.h"
+#include "scene/lights/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/closed_shells.h"
+#include "scene/solid/closed_shells.h"
 #include "tool/atomic_file.h"
 
 namespace nlg {

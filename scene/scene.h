@@ -8,8 +8,8 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/scene_light.h"
-#include "scene/texture_image.h"
+#include "scene/image/texture_image.h"
+#include "scene/lights/scene_light.h"
 
 namespace nlg {
 

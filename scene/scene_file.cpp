@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "runtime_eval/regular_file/regular_file.h"
-#include "scene/pk3_archive.h"
+#include "scene/quake/pk3_archive.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 

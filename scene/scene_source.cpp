@@ -9,16 +9,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scene/bsp_reader.h"
-#include "scene/double_sided.h"
-#include "scene/gltf_reader.h"
+#include "scene/gltf/gltf_reader.h"
+#include "scene/image/surface_look.h"
 #include "scene/interiors/interiors.h"
-#include "scene/obj_reader.h"
-#include "scene/pk3_archive.h"
-#include "scene/procedural.h"
+#include "scene/obj/obj_reader.h"
+#include "scene/procedural/procedural.h"
+#include "scene/quake/bsp_reader.h"
+#include "scene/quake/pk3_archive.h"
 #include "scene/scene_budget.h"
 #include "scene/scene_size.h"
-#include "scene/surface_look.h"
+#include "scene/solid/double_sided.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 #include "tool/printable.h"

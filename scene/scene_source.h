@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "scene/gltf_reader.h"
-#include "scene/image_loader.h"
+#include "scene/gltf/gltf_reader.h"
+#include "scene/image/image_loader.h"
 #include "scene/scene.h"
-#include "scene/veils.h"
+#include "scene/solid/veils.h"
 #include "tool/options.h"
 
 namespace nlg {

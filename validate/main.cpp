@@ -6,7 +6,7 @@
 #include "bake/policy_options.h"
 #include "tool/tool_main.h"
 #include "validate/commands.h"
-#include "validate/errors/validation.h"
+#include "validate/generators/validation.h"
 #include "validate/stability/stability_command.h"
 
 namespace nlg {

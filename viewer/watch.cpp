@@ -16,8 +16,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bake/own_files.h"
-#include "bake/relight.h"
+#include "bake/again/own_files.h"
+#include "bake/again/relight.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/output_path.h"

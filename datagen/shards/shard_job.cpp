@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "datagen/shards/shard_scene.h"
+#include "nlg/support.h"
 #include "runtime_eval/numbers/random.h"
+#include "runtime_eval/support/point_set.h"
 #include "tool/error.h"
 #include "tool/provenance.h"
-#include "runtime_eval/support/point_set.h"
-#include "nlg/support.h"
 
 namespace nlg {
 namespace {

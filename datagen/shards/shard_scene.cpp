@@ -6,7 +6,7 @@
 
 #include "datagen/probes/probe_placement.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 #include "scene/scene_source.h"
 #include "tool/error.h"
 

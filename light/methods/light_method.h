@@ -14,8 +14,8 @@
 
 #include "light/light_transport.h"
 #include "nlg/light_grid.h"
-#include "nlg/probe_tree.h"
 #include "nlg/look_up.h"
+#include "nlg/probe_tree.h"
 
 namespace nlg {
 

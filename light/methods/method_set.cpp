@@ -10,7 +10,7 @@
 #include "light/surface_cache.h"
 #include "light/thinning.h"
 #include "nlg/light_grid.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"

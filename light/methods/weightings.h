@@ -10,8 +10,8 @@
 #include "light/methods/light_method.h"
 #include "light/probe_light.h"
 #include "nlg/light_grid.h"
-#include "nlg/probe_tree.h"
 #include "nlg/look_up.h"
+#include "nlg/probe_tree.h"
 
 namespace nlg {
 

@@ -15,9 +15,9 @@
 #include "nlg/policy.h"
 #include "nlg/simd.h"
 #include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/point_set.h"
-#include "runtime_eval/evaluator/projection.h"
 
 namespace {
 

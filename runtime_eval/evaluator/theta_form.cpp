@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/numbers/finite.h"
 
 namespace nlg {
 namespace {

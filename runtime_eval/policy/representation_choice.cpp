@@ -1,6 +1,6 @@
 #include "runtime_eval/policy/representation_choice.h"
-#include "nlg/policy.h"
 #include "nlg/check.h"
+#include "nlg/policy.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,11 +10,11 @@
 #include <tuple>
 #include <utility>
 
-#include "scene/closed_shells.h"
-#include "scene/mesh_builder.h"
-#include "scene/obj_reader.h"
-#include "scene/surface_look.h"
-#include "scene/veils.h"
+#include "scene/image/surface_look.h"
+#include "scene/obj/obj_reader.h"
+#include "scene/procedural/mesh_builder.h"
+#include "scene/solid/closed_shells.h"
+#include "scene/solid/veils.h"
 #include "tool/error.h"
 
 namespace nlg {

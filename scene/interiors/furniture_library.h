@@ -10,7 +10,7 @@
 
 #include "scene/interiors/catalogue.h"
 #include "scene/interiors/furniture_use.h"
-#include "scene/pk3_archive.h"
+#include "scene/quake/pk3_archive.h"
 #include "scene/scene.h"
 
 namespace nlg {

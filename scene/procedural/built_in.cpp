@@ -3,10 +3,10 @@
 
 #include <array>
 
-#include "scene/brush_grid.h"
-#include "scene/mesh_builder.h"
-#include "scene/procedural.h"
+#include "scene/procedural/brush_grid.h"
 #include "scene/procedural/level.h"
+#include "scene/procedural/mesh_builder.h"
+#include "scene/procedural/procedural.h"
 #include "tool/error.h"
 
 namespace nlg {

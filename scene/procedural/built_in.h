@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/mesh_builder.h"
+#include "scene/procedural/mesh_builder.h"
 #include "scene/scene.h"
 
 namespace nlg {

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/isosurface.h"
 #include "scene/procedural/furniture.h"
+#include "scene/procedural/isosurface.h"
 #include "scene/procedural/level.h"
-#include "scene/value_noise.h"
+#include "scene/procedural/value_noise.h"
 
 namespace nlg {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "scene/brush_grid.h"
+#include "scene/procedural/brush_grid.h"
 #include "scene/procedural/built_in.h"
 #include "scene/procedural/furniture.h"
 #include "scene/procedural/level.h"

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/brush_grid.h"
-#include "scene/mesh_builder.h"
-#include "scene/scene_light.h"
+#include "scene/lights/scene_light.h"
+#include "scene/procedural/brush_grid.h"
+#include "scene/procedural/mesh_builder.h"
 
 namespace nlg {
 

@@ -4,7 +4,7 @@
 #include "scene/procedural/building.h"
 #include "scene/procedural/furniture.h"
 #include "scene/procedural/level.h"
-#include "scene/value_noise.h"
+#include "scene/procedural/value_noise.h"
 
 namespace nlg {
 namespace {

@@ -1,5 +1,5 @@
 // Several lights of one level in one grid: each is that of a bake by itself, and other geometry is refused.
-#include "scene/light_sets.h"
+#include "scene/lights/light_sets.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bake/bake_provenance.h"
-#include "bake/relight.h"
+#include "bake/again/bake_provenance.h"
+#include "bake/again/relight.h"
 #include "bake/scene_bake.h"
 #include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"

@@ -353,7 +353,7 @@ def bytes_of(path):
 
 
 def names_of(text):
-    """inputsText of bake/own_files.h"""
+    """inputsText of bake/again/own_files.h"""
     return {name[1:].encode("latin-1").decode("utf-8", "surrogateescape") if name.startswith("\1") else name for name in json.loads(text)}
 
 

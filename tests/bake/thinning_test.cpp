@@ -6,12 +6,12 @@
 #include <cmath>
 #include <filesystem>
 
-#include "bake/relight.h"
+#include "bake/again/relight.h"
 #include "bake/scene_bake.h"
 #include "light/air.h"
 #include "nlg/light_grid.h"
 #include "nlg/look_up.h"
-#include "runtime_eval/light_grid/light_grid_file.h"
+#include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"

@@ -1,8 +1,8 @@
 // Hostile levels of Quake III: whatever the bytes, they are refused in one line, or become a scene that holds together.
-#include "scene/bsp_reader.h"
+#include "scene/quake/bsp_reader.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/scene_check.h"
-#include "tests/scene/hand_built_bsp.h"
+#include "tests/scene/quake/hand_built_bsp.h"
 
 namespace nlg::fuzz {
 

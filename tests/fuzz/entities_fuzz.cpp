@@ -2,8 +2,8 @@
 // finite.
 #include <cmath>
 
-#include "scene/bsp_entities.h"
-#include "scene/bsp_light.h"
+#include "scene/quake/bsp_entities.h"
+#include "scene/quake/bsp_light.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace nlg::fuzz {

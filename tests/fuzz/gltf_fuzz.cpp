@@ -4,11 +4,11 @@
 // is then made here, or hardly any mutation would get past its lengths.
 #include <iterator>
 
-#include "scene/gltf_reader.h"
+#include "scene/gltf/gltf_reader.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/scene_check.h"
-#include "tests/scene/gltf_packed_parts.h"
-#include "tests/scene/hand_built_images.h"
+#include "tests/scene/gltf/gltf_packed_parts.h"
+#include "tests/scene/image/hand_built_images.h"
 
 namespace nlg::fuzz {
 namespace {

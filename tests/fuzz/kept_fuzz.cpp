@@ -2,7 +2,7 @@
 // the same.
 #include <nlohmann/json.hpp>
 
-#include "bake/kept_functions_file.h"
+#include "bake/again/kept_functions_file.h"
 #include "tests/fuzz/digests.h"
 #include "tests/fuzz/fuzz.h"
 

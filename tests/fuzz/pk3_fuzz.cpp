@@ -1,12 +1,12 @@
 // Hostile .pk3 archives: whatever the bytes, they are refused in one line, or their files can be read, and a level in them with
 // its shader scripts and textures.
-#include "scene/bsp_reader.h"
-#include "scene/pk3_archive.h"
+#include "scene/quake/bsp_reader.h"
+#include "scene/quake/pk3_archive.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/scene_check.h"
 #include "tests/fuzz/zip_file.h"
-#include "tests/scene/hand_built_bsp.h"
-#include "tests/scene/hand_built_images.h"
+#include "tests/scene/image/hand_built_images.h"
+#include "tests/scene/quake/hand_built_bsp.h"
 
 namespace nlg::fuzz {
 namespace {

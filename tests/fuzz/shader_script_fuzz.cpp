@@ -1,7 +1,7 @@
 // Hostile shader scripts of Quake III: every text is one, and what comes of it stays within what bsp_shader.h promises.
 #include <cmath>
 
-#include "scene/bsp_shader.h"
+#include "scene/quake/bsp_shader.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace nlg::fuzz {

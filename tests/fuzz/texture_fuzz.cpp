@@ -1,10 +1,10 @@
 // Hostile images, PNG, JPEG, WebP and Targa: an image is decoded whole and kept small, or it is said what is wrong with it; it has means
 // between black and white, or none, or it asks for too many pixels.
-#include "scene/texture_colour.h"
+#include "scene/quake/texture_colour.h"
 
-#include "scene/image_loader.h"
+#include "scene/image/image_loader.h"
 #include "tests/fuzz/fuzz.h"
-#include "tests/scene/hand_built_images.h"
+#include "tests/scene/image/hand_built_images.h"
 
 namespace nlg::fuzz {
 namespace {

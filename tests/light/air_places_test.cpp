@@ -8,7 +8,7 @@
 
 #include "datagen/probes/probe_placement.h"
 #include "light/air.h"
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {

@@ -4,7 +4,7 @@
 
 #include "datagen/visibility/support_visibility.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/scene/windowed_room.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {

@@ -37,7 +37,7 @@ nlg_test(test_runtime_eval
     runtime_eval/policy/stage_runner_test.cpp
     runtime_eval/policy/theta_policy_test.cpp
     runtime_eval/policy/representation_choice_test.cpp
-    runtime_eval/light_grid/probe_tree_test.cpp
+    runtime_eval/probe_tree/probe_tree_test.cpp
   LINKS nlg::runtime_eval)
 # strict C: the interface's header must hold no C++ (and the warnings of nlg_warnings are for C++)
 add_library(c_engine OBJECT runtime_eval/c_api/c_engine.c)
@@ -63,13 +63,13 @@ nlg_test(test_codes
 nlg_test(test_light_grid
   SOURCES
     runtime_eval/counting_new.cpp runtime_eval/system_calls${of_system}.cpp
-    runtime_eval/light_grid/probe_tree_data_test.cpp
+    runtime_eval/probe_tree/probe_tree_data_test.cpp
     runtime_eval/light_grid/light_grid_test.cpp
-    runtime_eval/light_grid/light_records_test.cpp runtime_eval/numbers/coded_bytes_test.cpp
+    runtime_eval/grid_file/light_records_test.cpp runtime_eval/numbers/coded_bytes_test.cpp
     runtime_eval/light_grid/packed_light_test.cpp
-    runtime_eval/light_grid/irradiance_test.cpp
-    runtime_eval/light_grid/irradiance_batch_test.cpp
+    runtime_eval/light_grid/look_up_test.cpp
+    runtime_eval/light_grid/look_up_batch_test.cpp
     runtime_eval/light_grid/resampled_light_test.cpp
-    runtime_eval/light_grid/light_grid_file_test.cpp
+    runtime_eval/grid_file/light_grid_file_test.cpp
   LINKS nlg::runtime_eval Threads::Threads nlohmann_json::nlohmann_json)
 nlg_test(test_shader_grid SOURCES runtime_eval/shader_grid/shader_grid_test.cpp LINKS nlg::runtime_eval glm::glm)

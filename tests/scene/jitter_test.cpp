@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 
 namespace nlg {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "scene/scene_source.h"
-#include "tests/scene/gltf_parts.h"
+#include "tests/scene/gltf/gltf_parts.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <memory>
 
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/node_place.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/evaluator/dictionary.h"
 
 namespace nlg {
 namespace {

@@ -2,9 +2,9 @@
 
 #include "train/generator/dictionary_loss.h"
 
-#include "tool/parallel_for.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/support/point_order.h"
+#include "tool/parallel_for.h"
 
 namespace nlg {
 

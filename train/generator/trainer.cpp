@@ -5,14 +5,14 @@
 #include <cmath>
 #include <cstdio>
 
+#include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/direct.h"
+#include "runtime_eval/support/point_order.h"
 #include "tool/error.h"
 #include "tool/progress.h"
 #include "train/generator/dictionary_loss.h"
 #include "train/generator/function_loss.h"
 #include "train/generator/loss_guard.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 namespace {

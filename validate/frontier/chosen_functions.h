@@ -4,7 +4,7 @@
 #include "datagen/dataset/function_set.h"
 #include "nlg/policy.h"
 #include "runtime_eval/support/weighting_function.h"
-#include "validate/errors/populations.h"
+#include "validate/generators/populations.h"
 
 namespace nlg {
 

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <algorithm>
 
+#include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
 #include "runtime_eval/numbers/random.h"
-#include "validate/frontier/plot_point.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/support/point_order.h"
 #include "runtime_eval/policy/stage_plan.h"
+#include "runtime_eval/support/point_order.h"
+#include "validate/frontier/plot_point.h"
 
 namespace nlg {
 namespace {

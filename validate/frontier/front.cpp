@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "validate/errors/statistics.h"
+#include "validate/generators/statistics.h"
 
 namespace nlg {
 namespace {

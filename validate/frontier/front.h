@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "validate/errors/statistics.h"
+#include "validate/generators/statistics.h"
 
 namespace nlg {
 

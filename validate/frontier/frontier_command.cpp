@@ -9,11 +9,11 @@
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
-#include "validate/errors/function_counts.h"
-#include "validate/errors/summary_json.h"
 #include "validate/frontier/frontier_json.h"
 #include "validate/frontier/frontier_options.h"
 #include "validate/frontier/timed_policy.h"
+#include "validate/generators/function_counts.h"
+#include "validate/generators/summary_json.h"
 
 namespace nlg {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
-#include "validate/errors/figures.h"
+#include "validate/generators/figures.h"
 
 namespace nlg {
 namespace {

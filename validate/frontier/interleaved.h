@@ -6,9 +6,9 @@
 // are made once; their times are those of the first run, each the mean of many long fits.
 #pragma once
 
-#include "validate/errors/measured_word.h"
 #include "validate/frontier/chosen_functions.h"
 #include "validate/frontier/plot_point.h"
+#include "validate/generators/measured_word.h"
 
 namespace nlg {
 

@@ -23,7 +23,7 @@
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
 #include "train/torch_threads.h"
-#include "validate/errors/function_counts.h"
+#include "validate/generators/function_counts.h"
 #include "validate/light/asked_bakes.h"
 #include "validate/light/light_json.h"
 #include "validate/light/neural/learned_methods.h"

@@ -6,7 +6,7 @@
 #include "light/air.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
-#include "validate/errors/statistics.h"
+#include "validate/generators/statistics.h"
 #include "validate/light/colour_difference.h"
 
 namespace nlg {

@@ -8,7 +8,7 @@
 #include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
-#include "validate/errors/statistics.h"
+#include "validate/generators/statistics.h"
 
 namespace nlg {
 namespace {

@@ -10,7 +10,7 @@
 #include "tool/output_path.h"
 #include "tool/provenance.h"
 #include "tool/tool_main.h"
-#include "validate/errors/function_counts.h"
+#include "validate/generators/function_counts.h"
 #include "validate/light/noise.h"
 
 namespace nlg {

@@ -6,14 +6,14 @@
 
 #include <fmt/format.h>
 
+#include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/code_fit.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/random.h"
-#include "validate/errors/populations.h"
-#include "validate/stability/extreme_function.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/support/point_order.h"
+#include "validate/generators/populations.h"
+#include "validate/stability/extreme_function.h"
 
 namespace nlg {
 namespace {

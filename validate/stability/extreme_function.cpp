@@ -7,7 +7,7 @@
 
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/random.h"
-#include "validate/errors/best_known.h"
+#include "validate/generators/best_known.h"
 
 namespace nlg {
 namespace {

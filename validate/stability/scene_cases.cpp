@@ -12,7 +12,7 @@
 #include "datagen/probes/shuffled_order.h"
 #include "datagen/shards/function_collector.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 #include "validate/stability/face_scene.h"
 #include "validate/stability/stability_case.h"
 

@@ -16,7 +16,7 @@
 #include "tool/provenance.h"
 #include "tool/require_read.h"
 #include "tool/tool_main.h"
-#include "validate/errors/function_counts.h"
+#include "validate/generators/function_counts.h"
 #include "validate/stability/stability_case.h"
 
 namespace nlg {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {

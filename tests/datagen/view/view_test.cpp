@@ -16,7 +16,7 @@
 #include "nlg/support.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/support/point_set.h"
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 

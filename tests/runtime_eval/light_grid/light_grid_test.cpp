@@ -10,17 +10,17 @@
 #include <numeric>
 #include <thread>
 
+#include "nlg/look_up.h"
+#include "nlg/support.h"
 #include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/evaluate_point.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/support/loss_weights.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/light_grid/look_up_bounds.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_functions.h"
-#include "nlg/look_up.h"
-#include "runtime_eval/support/loss_weights.h"
-#include "nlg/support.h"
 
 namespace nlg {
 namespace {

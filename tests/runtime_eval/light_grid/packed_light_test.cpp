@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "nlg/light_grid.h"
-#include "runtime_eval/light_grid/light_records.h"
+#include "runtime_eval/grid_file/light_records.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {

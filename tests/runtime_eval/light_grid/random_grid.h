@@ -9,8 +9,8 @@
 #include "nlg/light_grid.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/adam.h"
-#include "runtime_eval/light_grid/probe_tree_data.h"
-#include "tests/runtime_eval/light_grid/random_tree.h"
+#include "runtime_eval/probe_tree/probe_tree_data.h"
+#include "tests/runtime_eval/probe_tree/random_tree.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 
 namespace nlg {

@@ -6,12 +6,12 @@
 #include <array>
 #include <cmath>
 
+#include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/shader_grid/places.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/light_grid/packed_light.h"
 
 namespace nlg {
 

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/obj_reader.h"
+#include "scene/obj/obj_reader.h"
 #include "tests/scene/input_error.h"
 #include "tiny_library.h"
 

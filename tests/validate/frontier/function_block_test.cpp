@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "runtime_eval/evaluator/projection.h"
-#include "validate/errors/populations.h"
+#include "validate/generators/populations.h"
 
 namespace nlg {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "light/air.h"
 #include "light/light_transport.h"
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 #include "tests/validate/light/lit_scenes.h"
 
 namespace nlg {

@@ -4,7 +4,7 @@
 
 #include "light/air.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/procedural.h"
+#include "scene/procedural/procedural.h"
 
 namespace nlg {
 namespace {

@@ -1,0 +1,72 @@
+#include "bake/again/bake_provenance.h"
+
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "bake/bake_options.h"
+#include "nlg/simd.h"
+#include "nlg/support.h"
+#include "scene/lights/light_sets.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+#include "tool/provenance.h"
+
+namespace nlg {
+namespace {
+
+// Not by fileSha256: the program is no input of a bake that somebody watches.
+std::string programSha256() {
+  std::ostringstream bytes;
+  if (!(bytes << std::ifstream("/proc/self/exe", std::ios::binary).rdbuf()))
+    throw InputError("/proc/self/exe", "open", "this program", "no bytes");
+  return sha256(bytes.str());
+}
+
+}  // namespace
+
+nlohmann::ordered_json bakedOptions(const OptionTable& table) {
+  nlohmann::ordered_json options = table.toJson();
+  // what the grid holds does not depend on the threads, but on the instructions that were chosen; the hashes say which weights
+  options.erase("threads");
+  options.erase("max_probes");
+  options.erase("representation");
+  options["simd"] = chosenSimdTarget();
+  return options;
+}
+
+std::set<std::string> lightSettings(const OptionTable& table) {
+  std::set<std::string> names(std::begin(kOfFunctions), std::end(kOfFunctions));
+  names.insert({"light_error", "max_bytes", "light_set"});
+  LightOptions of_scene;
+  OptionTable scene_table("bake");
+  describe(of_scene, scene_table);
+  const nlohmann::ordered_json of_scene_all = scene_table.describeAsJson(), all = table.describeAsJson();
+  for (const auto& option : of_scene_all) names.insert(option.at("name").get<std::string>());
+  for (const auto& option : all) {
+    if (option.at("group") == kLightGroup) names.insert(option.at("name").get<std::string>());
+  }
+  return names;
+}
+
+nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<std::string, std::string>& weights) {
+  nlohmann::ordered_json options = bakedOptions(table);
+  for (const std::string& name : lightSettings(table)) options.erase(name);
+  // a revision says nothing of sources that were changed since, or that came without one
+  return {{"revision", sourceRevision()},     {"program", programSha256()}, {"simd", chosenSimdTarget()},
+          {"pattern", supportPattern().hash}, {"options", options},         {"weights", weights}};
+}
+
+GridMetadata bakeMetadata(const BakeScene& scene, const nlohmann::ordered_json& options,
+                          const std::map<std::string, std::string>& weights) {
+  std::map<std::string, std::string> inputs = weights;
+  if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
+  inputs[kLightRole] = lightSha256(scene.source);
+  if (!lightGroupNames(scene.source).empty()) inputs[kUngroupedRole] = ungroupedLightSha256(scene.source);
+  inputs[kSearchedRole] = scene.searched_sha256;
+  return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
+}
+
+}  // namespace nlg

@@ -1,0 +1,183 @@
+#include "scene/gltf/gltf_file.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "scene/gltf/gltf_accessor.h"
+#include "scene/gltf/gltf_draco.h"
+#include "scene/gltf/gltf_json.h"
+#include "scene/gltf/gltf_meshopt.h"
+#include "scene/scene_file.h"
+#include "tool/error.h"
+#include "tool/input_file.h"
+
+namespace nlg {
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+bool isBinary(const Bytes& bytes) { return bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0; }
+
+uint32_t wordAt(const Bytes& bytes, size_t offset) { return readUnsigned(bytes.data() + offset, 4); }
+
+struct GlbChunks {
+  std::string_view text, bin;
+  bool is_plain = false;  // just these two, as tinygltf wants them
+};
+
+// tinygltf 2.7 lets the binary chunk reach eight bytes past the end, and takes no others: chunks are sorted out here.
+GlbChunks chunksOf(const std::string& path, const Bytes& bytes, Oddities* odd) {
+  const auto require = [&](bool holds, const std::string& place, const std::string& expected, uint64_t got) {
+    if (!holds) throw InputError(path, place, expected, std::to_string(got));
+  };
+  require(bytes.size() >= 20, "header", "20 bytes or more", bytes.size());
+  require(wordAt(bytes, 4) == 2, "header", "version 2", wordAt(bytes, 4));
+  constexpr uint32_t kJson = 0x4E4F534A;
+  constexpr uint32_t kBin = 0x004E4942;
+  require(wordAt(bytes, 16) == kJson, "first chunk", "JSON", wordAt(bytes, 16));
+  const uint64_t length = wordAt(bytes, 8);
+  if (length != bytes.size())
+    odd->add("passed by", fmt::format("a header that says {} bytes of a file of {}", length, bytes.size()));
+  GlbChunks chunks;
+  size_t others = 0, at = 12;
+  for (uint64_t size = 0; at + 8 <= bytes.size(); at += 8 + size) {
+    size = wordAt(bytes, at);
+    const uint32_t kind = wordAt(bytes, at + 4);
+    const bool is_text = at == 12, is_bin = kind == kBin && chunks.bin.data() == nullptr;
+    const bool fits = size <= bytes.size() - at - 8;
+    if (is_text || is_bin) require(fits, is_text ? "first chunk" : "binary chunk", "a length within the file", size);
+    if (!fits) break;
+    const std::string_view chunk(reinterpret_cast<const char*>(bytes.data()) + at + 8, size);
+    if (is_text) chunks.text = chunk;
+    if (is_bin) chunks.bin = chunk;
+    if (!is_text && !is_bin) ++others;
+  }
+  if (others > 0) odd->add("passed by", counted(others, "chunk", "chunks") + " of an unknown kind");
+  if (at < bytes.size()) odd->add("passed by", counted(bytes.size() - at, "byte", "bytes") + " behind the last chunk");
+  chunks.is_plain =
+      length == bytes.size() && others == 0 && at == bytes.size() && chunks.text.size() % 4 == 0 && !chunks.bin.empty();
+  return chunks;
+}
+
+// A .glb of these two chunks.
+Bytes binaryOf(const std::string& path, std::string text, std::string_view bin) {
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const uint64_t bin_length = (bin.size() + 3) / 4 * 4, length = 28 + text.size() + bin_length;
+  if (length > kMaxSceneBytes) throw InputError(path, "file", "less than 4 GiB", std::to_string(length));
+  Bytes whole(length, 0);
+  auto at = whole.begin();
+  const auto add = [&](std::string_view part) { at = std::copy(part.begin(), part.end(), at); };
+  const auto addWord = [&](uint64_t word) {
+    for (int i = 0; i < 4; ++i) *at++ = static_cast<unsigned char>(word >> (8 * i));
+  };
+  add({"glTF\2\0\0\0", 8});
+  addWord(length);
+  addWord(text.size());
+  add("JSON");
+  add(text);
+  addWord(bin_length);
+  add({"BIN\0", 4});
+  add(bin);
+  return whole;
+}
+
+// The files of buffers, in the order in which tinygltf asks for them, by whatever name: it decodes addresses otherwise. It may open no
+// other.
+struct BufferFiles {
+  std::vector<std::string> paths;
+  size_t next;
+  SceneBudget* bytes_left;
+};
+
+BufferFiles findBuffers(const std::string& path, const std::vector<std::string>& addresses, SceneBudget& bytes_left,
+                        Oddities* odd) {
+  BufferFiles files{{}, 0, &bytes_left};
+  // what all of them hold is known before the first is read
+  SceneBudget all = bytes_left;
+  for (const std::string& address : addresses) {
+    const std::string place = "buffer \"" + address.substr(0, 80) + "\"";
+    const FileBeside file = findBeside(path, address);
+    if (file.path.empty()) throw InputError(path, place, "a file in the folder or below", "one that " + file.problem);
+    if (!file.guess.empty()) odd->add("read by another name than its address", place + " from " + file.guess);
+    all.take(InputFile(file.path, place).size(), path, place);
+    files.paths.push_back(file.path);
+  }
+  return files;
+}
+
+bool fileExists(const std::string&, void* user) {
+  const BufferFiles& files = *static_cast<BufferFiles*>(user);
+  return files.next < files.paths.size();
+}
+
+std::string samePath(const std::string& path, void*) { return path; }
+
+bool readWholeFile(Bytes* bytes, std::string*, const std::string&, void* user) {
+  BufferFiles& files = *static_cast<BufferFiles*>(user);
+  *bytes = readSceneFile(files.paths.at(files.next++), "buffer", *files.bytes_left);
+  return true;
+}
+
+bool writeNothing(std::string*, const std::string&, const Bytes&, void*) { return false; }
+
+// Keeps what a data URI holds, as it is; all other bytes lie where they will be found.
+bool keepPacked(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
+                void*) {
+  if (image->bufferView < 0 && image->uri.empty()) image->image.assign(bytes, bytes + size);
+  return true;
+}
+
+// tinygltf's words as part of one line.
+std::string oneLine(std::string words) {
+  std::replace(words.begin(), words.end(), '\n', ' ');
+  return words.empty() ? "something else" : words.substr(0, 200);
+}
+
+}  // namespace
+
+tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left, Oddities* odd) {
+  Bytes bytes = readSceneFile(path, "file", bytes_left);
+  if (bytes.empty()) throw InputError(path, "file", "glTF", "an empty file");
+  GlbChunks chunks;
+  if (isBinary(bytes))
+    chunks = chunksOf(path, bytes, odd);
+  else
+    chunks.text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  const bool is_binary = !chunks.bin.empty();
+  GltfJson json = readGltfJson(path, chunks.text, is_binary, odd);
+  BufferFiles files = findBuffers(path, json.buffer_files, bytes_left, odd);
+  if (json.plain_text.empty() && (is_binary ? !chunks.is_plain : chunks.text.size() < bytes.size()))
+    json.plain_text = chunks.text;
+  if (is_binary && !json.plain_text.empty()) bytes = binaryOf(path, std::move(json.plain_text), chunks.bin);
+  if (!is_binary && !json.plain_text.empty()) bytes.assign(json.plain_text.begin(), json.plain_text.end());
+
+  const std::string folder = folderOf(path);
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(keepPacked, nullptr);
+  loader.SetFsCallbacks({fileExists, samePath, readWholeFile, writeNothing, &files});
+  tinygltf::Model model;
+  std::string error;
+  std::string warning;
+  bool is_loaded = false;
+  try {
+    const auto size = static_cast<unsigned int>(bytes.size());
+    is_loaded = is_binary ? loader.LoadBinaryFromMemory(&model, &error, &warning, bytes.data(), size, folder)
+                          : loader.LoadASCIIFromString(&model, &error, &warning, reinterpret_cast<const char*>(bytes.data()),
+                                                       size, folder);
+  } catch (const ToolError&) {
+    throw;
+  } catch (const std::exception& exception) {
+    error = exception.what();  // of the JSON library and of containers
+  }
+  if (!is_loaded) throw InputError(path, "file", "glTF 2.0", oneLine(error));
+  unpackMeshopt(path, model, bytes_left, odd);
+  unpackDraco(path, model, bytes_left, odd);
+  return model;
+}
+
+}  // namespace nlg

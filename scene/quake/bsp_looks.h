@@ -1,0 +1,60 @@
+// What a level's faces look like and shine with: its archives' shader scripts and images.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "scene/image/image_loader.h"
+#include "scene/lights/scene_light.h"
+#include "scene/quake/bsp_shader.h"
+#include "scene/quake/pk3_archive.h"
+#include "scene/quake/texture_colour.h"
+#include "scene/scene_budget.h"
+
+namespace nlg {
+
+class BspLooks {
+ public:
+  // Reads the shader scripts. The archives must outlive this object.
+  // throws   what readShaderScripts refuses. All that looks at images throws on more pixels than one scene may have.
+  explicit BspLooks(const Pk3Archives& archives, ImageNeed need = ImageNeed::all);
+
+  // Null when no script names the shader.
+  const ShaderScript* scriptOf(const std::string& shader) const;
+  // The average colour of the shader's texture, linear; nothing when no image of its is in the archives, or all are damaged.
+  std::optional<glm::vec3> textureColour(const std::string& shader) const;
+  // The archives' images that a face of the shader may show, the best first, and what is kept of them: of a script that cuts one out,
+  // that one.
+  std::vector<std::string> images(const std::string& shader) const;
+  KeptAs keptAs(const std::string& shader) const;
+  LoadedImages load(const ImageLoader& images) const;
+  ImageNeed need() const { return need_; }
+  // A page of light in a file of that name, without suffix; nothing where there is none, or it is damaged.
+  std::optional<DecodedImage> page(const std::string& name) const;
+  // Radiance of a face: q3map_surfacelight in the light's own colour; 0 for one that does not shine.
+  glm::vec3 emission(const std::string& shader) const;
+  // Radiance of a sky: what the level's compiler took it for (q3map_surfacelight, q3map_skylight), otherwise what its images look
+  // like; dark when it has none.
+  Sky sky(const std::string& shader) const;
+
+ private:
+  // Of the first image of that name, without suffix, that is not damaged.
+  std::optional<ImageMeans> image(const std::string& name) const;
+  const std::optional<ImageMeans>& entryMeans(const std::string& entry) const;
+  std::vector<std::string> textureNames(const std::string& shader) const;
+  glm::vec3 lightHue(const std::string& shader, const ScriptLight& light) const;
+  std::optional<Sky> skyBox(const std::string& stem) const;
+
+  const Pk3Archives& archives_;
+  const ImageNeed need_;
+  ShaderScripts scripts_;
+  // many shaders may share an image: each is decoded once
+  mutable std::map<std::string, std::optional<ImageMeans>> images_;  // by entry
+  mutable SceneBudget pixels_left_ = SceneBudgets().pixels;
+};
+
+}  // namespace nlg

@@ -1,0 +1,84 @@
+#include "scene/solid/veils.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "scene/image/surface_look.h"
+#include "scene/oddities.h"
+
+namespace nlg {
+namespace {
+
+constexpr double kWhole = 0.995;
+
+// Points of a material, over all of its triangles, and of one of them. A triangle goes on where the one before it ended: one point of
+// each of many fills their image as evenly as many points of one.
+constexpr uint64_t kMaterialPoints = 65536, kMostPoints = 4096;
+
+double areaOf(const Scene& scene, uint32_t triangle) {
+  const glm::uvec3& t = scene.triangles[triangle];
+  const glm::dvec3 a(scene.positions[t.x]);
+  return 0.5 * glm::length(glm::cross(glm::dvec3(scene.positions[t.y]) - a, glm::dvec3(scene.positions[t.z]) - a));
+}
+
+// The sequence R2, folded: http://extremelearning.com.au/evenly-distributing-points-in-a-triangle
+glm::vec2 pointOf(uint64_t i) {
+  const auto fraction = [](double x) { return x - std::floor(x); };
+  const auto n = static_cast<double>(i);
+  const glm::dvec2 p(fraction(0.5 + 0.7548776662466927 * n), fraction(0.5 + 0.5698402909980532 * n));
+  return glm::vec2(p.x + p.y > 1.0 ? 1.0 - p : p);
+}
+
+}  // namespace
+
+std::vector<std::string> judgeVeils(Scene& scene, const std::vector<std::string>& names, double dense_veil) {
+  std::vector<bool> is_candidate;
+  for (const Material& material : scene.materials) is_candidate.push_back(material.veil != Veil::none);
+  const std::vector<glm::dvec4> stopped = meansOfMaterials(
+      scene, is_candidate, [&](uint32_t triangle, float u, float v) { return glm::dvec3(stoppedAt(scene, triangle, u, v)); });
+  std::vector<std::string> veils;
+  for (uint32_t i = 0; i < scene.materials.size(); ++i) {
+    if (!is_candidate[i]) continue;
+    Material& material = scene.materials[i];
+    const double share = stopped[i].w > 0.0 ? stopped[i].x : 1.0;
+    if (share >= kWhole) {
+      material.veil = Veil::none;
+      material.opacity = 1.0f;
+      material.transmission = 0.0f;
+      material.transmission_image = {};
+      continue;
+    }
+    material.veil = share >= dense_veil ? Veil::dense : Veil::thin;
+    material.double_sided = true;
+    const std::string name = i < names.size() && !names[i].empty() ? names[i].substr(0, 60) : fmt::format("material {}", i);
+    veils.push_back(fmt::format("{} ({}, stops {:.0f} %)", name, material.veil == Veil::dense ? "dense" : "thin", 100.0 * share));
+  }
+  if (veils.empty()) return {};
+  return {counted(veils.size(), "material lets", "materials let") + " light through: " + listed(veils)};
+}
+
+std::vector<glm::dvec4> meansOfMaterials(const Scene& scene, const std::vector<bool>& is_wanted,
+                                         const std::function<glm::dvec3(uint32_t triangle, float u, float v)>& at) {
+  std::vector<uint64_t> triangle_count(scene.materials.size());
+  for (const uint32_t material : scene.triangle_material) ++triangle_count[material];
+  std::vector<glm::dvec4> means(scene.materials.size(), glm::dvec4(0.0));
+  for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
+    const uint32_t material = scene.triangle_material[i];
+    if (!is_wanted[material]) continue;
+    const uint64_t point_count = std::clamp<uint64_t>(kMaterialPoints / triangle_count[material], 1, kMostPoints);
+    glm::dvec3 sum(0.0);
+    for (uint64_t k = 0; k < point_count; ++k) {
+      const glm::vec2 point = pointOf(i * point_count + k);
+      sum += at(i, point.x, point.y);
+    }
+    means[material] += areaOf(scene, i) * glm::dvec4(sum / static_cast<double>(point_count), 1.0);
+  }
+  for (glm::dvec4& mean : means) {
+    if (mean.w > 0.0) mean = glm::dvec4(glm::dvec3(mean) / mean.w, mean.w);
+  }
+  return means;
+}
+
+}  // namespace nlg

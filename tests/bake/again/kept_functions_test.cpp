@@ -1,0 +1,198 @@
+// What a bake keeps for the next: the next one leaves the bytes of a whole bake, whatever has changed, and does less.
+#include "bake/again/kept_functions.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "bake/again/kept_functions_file.h"
+#include "bake/scene_bake.h"
+#include "tests/bake/house_corner.h"
+#include "tests/runtime_eval/sample_generator.h"
+#include "tool/atomic_file.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+using Change = std::function<void(Scene&)>;
+
+const std::vector<Generator>& generators() {
+  static const std::vector<Generator> made = [] {
+    std::vector<Generator> generators;
+    generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
+    return generators;
+  }();
+  return made;
+}
+
+std::vector<Representation> representations() { return {generators().front().representation()}; }
+
+BakeOptions cornerOptions() {
+  BakeOptions options = houseCornerOptions(2);
+  options.light = "none";  // a bake makes all of it, whatever was kept
+  takeThetaPrecision(&options);
+  return options;
+}
+
+struct Result {
+  std::string grid;
+  BakeStatistics statistics;
+};
+
+Result bakeHouse(const Change& change, KeptProbes* kept, int threads = 2) {
+  BakeOptions options = cornerOptions();
+  options.threads = threads;
+  SceneSource lit = loadLitScene("house:3", options);
+  change(lit.scene);
+  const BakeScene scene(std::move(lit), options);
+  Bake bake = bakeScene(scene, generators(), options, std::filesystem::temp_directory_path().string(), {}, kept);
+  Result result{{}, std::move(bake.statistics)};
+  const FileResult written =
+      serializeLightGrid(bake.grid, {options.policy.theta_precision, options.light_error}, {}, &result.grid);
+  EXPECT_TRUE(written.ok()) << written.detail;
+  return result;
+}
+
+void leaveAsItIs(Scene&) {}
+
+// What lies wholly in half of the corner's width, moved by 10 cm.
+void moveSomething(Scene& scene) {
+  std::vector<bool> moves(scene.positions.size());
+  size_t moved = 0;
+  for (const glm::uvec3& triangle : scene.triangles) {
+    const auto isInside = [&](uint32_t corner) {
+      const glm::dvec3 at = scene.origin_m + glm::dvec3(scene.positions[corner]);
+      return at.x > 0.5 && at.x < 3.0 && at.y > 0.2 && at.y < 3.0 && at.z > 0.5 && at.z < 5.0;
+    };
+    if (!isInside(triangle.x) || !isInside(triangle.y) || !isInside(triangle.z)) continue;
+    for (int k = 0; k < 3; ++k) moves[triangle[k]] = true;
+    ++moved;
+  }
+  for (size_t i = 0; i < moves.size(); ++i) scene.positions[i].x += moves[i] ? 0.1f : 0.0f;
+  ASSERT_GT(moved, 0u);
+}
+
+// No triangle moves, but no ray finds evidence of solid any more.
+void seeBothSides(Scene& scene) {
+  for (Material& material : scene.materials) material.double_sided = true;
+}
+
+// The same triangles, as another exporter may order them.
+void reorder(Scene& scene) {
+  std::reverse(scene.triangles.begin(), scene.triangles.end());
+  std::reverse(scene.triangle_material.begin(), scene.triangle_material.end());
+}
+
+class KeptFunctions : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { first_ = new First; }
+  static void TearDownTestSuite() { delete std::exchange(first_, nullptr); }
+
+  void expectWholeBakesBytes(const Change& change) {
+    now_ = bakeHouse(change, &kept_);
+    const Result whole = bakeHouse(change, nullptr);
+    EXPECT_TRUE(now_.grid == whole.grid);
+    EXPECT_EQ(now_.statistics.blend, whole.statistics.blend);
+  }
+
+  struct First {
+    KeptProbes kept;
+    Result result = bakeHouse(leaveAsItIs, &kept);
+  };
+  static inline const First* first_ = nullptr;
+
+  KeptProbes kept_ = first_->kept;
+  const Result& before_ = first_->result;
+  Result now_;
+};
+
+TEST_F(KeptFunctions, AMovedWallCostsWhatItTouches) {
+  expectWholeBakesBytes(moveSomething);
+  EXPECT_FALSE(now_.grid == before_.grid);
+  const FunctionTimes& times = now_.statistics.function_times;
+  EXPECT_GT(times.seen_probes, 0u);
+  EXPECT_LT(times.seen_probes, before_.statistics.function_times.seen_probes / 2);
+  EXPECT_GT(now_.statistics.kept_thetas, now_.statistics.counts.functions / 2);
+  EXPECT_LT(now_.statistics.kept_thetas, now_.statistics.counts.functions);
+}
+
+TEST_F(KeptFunctions, WhatChangesFarFromASupportIsAskedAgain) {
+  expectWholeBakesBytes(seeBothSides);
+  EXPECT_FALSE(now_.grid == before_.grid);
+}
+
+TEST_F(KeptFunctions, NothingIsMadeAnewWhereNothingHasChanged) {
+  EXPECT_TRUE(before_.grid == bakeHouse(leaveAsItIs, nullptr).grid) << "keeping changes nothing";
+  const size_t kept = kept_.size();
+  for (const Change& change : {Change(leaveAsItIs), Change(reorder)}) {
+    expectWholeBakesBytes(change);
+    EXPECT_EQ(now_.statistics.function_times.seen_probes, 0u);
+    EXPECT_EQ(now_.statistics.kept_thetas, now_.statistics.counts.functions);
+    EXPECT_EQ(kept_.size(), kept);
+  }
+  // what a bake says of its functions it says of kept ones
+  const BakeStatistics &before = before_.statistics, &now = now_.statistics;
+  EXPECT_EQ(now.refined(), before.refined());
+  EXPECT_GT(now.refined(), 0u);
+  EXPECT_EQ(now.failing(ThetaWord::stored, {}), before.failing(ThetaWord::stored, {}));
+  EXPECT_EQ(now.counts.solid_functions, before.counts.solid_functions);
+  EXPECT_EQ(now.function_times.cavity_probes, before.function_times.cavity_probes);
+  EXPECT_EQ(now.bare_tents.rmse_sum, before.bare_tents.rmse_sum);
+}
+
+class KeptFile : public KeptFunctions {
+ protected:
+  KeptProbes read(const nlohmann::ordered_json& origin) { return readKept(path_, origin, representations(), &told_); }
+  void write(const std::string& bytes) { writeFileAtomically(path_, bytes); }
+
+  std::string path_ = (std::filesystem::temp_directory_path() / ("kept_" + std::to_string(::getpid()))).string(), told_;
+  const nlohmann::ordered_json origin_ = {{"revision", "a"}, {"options", {{"adam_steps", 20}}}};
+  void TearDown() override { std::filesystem::remove(path_); }
+};
+
+TEST_F(KeptFile, HoldsWhatTheNextBakeTakes) {
+  const std::string bytes = keptBytes(kept_, origin_);
+  KeptProbes on_one_thread;
+  bakeHouse(leaveAsItIs, &on_one_thread, 1);
+  for (KeptProbe& probe : on_one_thread) EXPECT_TRUE(!probe.function || !probe.function->packed.empty());
+  EXPECT_TRUE(bytes == keptBytes(on_one_thread, origin_)) << "the same bytes on any number of threads";
+  write(bytes);
+  kept_ = read(origin_);
+  EXPECT_EQ(told_, "");
+  expectWholeBakesBytes(leaveAsItIs);
+  EXPECT_EQ(now_.statistics.function_times.seen_probes, 0u);
+  EXPECT_TRUE(bytes == keptBytes(kept_, origin_));
+}
+
+TEST_F(KeptFile, IsNotUsedWhereSettingsAreOthers) {
+  EXPECT_TRUE(read(origin_).empty());
+  EXPECT_NE(told_.find("not there yet"), std::string::npos) << told_;
+  write(keptBytes(kept_, origin_));
+  nlohmann::ordered_json other = origin_;
+  other["options"]["adam_steps"] = 10;
+  EXPECT_TRUE(read(other).empty());
+  EXPECT_NE(told_.find("adam_steps was 20 and is 10"), std::string::npos) << told_;
+}
+
+TEST_F(KeptFile, IsRefusedWhereItIsDamagedOrSomethingElse) {
+  const std::string bytes = keptBytes(kept_, origin_);
+  for (const size_t place : {size_t{3}, bytes.size() / 2, bytes.size() - 1}) {
+    std::string damaged = bytes;
+    damaged[place] = static_cast<char>(damaged[place] ^ 0x40);
+    write(damaged);
+    EXPECT_THROW(read(origin_), DamageError) << place;
+  }
+  write(bytes.substr(0, bytes.size() - 100));
+  EXPECT_THROW(read(origin_), DamageError);
+  write(before_.grid);
+  EXPECT_THROW(read(origin_), InputError);
+  EXPECT_TRUE(before_.grid == readFile(path_));
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,151 @@
+// Light made anew for a grid: what a whole bake with that light would have left, or a refusal that says what differs.
+#include "bake/again/relight.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "bake/again/bake_provenance.h"
+#include "bake/scene_bake.h"
+#include "tests/bake/house_corner.h"
+#include "tests/runtime_eval/sample_generator.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+// A corner of a house under a sun.
+struct Settings {
+  Settings() : table("bake") {
+    options.light_rays = 16;
+    describe(options, table);
+    takeThetaPrecision(&options);
+  }
+  BakeOptions options = houseCornerOptions();
+  OptionTable table;
+};
+
+std::string bytesOf(const LightGrid& grid, const GridMetadata& metadata, const BakeOptions& options) {
+  std::string bytes;
+  const FileResult result = serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes);
+  EXPECT_TRUE(result.ok()) << result.detail;
+  return bytes;
+}
+
+// The bytes of a whole bake's file.
+std::string bakedBytes(const std::string& request, const Settings& settings) {
+  const BakeScene scene(request, settings.options);
+  std::vector<Generator> generators;
+  generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
+  const Bake bake = bakeScene(scene, generators, settings.options, std::filesystem::temp_directory_path().string());
+  return bytesOf(bake.grid, bakeMetadata(scene, bakedOptions(settings.table), {{"weights of tent_mlp4", "00ff"}}),
+                 settings.options);
+}
+
+BakedGrid parsed(const std::string& bytes) {
+  BakedGrid baked;
+  EXPECT_TRUE(parseLightGrid(bytes, &baked.grid, &baked.metadata).ok());
+  return baked;
+}
+
+std::string refusalOf(const std::string& request, const Settings& settings, const BakedGrid& baked) {
+  const BakeScene scene(request, settings.options);
+  try {
+    requireFunctionsOf(scene, settings.table, settings.options.representation, "grid", baked);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Relight, LeavesWhatAWholeBakeWithThatLightLeaves) {
+  const Settings day;
+  const std::string by_day = bakedBytes("house:3", day);
+  Settings dusk;
+  dusk.options.scene_light.sky = {"0.1", "0.1", "0.3"};
+  dusk.options.scene_light.sun = {"200", "10", "3", "2", "1"};
+  dusk.options.light_pull = 0.2;
+  dusk.options.light_error = 0.05;
+  dusk.options.refine_seconds = 100.0;  // what the grid took stays on record
+  BakedGrid baked = parsed(by_day);
+  const BakeScene scene(loadLitScene("house:3", dusk.options), dusk.options, knownAir("grid", baked));
+  EXPECT_EQ(scene.searched_sha256, knownAir("grid", baked).searched_sha256) << "cells without air are not searched again";
+  requireFunctionsOf(scene, dusk.table, dusk.options.representation, "grid", baked);
+  const LightStatistics light = relight(scene, dusk.options, dusk.table, &baked);
+  EXPECT_GT(light.mean, 0.0);
+  const std::string by_dusk = bytesOf(baked.grid, baked.metadata, dusk.options);
+  dusk.options.refine_seconds = day.options.refine_seconds;
+  EXPECT_TRUE(by_dusk == bakedBytes("house:3", dusk));
+  EXPECT_FALSE(by_dusk == by_day);
+}
+
+TEST(Relight, RefusesWhatFunctionsAreNotOf) {
+  const Settings settings;
+  const BakedGrid baked = parsed(bakedBytes("house:3", settings));
+  EXPECT_EQ(refusalOf("house:3", settings, baked), "");
+  EXPECT_NE(refusalOf("house:4", settings, baked).find("geometry of another one: house_4"), std::string::npos);
+  Settings finer;
+  finer.options.spacing_m = 1.0;
+  EXPECT_NE(refusalOf("house:3", finer, baked).find("spacing_m: expected 1.5"), std::string::npos)
+      << refusalOf("house:3", finer, baked);
+  Settings rougher;
+  rougher.options.policy.adam_steps = 10;
+  EXPECT_NE(refusalOf("house:3", rougher, baked).find("adam_steps"), std::string::npos);
+  Settings other;
+  other.options.representation = {"pf5"};
+  EXPECT_NE(refusalOf("house:3", other, baked).find("representation: expected [\"tent_mlp4\"]"), std::string::npos);
+  BakedGrid elsewhere = baked;
+  elsewhere.grid.tree.moveBy({0.5, 0.0, 0.0});
+  EXPECT_NE(refusalOf("house:3", settings, elsewhere).find("probes"), std::string::npos);
+  BakedGrid nameless = baked;
+  nameless.metadata.erase("provenance");
+  EXPECT_NE(refusalOf("house:3", settings, nameless).find("nlg-bake wrote"), std::string::npos);
+  // of before the list of what hashes are of became another one
+  BakedGrid old = baked;
+  std::string& origin = old.metadata.at("provenance");
+  origin.replace(origin.find(kLightRole), std::string(kLightRole).size(), "light of the scene");
+  EXPECT_NE(refusalOf("house:3", settings, old).find("another version"), std::string::npos)
+      << refusalOf("house:3", settings, old);
+}
+
+TEST(ChangesSince, NameWhatABakeWouldDoOtherwise) {
+  const Settings settings;
+  const BakedGrid baked = parsed(bakedBytes("house:3", settings));
+  const std::map<std::string, std::string> weights = {{"weights of tent_mlp4", "00ff"}};
+  const auto changesOf = [&](const std::string& request, const Settings& now, const std::map<std::string, std::string>& of) {
+    return changesSince("grid", baked, loadLitScene(request, now.options), now.table, of);
+  };
+  using Changes = std::vector<std::string>;
+  EXPECT_EQ(changesOf("house:3", settings, weights), Changes{});
+  EXPECT_EQ(changesOf("house:4", settings, weights), Changes{"geometry changed"});
+  EXPECT_EQ(changesOf("house:3", settings, {{"weights of tent_mlp4", "00fe"}}), Changes{"weights changed"});
+  Settings dusk;
+  dusk.options.scene_light.sun = {"200", "10", "3", "2", "1"};
+  const Changes changes = changesOf("house:3", dusk, weights);
+  ASSERT_EQ(changes.size(), 2u);
+  EXPECT_EQ(changes[0], "light changed");
+  EXPECT_EQ(changes[1].find("setting changed: sun from []"), 0u) << changes[1];
+  Settings grouped;
+  grouped.options.scene_light.light_groups = "kind";
+  EXPECT_EQ(changesOf("house:3", grouped, weights),
+            (Changes{"groups of light changed", "setting changed: light_groups from \"one\" to \"kind\""}));
+}
+
+TEST(ChangesSince, TellLightFromItsGroups) {
+  Settings settings;
+  settings.options.scene_light.light_groups = "name";
+  const BakedGrid baked = parsed(bakedBytes("house:3", settings));
+  SceneSource source = loadLitScene("house:3", settings.options);
+  const auto changes = [&] { return changesSince("grid", baked, source, settings.table, {{"weights of tent_mlp4", "00ff"}}); };
+  using Changes = std::vector<std::string>;
+  ASSERT_EQ(changes(), Changes{});
+  ASSERT_FALSE(source.scene.light.groups.names.empty());
+  source.scene.light.groups.names[0] = "a name that its author thought better of";
+  EXPECT_EQ(changes(), Changes{"groups of light changed"});
+  source.scene.light.sky.zenith += 1.0f;
+  EXPECT_EQ(changes(), Changes{"light changed"});
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,754 @@
+#include "tests/scene/gltf/gltf_parts.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "scene/gltf/gltf_file.h"
+#include "scene/gltf/gltf_light.h"
+#include "scene/gltf/gltf_mesh.h"
+#include "scene/lights/light_groups.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+using GltfReader = GltfFiles;
+
+TEST_F(GltfReader, ReadsASquareFromADataUri) {
+  const Scene scene = read({});
+  EXPECT_EQ(scene.id, "test");
+  ASSERT_EQ(scene.triangles.size(), 2u);
+  EXPECT_EQ(scene.positions.size(), 4u);
+  ASSERT_EQ(scene.objects.size(), 1u);
+  EXPECT_EQ(scene.objects[0].name, "square");
+  EXPECT_EQ(scene.objects[0].triangle_count, 2u);
+  expectNear(normalOf(scene, 0), {0, 0, 1}, "normal");
+}
+
+TEST_F(GltfReader, ReadsTheSameFromGlbAndFromABinBeside) {
+  const Parts parts;
+  write("my square.bin", parts.bin);
+  const Scene expected = read(parts);
+  const Scene glb = readGltf(write("test.glb", parts.binary())).scene;
+  const Scene beside = readGltf(write("beside.gltf", parts.json("my%20square.bin"))).scene;
+  EXPECT_EQ(glb.positions, expected.positions);
+  EXPECT_EQ(glb.triangles, expected.triangles);
+  EXPECT_EQ(beside.positions, expected.positions);
+}
+
+TEST_F(GltfReader, ReadsIndicesOf8And32BitsAndNone) {
+  Parts bytes;
+  bytes.bin = kSquare.substr(0, 48) + bytesOf<uint8_t>({0, 1, 2, 0, 2, 3});
+  bytes.views = replaced(bytes.views, R"("byteLength":12)", R"("byteLength":6)");
+  bytes.accessors = replaced(bytes.accessors, "5123", "5121");
+  EXPECT_DOUBLE_EQ(areaOf(read(bytes)), 1.0);
+
+  Parts words;
+  words.bin = kSquare.substr(0, 48) + bytesOf<uint32_t>({0, 1, 2, 0, 2, 3});
+  words.views = replaced(words.views, R"("byteLength":12)", R"("byteLength":24)");
+  words.accessors = replaced(words.accessors, "5123", "5125");
+  EXPECT_DOUBLE_EQ(areaOf(read(words)), 1.0);
+
+  Parts none;
+  none.primitives = R"([{"attributes":{"POSITION":0}}])";
+  none.accessors = replaced(none.accessors, R"("count":4)", R"("count":3)");
+  EXPECT_DOUBLE_EQ(areaOf(read(none)), 0.5);
+}
+
+TEST_F(GltfReader, ReadsStripsAndFansWithAllFrontsOneWay) {
+  Parts fan;
+  fan.primitives = R"([{"attributes":{"POSITION":0},"mode":6}])";
+  Parts strip;
+  strip.bin = bytesOf<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}) + kSquare.substr(48);
+  strip.primitives = R"([{"attributes":{"POSITION":0},"mode":5}])";
+  for (const Parts& parts : {fan, strip}) {
+    const Scene scene = read(parts);
+    ASSERT_EQ(scene.triangles.size(), 2u);
+    for (size_t i = 0; i < 2; ++i) expectNear(normalOf(scene, i), {0, 0, 1}, "triangle " + std::to_string(i));
+  }
+}
+
+TEST_F(GltfReader, SkipsPointsAndLines) {
+  Parts parts;
+  parts.primitives =
+      R"([{"attributes":{"POSITION":0},"mode":0},{"attributes":{"POSITION":0},"mode":1},{"attributes":{"POSITION":0},"indices":1}])";
+  EXPECT_EQ(read(parts).triangles.size(), 2u);
+}
+
+TEST_F(GltfReader, ReadsInterleavedPositions) {
+  Parts parts;
+  parts.bin = bytesOf<float>({0, 0, 0, 9, 1, 0, 0, 9, 1, 1, 0, 9, 0, 1, 0, 9}) + kSquare.substr(48);
+  parts.views = R"([{"buffer":0,"byteLength":64,"byteStride":16},{"buffer":0,"byteOffset":64,"byteLength":12}])";
+  EXPECT_DOUBLE_EQ(areaOf(read(parts)), 1.0);
+}
+
+TEST_F(GltfReader, AppliesTransformsFromTheRootDown) {
+  Parts parts;
+  // scaled by 2, turned a quarter about z (x becomes y), shifted; under a parent that shifts along x
+  parts.nodes = R"([{"children":[1],"translation":[10,0,0]},)"
+                R"({"mesh":0,"translation":[0,0,5],"rotation":[0,0,0.70710678118654752,0.70710678118654752],"scale":[2,2,2]}])";
+  const Scene scene = read(parts);
+  expectNear(corner(scene, 0, 0), {10, 0, 5}, "first corner");
+  expectNear(corner(scene, 0, 1), {10, 2, 5}, "second corner");
+  expectNear(corner(scene, 0, 2), {8, 2, 5}, "third corner");
+
+  parts.nodes = R"([{"mesh":0,"matrix":[0,2,0,0, -2,0,0,0, 0,0,2,0, 10,0,5,1]}])";
+  const Scene same = read(parts);
+  for (int i = 0; i < 3; ++i) expectNear(corner(same, 0, i), corner(scene, 0, i), "matrix, corner " + std::to_string(i));
+}
+
+TEST_F(GltfReader, KeepsFrontsUnderNegativeScale) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0,"scale":[-1,1,1]}])";
+  const Scene scene = read(parts);
+  for (size_t i = 0; i < 2; ++i) expectNear(normalOf(scene, i), {0, 0, 1}, "triangle " + std::to_string(i));
+  expectNear(corner(scene, 0, 0), {0, 0, 0}, "first corner");
+  EXPECT_DOUBLE_EQ(scene.origin_m.x + sceneBounds(scene).min.x, -1.0);
+}
+
+TEST_F(GltfReader, CopiesInstances) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0},{"mesh":0,"translation":[4,0,0]},{"mesh":0,"translation":[8,0,0]}])";
+  parts.scenes = R"([{"nodes":[0,1,2]}])";
+  const Scene scene = read(parts);
+  EXPECT_EQ(scene.triangles.size(), 6u);
+  ASSERT_EQ(scene.objects.size(), 3u);
+  EXPECT_EQ(scene.objects[2].first_triangle, 4u);
+  EXPECT_EQ(scene.objects[2].name, "node 2");
+}
+
+TEST_F(GltfReader, TakesTheDefaultSceneElseTheFirstElseAllRoots) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0},{"mesh":0,"translation":[4,0,0]}])";
+  parts.scenes = R"([{"nodes":[0]},{"nodes":[0,1]}])";
+  EXPECT_EQ(read(parts).objects.size(), 1u);
+  parts.more = R"(,"scene":1)";
+  EXPECT_EQ(read(parts).objects.size(), 2u);
+  parts.more = "";
+  parts.scenes = "[]";
+  EXPECT_EQ(read(parts).objects.size(), 2u);
+}
+
+TEST_F(GltfReader, LosesNoPrecisionFarFromTheOrigin) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0,"translation":[100000.125,0,-250000.25],"scale":[0.001,0.001,0.001]}])";
+  const Scene scene = read(parts);
+  // a square of one millimetre, 270 km away
+  EXPECT_NEAR(areaOf(scene), 1e-6, 1e-9);
+  EXPECT_NEAR(corner(scene, 0, 0).x, 100000.125, 1e-7);
+}
+
+TEST_F(GltfReader, AppliesSparseAccessors) {
+  Parts parts;
+  // the third corner is replaced; then all four come from nothing but the sparse values
+  parts.bin = kSquare + bytesOf<uint16_t>({2, 0}) + bytesOf<float>({3, 3, 0});
+  parts.views =
+      replaced(parts.views, "]", R"(,{"buffer":0,"byteOffset":60,"byteLength":2},{"buffer":0,"byteOffset":64,"byteLength":12}])");
+  parts.accessors =
+      replaced(parts.accessors, R"("VEC3")",
+               R"("VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}})");
+  const Scene scene = read(parts);
+  expectNear(corner(scene, 0, 2), {3, 3, 0}, "replaced corner");
+  expectNear(corner(scene, 0, 1), {1, 0, 0}, "corner that stays");
+
+  parts.accessors = replaced(parts.accessors, R"("bufferView":0,"componentType":5126)", R"("componentType":5126)");
+  const Scene zeros = read(parts);
+  EXPECT_EQ(zeros.triangles.size(), 0u);
+  EXPECT_EQ(zeros.dropped_triangle_count, 2u);
+  EXPECT_TRUE(zeros.objects.empty());
+}
+
+// The square again, its corners in integers; by KHR_mesh_quantization a value c of b bits, normalized, is c / (2^b - 1), or
+// max(c / (2^(b-1) - 1), -1) where it has a sign.
+TEST_F(GltfReader, ReadsQuantizedPositions) {
+  struct Case {
+    const char* type;
+    bool is_normalized;
+    std::string one, zero;  // a component that is one, and that is zero
+    std::string low;        // and the type's smallest
+    double low_is;
+  };
+  const Case cases[] = {{"5121", false, "\x01", std::string(1, '\0'), std::string(1, '\0'), 0.0},
+                        {"5121", true, "\xff", std::string(1, '\0'), std::string(1, '\0'), 0.0},
+                        {"5120", false, "\x01", std::string(1, '\0'), "\x80", -128.0},
+                        {"5120", true, "\x7f", std::string(1, '\0'), "\x80", -1.0},
+                        {"5123", false, bytesOf<uint16_t>({1}), bytesOf<uint16_t>({0}), bytesOf<uint16_t>({0}), 0.0},
+                        {"5123", true, bytesOf<uint16_t>({65535}), bytesOf<uint16_t>({0}), bytesOf<uint16_t>({0}), 0.0},
+                        {"5122", false, bytesOf<int16_t>({1}), bytesOf<int16_t>({0}), bytesOf<int16_t>({-32768}), -32768.0},
+                        {"5122", true, bytesOf<int16_t>({32767}), bytesOf<int16_t>({0}), bytesOf<int16_t>({-32768}), -1.0}};
+  for (const Case& c : cases) {
+    const std::string name = std::string(c.type) + (c.is_normalized ? " normalized" : "");
+    Parts parts;
+    const std::string pad(4 - 3 * c.one.size() % 4, '\0');  // elements at multiples of four bytes
+    const std::string low = c.zero + c.low + c.zero;
+    parts.bin = low + pad + c.one + low.substr(c.zero.size()) + pad + c.one + c.one + c.zero + pad + c.zero + c.one + c.zero +
+                pad + bytesOf<uint16_t>({0, 1, 2, 0, 2, 3});
+    const std::string stride = std::to_string(3 * c.one.size() + pad.size());
+    const std::string size = std::to_string(parts.bin.size() - 12);
+    parts.views = R"([{"buffer":0,"byteStride":)" + stride + R"(,"byteLength":)" + size + R"(},{"buffer":0,"byteOffset":)" +
+                  size + R"(,"byteLength":12}])";
+    parts.accessors = replaced(parts.accessors, "5126", std::string(c.type) + (c.is_normalized ? R"(,"normalized":true)" : ""));
+    EXPECT_NE(errorOf(parts.text()).find("expected FLOAT VEC3"), std::string::npos) << name << " without the extension";
+    parts.more = R"(,"extensionsUsed":["KHR_mesh_quantization"],"extensionsRequired":["KHR_mesh_quantization"])";
+    const Scene scene = read(parts);
+    ASSERT_EQ(scene.triangles.size(), 2u) << name;
+    expectNear(corner(scene, 0, 0), {0, c.low_is, 0}, name);
+    expectNear(corner(scene, 0, 1), {1, c.low_is, 0}, name);
+    expectNear(corner(scene, 0, 2), {1, 1, 0}, name);
+    expectNear(corner(scene, 1, 2), {0, 1, 0}, name);
+    EXPECT_NE(errorOf(replaced(parts.text(), R"("count":4)", R"("count":5)")).find("POSITION"), std::string::npos) << name;
+    EXPECT_NE(errorOf(replaced(parts.text(), c.type, "5125")).find("expected VEC3 of FLOAT or integers"), std::string::npos)
+        << name;
+  }
+}
+
+TEST_F(GltfReader, ScalesByTheUnit) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0,"translation":[100,200,0],"scale":[3,1,1]},{"camera":0,"translation":[0,0,8]},)"
+                R"({"translation":[4,0,0],"extensions":{"KHR_lights_punctual":{"light":0}}}])";
+  parts.scenes = R"([{"nodes":[0,1,2]}])";
+  parts.more = R"(,"cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}],)"
+               R"("extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5}]}})";
+  const std::string path = write("units.gltf", parts.text());
+  const Scene metres = readGltf(path).scene, quarters = readGltf(path, 0.25).scene;
+  expectNear(corner(quarters, 0, 0), {25, 50, 0}, "corner");
+  expectNear(corner(quarters, 0, 2), {25.75, 50.25, 0}, "corner");
+  EXPECT_NEAR(areaOf(quarters), areaOf(metres) / 16, 1e-6);
+  ASSERT_EQ(quarters.viewpoints.size(), 1u);
+  expectNear(quarters.origin_m + glm::dvec3(quarters.viewpoints[0].position), {0, 0, 2}, "camera");
+  expectNear(quarters.viewpoints[0].forward, {0, 0, -1}, "camera's direction");
+  ASSERT_EQ(quarters.light.lamps.size(), 1u);
+  expectNear(quarters.origin_m + glm::dvec3(quarters.light.lamps[0].position), {1, 0, 0}, "lamp");
+  EXPECT_EQ(quarters.light.lamps[0].intensity, metres.light.lamps[0].intensity);
+}
+
+TEST_F(GltfReader, ReadsMaterials) {
+  Parts parts;
+  parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"material":1},{"attributes":{"POSITION":0},"indices":1}])";
+  parts.more = R"(,"extensionsUsed":["KHR_materials_emissive_strength"],"materials":[{},{"doubleSided":true,)"
+               R"("pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1]},"emissiveFactor":[1,0.5,0],)"
+               R"("extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}}}])";
+  const Scene scene = read(parts);
+  ASSERT_EQ(scene.materials.size(), 3u);
+  const Material& lamp = scene.materials[scene.triangle_material[0]];
+  EXPECT_EQ(lamp.base_color, glm::vec3(0.25f, 0.5f, 0.75f));
+  EXPECT_EQ(lamp.emissive, glm::vec3(8.0f, 4.0f, 0.0f));
+  EXPECT_TRUE(lamp.double_sided);
+  const Material& standard = scene.materials[scene.triangle_material[2]];
+  EXPECT_EQ(standard.base_color, glm::vec3(1.0f));
+  EXPECT_FALSE(standard.double_sided);
+}
+
+const char* const kLights = R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[
+  {"type":"point","color":[1,0.5,0],"intensity":40,"range":3},
+  {"type":"spot","intensity":10,"spot":{"innerConeAngle":0.25,"outerConeAngle":0.5}},
+  {"type":"directional","color":[0.5,0.5,0.5],"intensity":8}]}})";
+
+TEST_F(GltfReader, PutsLightsIntoTheGroupsOfTheirExtras) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0},
+    {"name":"Sconce","extras":{"light_group":"corridor"},"extensions":{"KHR_lights_punctual":{"light":0}}},
+    {"name":"Bulb.002","extensions":{"KHR_lights_punctual":{"light":0}}},
+    {"extensions":{"KHR_lights_punctual":{"light":1}}}])";
+  parts.scenes = R"([{"nodes":[0,1,2,3]}])";
+  parts.more = R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[
+    {"type":"point","name":"of all bulbs"},{"type":"directional","name":"Noon","extras":{"light_group":"day"}}]}})";
+  Scene scene = read(parts);
+  groupLights("name", &scene);
+  EXPECT_EQ(scene.light.groups.names, (std::vector<std::string>{"day", "corridor", "Bulb"}));
+}
+
+TEST_F(GltfReader, TellsOfGroupsThatAreNoText) {
+  Parts parts;
+  parts.nodes = R"([{"mesh":0},
+    {"name":"Sconce","extras":{"light_group":2},"extensions":{"KHR_lights_punctual":{"light":0}}}])";
+  parts.scenes = R"([{"nodes":[0,1]}])";
+  parts.more = R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[
+    {"type":"point","name":"Bulb","extras":{"light_group":["a"]}}]}})";
+  GltfLevel level = readGltf(write("groups.glb", parts.binary()));
+  EXPECT_EQ(level.notes, (std::vector<std::string>{"2 light_groups among extras are not read: no text"}));
+  groupLights("name", &level.scene);
+  EXPECT_EQ(level.scene.light.groups.names, (std::vector<std::string>{"Sconce"}));
+}
+
+TEST_F(GltfReader, ReadsLightsWhereTheirNodesStand) {
+  Parts parts;
+  parts.more = kLights;
+  // a parent 1000 km away; its children look along its -z, turned a quarter about x: down
+  parts.nodes = R"([{"mesh":0,"translation":[1e6,0,0]},
+    {"translation":[1e6,2,3],"rotation":[-0.70710678118,0,0,0.70710678118],"scale":[3,3,3],"children":[2,3,4]},
+    {"translation":[1,0,0],"extensions":{"KHR_lights_punctual":{"light":0}}},
+    {"extensions":{"KHR_lights_punctual":{"light":1}}},
+    {"extensions":{"KHR_lights_punctual":{"light":2}}}])";
+  parts.scenes = R"([{"nodes":[0,1]}])";
+  const Scene scene = read(parts);
+  ASSERT_EQ(scene.light.lamps.size(), 2u);
+  const Lamp &point = scene.light.lamps[0], &spot = scene.light.lamps[1];
+  EXPECT_EQ(point.intensity, glm::vec3(40, 20, 0));
+  EXPECT_EQ(point.radius_m, kGltfLampRadius_m);
+  EXPECT_LE(point.cos_outer, -1.0f);
+  expectNear(scene.origin_m + glm::dvec3(point.position), {1e6 + 3, 2, 3}, "the point's place");
+  EXPECT_EQ(spot.intensity, glm::vec3(10.0f));
+  EXPECT_NEAR(spot.cos_inner, std::cos(0.25f), 1e-6f);
+  EXPECT_NEAR(spot.cos_outer, std::cos(0.5f), 1e-6f);
+  expectNear(glm::dvec3(spot.direction), {0, -1, 0}, "where the spot points");
+  ASSERT_EQ(scene.light.suns.size(), 1u);
+  EXPECT_EQ(scene.light.suns[0].irradiance, glm::vec3(4.0f));
+  expectNear(glm::dvec3(scene.light.suns[0].to_sun), {0, 1, 0}, "where the sun stands");
+  EXPECT_TRUE(read(Parts{}).light.lamps.empty());
+}
+
+const char* const kCameras = R"(,"cameras":[{"type":"perspective","name":"wide","perspective":{"yfov":1.5,"znear":0.1}},
+  {"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":0.1,"zfar":9}}])";
+
+TEST_F(GltfReader, ReadsCamerasWhereTheirNodesStand) {
+  Parts parts;
+  parts.more = kCameras;
+  // far away, twice as large, turned a quarter about x: a camera that looked along -z looks down, its top towards -z
+  parts.nodes = R"([{"mesh":0,"translation":[1e6,0,0]},{"camera":1},
+    {"translation":[1e6,2,3],"rotation":[-0.70710678118,0,0,0.70710678118],"scale":[2,2,2],"camera":0}])";
+  parts.scenes = R"([{"nodes":[0,1,2]}])";
+  const Scene scene = read(parts);
+  ASSERT_EQ(scene.viewpoints.size(), 1u);
+  const Viewpoint& camera = scene.viewpoints[0];
+  EXPECT_EQ(camera.name, "wide");
+  EXPECT_EQ(camera.fov_y, 1.5f);
+  expectNear(scene.origin_m + glm::dvec3(camera.position), {1e6, 2, 3}, "the camera's place");
+  expectNear(glm::dvec3(camera.forward), {0, -1, 0}, "where it looks");
+  expectNear(glm::dvec3(camera.up), {0, 0, -1}, "its top");
+}
+
+TEST_F(GltfReader, LeavesOutCamerasThatAreNone) {
+  for (const char* yfov : {"0", "-1", "3.2", "1e300"}) {
+    Parts parts;
+    parts.more = replaced(kCameras, "1.5", yfov);
+    parts.nodes = R"([{"mesh":0,"camera":0}])";
+    EXPECT_NE(saidOf(parts.text()).find("camera 0: yfov"), std::string::npos) << yfov << ": " << saidOf(parts.text());
+  }
+  Parts parts;
+  parts.more = kCameras;
+  parts.nodes = R"([{"mesh":0,"camera":2}])";
+  EXPECT_NE(saidOf(parts.text()).find("node 0: camera"), std::string::npos);
+}
+
+TEST_F(GltfReader, LeavesOutLightsThatAreNone) {
+  const auto expectError = [&](const std::string& words, const std::string& from, const std::string& to) {
+    Parts parts;
+    parts.more = replaced(kLights, from, to);
+    const std::string error = saidOf(parts.text());
+    EXPECT_NE(error.find(words), std::string::npos) << "expected " << words << ", got: " << error;
+  };
+  expectError("light 0: color", "[1,0.5,0]", "[1,0.5]");
+  expectError("light 0: color", "[1,0.5,0]", "[1,0.5,\"red\"]");
+  expectError("light 0: intensity times color", "40", "1e300");
+  expectError("light 0: intensity", "40", "\"40\"");
+  expectError("light 1: innerConeAngle", "0.25", "\"narrow\"");
+  for (const char* idx : {"1", "-1", "0.5", "\"0\""}) {
+    Parts parts;
+    parts.nodes = std::string(R"([{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":)") + idx + "}}}]";
+    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"}]}})";
+    const std::string error = saidOf(parts.text());
+    EXPECT_NE(error.find("node 0: light"), std::string::npos) << idx << ": " << error;
+  }
+}
+
+// Each light on a node of its own; by the second node's scale.
+Parts lightsOnNodes(const std::string& lights, const std::string& scale = "[1,1,1]") {
+  Parts parts;
+  parts.more = replaced(lights, R"(,"range":3)", "");  // which has a note of its own
+  const auto node = [](const char* idx) { return std::string(R"({"extensions":{"KHR_lights_punctual":{"light":)") + idx + "}}"; };
+  parts.nodes = R"([{"mesh":0},)" + node("0") + "}," + node("1") + R"(,"scale":)" + scale + "}," + node("2") + "}]";
+  parts.scenes = R"([{"nodes":[0,1,2,3]}])";
+  return parts;
+}
+
+TEST_F(GltfReader, LeavesLightsOutThatCannotBeMendedAndNamesThem) {
+  struct Case {
+    const char *from, *to, *note;
+    size_t lamps, suns;
+  };
+  const Case cases[] = {{R"("type":"point")", R"("type":"area")", "light 0: a type that is none", 1, 1},
+                        {"[1,0.5,0]", "[1,0.5,-1]", "light 0: light below 0", 1, 1},
+                        {R"("intensity":8)", R"("intensity":-8)", "light 2: light below 0", 2, 0},
+                        {R"("innerConeAngle":0.25,"outerConeAngle":0.5)", R"("outerConeAngle":0)",
+                         "light 1: a spot's outer cone that is empty", 1, 1}};
+  for (const Case& odd : cases) {
+    const GltfLevel level = readGltf(write("odd.gltf", lightsOnNodes(replaced(kLights, odd.from, odd.to)).text()));
+    ASSERT_EQ(level.notes.size(), 1u) << odd.note;
+    EXPECT_EQ(level.notes[0].find(odd.note), 0u) << level.notes[0];
+    EXPECT_EQ(level.scene.light.lamps.size(), odd.lamps) << odd.note;
+    EXPECT_EQ(level.scene.light.suns.size(), odd.suns) << odd.note;
+  }
+  const GltfLevel flat = readGltf(write("flat.gltf", lightsOnNodes(kLights, "[0,0,0]").text()));
+  ASSERT_EQ(flat.notes.size(), 1u);
+  EXPECT_NE(flat.notes[0].find("node 2: a light that points nowhere"), std::string::npos) << flat.notes[0];
+  EXPECT_EQ(flat.scene.light.lamps.size(), 1u);
+}
+
+TEST_F(GltfReader, MendsOddLightsAndNamesEachKindOnce) {
+  const auto spotOf = [&](const std::string& cones, const char* note) {
+    const GltfLevel level = readGltf(
+        write("odd.gltf", lightsOnNodes(replaced(kLights, R"("innerConeAngle":0.25,"outerConeAngle":0.5)", cones)).text()));
+    EXPECT_EQ(level.notes.size(), 1u) << note;
+    EXPECT_NE((level.notes.empty() ? "" : level.notes[0]).find(note), std::string::npos);
+    return level.scene.light.lamps.at(1);
+  };
+  for (const std::string inner : {"0.5", "0.7"}) {
+    const Lamp spot = spotOf(R"("innerConeAngle":)" + inner + R"(,"outerConeAngle":0.5)", "inner cone");
+    EXPECT_NEAR(spot.cos_outer, std::cos(0.5f), 1e-6f);
+    EXPECT_GT(spot.cos_inner, spot.cos_outer);
+    EXPECT_LT(spot.cos_inner, spot.cos_outer + 1e-3f);
+  }
+  // both angles have defaults
+  const GltfLevel plain =
+      readGltf(write("odd.gltf", lightsOnNodes(replaced(kLights, R"("innerConeAngle":0.25,"outerConeAngle":0.5)", "")).text()));
+  EXPECT_EQ(plain.scene.light.lamps[1].cos_inner, 1.0f);
+  EXPECT_NEAR(plain.scene.light.lamps[1].cos_outer, std::sqrt(0.5f), 1e-6f);
+  EXPECT_EQ(spotOf(R"("innerConeAngle":-0.1,"outerConeAngle":0.5)", "inner cone").cos_inner, 1.0f);
+  EXPECT_NEAR(spotOf(R"("innerConeAngle":0.1,"outerConeAngle":2)", "right angle").cos_outer, 0.0f, 1e-6f);
+
+  const std::string bright = replaced(replaced(kLights, "[1,0.5,0]", "[3,0.5,0]"), "[0.5,0.5,0.5]", "[2,2,2]");
+  const GltfLevel level = readGltf(write("bright.gltf", lightsOnNodes(bright).text()));
+  ASSERT_EQ(level.notes.size(), 1u);
+  EXPECT_EQ(level.notes[0], "light 0 and another one: a colour above 1; taken as it is");
+  EXPECT_EQ(level.scene.light.lamps.at(0).intensity, glm::vec3(120, 20, 0));
+  EXPECT_EQ(level.scene.light.suns.at(0).irradiance, glm::vec3(16.0f));
+  EXPECT_TRUE(readGltf(write("plain.gltf", lightsOnNodes(kLights).text())).notes.empty());
+}
+
+TEST_F(GltfReader, SaysWhoWroteTheLight) {
+  Parts parts;
+  EXPECT_EQ(read(parts).light.writer, LightWriter::gltf);
+  const std::string of_blender =
+      replaced(parts.text(), R"("asset":{)", R"("asset":{"generator":"Khronos glTF Blender I/O v3.4.50",)");
+  EXPECT_EQ(readGltf(write("blender.gltf", of_blender)).scene.light.writer, LightWriter::blender);
+}
+
+TEST_F(GltfReader, DropsAndCountsFlatTriangles) {
+  Parts parts;
+  parts.bin = kSquare.substr(0, 48) + bytesOf<uint16_t>({0, 1, 2, 0, 2, 2});
+  const Scene scene = read(parts);
+  EXPECT_EQ(scene.triangles.size(), 1u);
+  EXPECT_EQ(scene.dropped_triangle_count, 1u);
+  EXPECT_EQ(scene.objects[0].triangle_count, 1u);
+}
+
+TEST_F(GltfReader, NeverOpensImages) {
+  Parts parts;
+  parts.more = R"(,"images":[{"uri":"../secret.png"},{"uri":"no such file.png"}],"textures":[{"source":0}])";
+  std::ofstream(folder_ / "secret.png") << "not an image";
+  EXPECT_EQ(read(parts).triangles.size(), 2u);
+}
+
+TEST_F(GltfReader, RefusesBuffersOutsideTheFolder) {
+  const Parts parts;
+  std::ofstream(folder_ / "secret.bin", std::ios::binary) << parts.bin;
+  fs::create_symlink(folder_ / "secret.bin", folder_ / "level/link.bin");
+  const std::string absolute = folder_ / "secret.bin";
+  for (const std::string& uri :
+       {std::string("../secret.bin"), std::string("%2e%2e/secret.bin"), std::string("..%2Fsecret.bin"),
+        std::string("a/../../secret.bin"), absolute, "file://" + absolute, std::string("link.bin"),
+        std::string("..\\\\secret.bin"), std::string("\\u002e./secret.bin"), std::string("x%00.bin"),
+        std::string("http://a/b.bin"), std::string("missing.bin"), std::string("x%zz.bin"), std::string(".")}) {
+    const std::string error = errorOf(parts.json(uri));
+    EXPECT_NE(error.find("buffer"), std::string::npos) << uri << ": " << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << uri << ": " << error;
+  }
+}
+
+TEST_F(GltfReader, RefusesAMissingFileAndAFolder) {
+  EXPECT_THROW(readGltf(folder_ / "nothing.glb"), InputError);
+  EXPECT_THROW(readGltf(folder_.string()), InputError);
+}
+
+TEST_F(GltfReader, RefusesBuffersThatAreNoRegularFiles) {
+  ASSERT_EQ(::mkfifo((folder_ / "level/pipe.bin").c_str(), 0600), 0);
+  fs::create_symlink("ring.bin", folder_ / "level/ring.bin");
+  const std::string long_name = std::string(300, 'x') + ".bin";
+  for (const auto& [uri, got] : std::map<std::string, std::string>{{"pipe.bin", "a pipe"},
+                                                                   {".", "a directory"},
+                                                                   {"ring.bin", "Too many levels of symbolic links"},
+                                                                   {long_name, "File name too long"},
+                                                                   {"missing.bin", "one that is not there"}}) {
+    const std::string error = errorOf(Parts().json(uri));
+    EXPECT_NE(error.find("hostile.gltf: buffer \"" + uri.substr(0, 80)), std::string::npos) << error;
+    EXPECT_NE(error.find(got), std::string::npos) << error;
+  }
+}
+
+// As programs write addresses; tinygltf takes "+" for a blank.
+TEST_F(GltfReader, FindsBuffersHoweverTheirAddressIsWritten) {
+  fs::create_directory(folder_ / "level/sub");
+  write("sub/a+b c.bin", Parts().bin);
+  for (const char* uri : {"sub/a+b c.bin", "sub/a+b%20c.bin", "sub\\\\a+b c.bin", "sub%5Ca+b%20c.bin", ".\\\\sub\\\\a+b c.bin",
+                          "SUB/A+B C.bin", "C:/work/sub/a+b c.bin"})
+    EXPECT_EQ(errorOf(Parts().json(uri)), "no error") << uri;
+}
+
+// What all of them hold is known before any is read: files of no blocks, which would take the machine's memory.
+TEST_F(GltfReader, RefusesMoreBytesThanTheBudgetBeforeItReadsThem) {
+  Parts parts;
+  for (const char* name : {"1.bin", "2.bin", "3.bin"}) {
+    parts.more_buffers += std::string(R"(,{"byteLength":3221225472,"uri":")") + name + "\"}";
+    fs::resize_file(write(name, ""), uint64_t{3} << 30);
+  }
+  const std::string text = parts.text();
+  const std::string error = errorOf(text);
+  EXPECT_NE(
+      error.find("hostile.gltf: buffer \"2.bin\": expected at most 4294967295 bytes of files and what they unpack to in one "
+                 "scene, got " +
+                 std::to_string((uint64_t{6} << 30) + text.size())),
+      std::string::npos)
+      << error;
+}
+
+// The file of 602 bytes that asked for 7 GB: many primitives of one accessor without bytes.
+TEST_F(GltfReader, RefusesZerosBeyondTheBudgetOfTheScene) {
+  Parts parts;
+  const auto withZeros = [&](uint64_t count, int primitives) {
+    parts.accessors = R"([{"componentType":5126,"count":)" + std::to_string(count) + R"(,"type":"VEC3"}])";
+    parts.primitives = "[";
+    for (int i = 0; i < primitives; ++i) parts.primitives += std::string(i > 0 ? "," : "") + R"({"attributes":{"POSITION":0}})";
+    parts.primitives += "]";
+    return errorOf(parts.text());
+  };
+  EXPECT_EQ(withZeros(300000, 3), "no error");
+  const std::string words = "expected at most 1048576 elements of accessors without a buffer view in one scene, got ";
+  const std::string of_many = withZeros(300000, 4), of_one = withZeros(1048578, 1);
+  EXPECT_NE(of_many.find("mesh 0, primitive 3: POSITION: " + words + "1200000"), std::string::npos) << of_many;
+  EXPECT_NE(of_one.find("mesh 0, primitive 0: POSITION: " + words + "1048578"), std::string::npos) << of_one;
+}
+
+// Of the budgets' limits a test would need gigabytes: these are of the square's two triangles and six corners.
+TEST_F(GltfReader, TakesTrianglesAndElementsOfTheBudget) {
+  Parts parts;
+  parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"indices":1}])";
+  const std::string path = write("twice.gltf", parts.text());
+  SceneBudget bytes = SceneBudgets().bytes;
+  Oddities odd(path);
+  const tinygltf::Model model = loadGltfFile(path, bytes, &odd);
+  EXPECT_EQ(kMaxSceneBytes - bytes.left(), parts.text().size());
+  SceneBudgets budgets;
+  const GltfLooks looks = readGltfLooks(path, model, budgets, nullptr, &odd);
+  readGltfMesh(model, 0, looks, {}, path, budgets, &odd);
+  EXPECT_EQ(kMaxSceneTriangles - budgets.triangles.left(), 4u);
+  EXPECT_EQ(kMaxAccessorElements - budgets.accessor_elements.left(), 12u);
+  EXPECT_EQ(budgets.accessor_zeros.left(), kMaxAccessorZeros);
+  const auto errorWith = [&](SceneBudget SceneBudgets::*which, const SceneBudget& small) {
+    SceneBudgets little;
+    little.*which = small;
+    return inputErrorOf([&] { readGltfMesh(model, 0, looks, {}, path, little, &odd); });
+  };
+  EXPECT_EQ(errorWith(&SceneBudgets::triangles, {"triangles", 4}), "no error");
+  EXPECT_EQ(errorWith(&SceneBudgets::triangles, {"triangles", 3}),
+            path + ": mesh 0, primitive 1: expected at most 3 triangles in one scene, got 4");
+  EXPECT_EQ(errorWith(&SceneBudgets::accessor_elements, {"elements", 12}), "no error");
+  EXPECT_EQ(errorWith(&SceneBudgets::accessor_elements, {"elements", 11}),
+            path + ": mesh 0, primitive 1: indices: expected at most 11 elements in one scene, got 12");
+}
+
+TEST_F(GltfReader, RefusesEveryTruncationOfAGlb) {
+  const std::string whole = Parts().binary();
+  for (size_t size = 0; size < whole.size(); ++size) EXPECT_NE(errorOf(whole.substr(0, size)), "no error") << size << " bytes";
+}
+
+// What the header says of its chunks must fit the file; tinygltf alone reads up to eight bytes past a binary chunk's end.
+TEST_F(GltfReader, RefusesChunksThatReachPastTheEnd) {
+  const std::string whole = Parts().binary();
+  const size_t bin_header = whole.find(std::string("BIN\0", 4)) - 4;
+  for (const size_t word : {size_t{4}, size_t{12}, bin_header}) {
+    for (const uint32_t delta : {4u, 8u, 0x7fffffffu, 0xfffffff0u}) {
+      std::string hostile = whole;
+      uint32_t value = 0;
+      std::memcpy(&value, hostile.data() + word, 4);
+      value += delta;
+      std::memcpy(hostile.data() + word, &value, 4);
+      EXPECT_NE(errorOf(hostile), "no error") << "word at " << word << " plus " << delta;
+    }
+  }
+}
+
+struct Hostile {
+  const char* name;
+  const char* from;
+  const char* to;
+  const char* place;  // what the error must name
+};
+
+// Each is the square with one thing replaced.
+const Hostile kHostile[] = {
+    {"no such index accessor", R"("indices":1)", R"("indices":2)", "meshes[0].primitives[0].indices"},
+    {"no such position accessor", R"("POSITION":0)", R"("POSITION":7)", "mesh 0, primitive 0: POSITION"},
+    {"no position", R"("POSITION":0)", R"("NORMAL":0)", "mesh 0, primitive 0: POSITION"},
+    {"position of a wrong type", R"("VEC3")", R"("VEC4")", "mesh 0, primitive 0: POSITION"},
+    {"position of 16 bits", "5126", "5123", "mesh 0, primitive 0: POSITION"},
+    {"signed indices", "5123", "5122", "mesh 0, primitive 0: indices"},
+    {"float indices", "5123", "5126", "mesh 0, primitive 0: indices"},
+    {"accessor past the view", R"("count":4)", R"("count":5)", "mesh 0, primitive 0: POSITION"},
+    {"accessor past the view by its offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":4,)",
+     "mesh 0, primitive 0: POSITION"},
+    {"huge count", R"("count":4)", R"("count":9007199254740000)", "mesh 0, primitive 0: POSITION"},
+    {"count that overflows", R"("count":4)", R"("count":1537228672809129302)", "accessors[0].count"},
+    {"huge count without a view", R"("bufferView":0,"componentType":5126,"count":4)",
+     R"("componentType":5126,"count":4000000000)", "mesh 0, primitive 0: POSITION"},
+    {"huge offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":9007199254740990,)", "mesh 0, primitive 0: POSITION"},
+    {"negative offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":-4,)", "accessors[0].byteOffset"},
+    {"fewer vertices than indexed", R"("count":4)", R"("count":3)", "mesh 0, primitive 0: indices"},
+    {"corners not in threes", R"("count":6)", R"("count":5)", "mesh 0, primitive 0: 5 corners"},
+    {"view past the buffer", R"("byteLength":48)", R"("byteLength":4800)", "mesh 0, primitive 0: POSITION"},
+    {"view at a huge offset", R"("byteOffset":48)", R"("byteOffset":9007199254740990)", "mesh 0, primitive 0: indices"},
+    {"view of no buffer", R"({"buffer":0,"byteLength":48})", R"({"buffer":3,"byteLength":48})",
+     "bufferViews[0]: expected all that glTF asks of it"},
+    {"stride below the element", R"("byteLength":48})", R"("byteLength":48,"byteStride":4})", "mesh 0, primitive 0: POSITION"},
+    {"no such view", R"("bufferView":0,)", R"("bufferView":9,)", "mesh 0, primitive 0: POSITION"},
+    {"index of 33 bits", R"("POSITION":0)", R"("POSITION":4294967296)", "meshes[0].primitives[0].attributes.POSITION"},
+    {"mode that does not exist", R"("indices":1)", R"("indices":1,"mode":9)", "mesh 0, primitive 0: mode"},
+    {"no such material", R"("indices":1)", R"("indices":1,"material":0)", "mesh 0, primitive 0: material"},
+    {"no such mesh", R"("mesh":0)", R"("mesh":1)", "node 0: mesh"},
+    {"mesh as text", R"("mesh":0)", R"("mesh":"0")", "nodes[0].mesh"},
+    {"mesh as a fraction", R"("mesh":0)", R"("mesh":0.5)", "nodes[0].mesh"},
+    {"node that is its own child", R"("mesh":0)", R"("mesh":0,"children":[0])", "node 0"},
+    {"child that does not exist", R"("mesh":0)", R"("mesh":0,"children":[4])", "node 4"},
+    {"child as text", R"("mesh":0)", R"("mesh":0,"children":["a"])", "nodes[0].children[0]"},
+    {"short translation", R"("mesh":0)", R"("mesh":0,"translation":[1,2])", "nodes[0].translation"},
+    {"text in a translation", R"("mesh":0)", R"("mesh":0,"translation":[1,2,"3"])", "nodes[0].translation[2]"},
+    {"infinite translation", R"("mesh":0)", R"("mesh":0,"translation":[1e999,0,0])", "hostile.gltf"},
+    {"translation beyond the world", R"("mesh":0)", R"("mesh":0,"translation":[1e300,0,0])", "node 0"},
+    {"scale that overflows", R"("mesh":0)", R"("mesh":0,"scale":[1e308,1e308,1e308],"translation":[1e308,0,0])", "node 0"},
+    {"rotation of length zero", R"("mesh":0)", R"("mesh":0,"rotation":[0,0,0,0])", "node 0: rotation"},
+    {"matrix of 15", R"("mesh":0)", R"("mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0])", "nodes[0].matrix"},
+    {"projective matrix", R"("mesh":0)", R"("mesh":0,"matrix":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1])", "node 0: matrix"},
+    {"matrix and scale", R"("mesh":0)", R"("mesh":0,"scale":[1,1,1],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])",
+     "nodes[0]: a matrix, and translation"},
+    {"nodes that are no list", R"("nodes":[{"mesh":0,"name":"square"}])", R"("nodes":5)", "nodes"},
+    {"node twice", R"("nodes":[0])", R"("nodes":[0,0])", "node 0"},
+    {"no such root", R"("nodes":[0])", R"("nodes":[1])", "node 1"},
+    {"no such scene", R"("scenes":)", R"("scene":3,"scenes":)", "scene"},
+    {"required extension", R"("asset":)", R"("extensionsRequired":["KHR_texture_basisu","XYZ_packed"],"asset":)",
+     "extensionsRequired[1]: expected "},
+    {"required extension's name", R"("asset":)", R"("extensionsRequired":["XYZ_packed"],"asset":)", "got XYZ_packed"},
+    {"required extension before what it provides", R"("buffers":[)",
+     R"("extensionsRequired":["XYZ_packed"],"buffers":[{"byteLength":60},)", "got XYZ_packed"},
+    {"normalized as text", R"("count":4)", R"("count":4,"normalized":"yes")", "accessors[0].normalized"},
+    {"colour of three", R"("asset":)", R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0]}}],"asset":)",
+     "materials[0].pbrMetallicRoughness.baseColorFactor"},
+    {"key twice", R"("mesh":0)", R"("mesh":0,"mesh":0)", "key \"mesh\""},
+    {"buffer without uri", R"("buffers":[)", R"("buffers":[{"byteLength":60},)", "buffer view 0 within the buffer's 1 bytes"},
+    {"buffer of another length", R"("byteLength":60)", R"("byteLength":61)", "hostile.gltf"},
+    {"buffer of no length", R"("byteLength":60)", R"("byteLength":0)", "hostile.gltf"},
+    {"image without source", R"("asset":)", R"("images":[{"uri":""}, 7],"asset":)", "images[1]"},
+    {"wrong version", R"("asset":{"version":"2.0"})", R"("asset":{})", "hostile.gltf"},
+};
+
+TEST_F(GltfReader, NamesThePlaceOfWhatIsHostile) {
+  for (const Hostile& hostile : kHostile) {
+    const std::string error = saidOf(replaced(Parts().text(), hostile.from, hostile.to));
+    EXPECT_NE(error.find(hostile.place), std::string::npos) << hostile.name << ": " << error;
+    EXPECT_NE(error.find("hostile.gltf: "), std::string::npos) << hostile.name << ": " << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << hostile.name << ": " << error;
+    EXPECT_LT(error.size(), 600u) << hostile.name;
+  }
+}
+
+TEST_F(GltfReader, RefusesPositionsThatAreNotFinite) {
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Parts parts;
+    std::memcpy(parts.bin.data() + 16, &value, 4);
+    const std::string error = errorOf(parts.text());
+    EXPECT_NE(error.find("mesh 0, primitive 0: POSITION"), std::string::npos) << error;
+    EXPECT_NE(error.find("vertex 1"), std::string::npos) << error;
+  }
+}
+
+TEST_F(GltfReader, CutsRingsAndSharedChildren) {
+  Parts ring;
+  ring.nodes = R"([{"mesh":0,"children":[1]},{"children":[2]},{"children":[0]}])";
+  EXPECT_NE(saidOf(ring.text()).find("own ancestor"), std::string::npos);
+  EXPECT_EQ(read(ring).triangles.size(), 2u) << "cut where it closes";
+  ring.scenes = "[]";
+  EXPECT_NE(saidOf(ring.text()).find("own ancestor"), std::string::npos);
+  // two to the power of 40 instances, were it allowed
+  Parts diamonds;
+  diamonds.nodes = "[";
+  for (int i = 0; i < 40; ++i) diamonds.nodes += R"({"children":[)" + std::to_string(i + 1) + "," + std::to_string(i + 1) + "]},";
+  diamonds.nodes += R"({"mesh":0}])";
+  EXPECT_NE(saidOf(diamonds.text()).find("two parents"), std::string::npos);
+  EXPECT_EQ(read(diamonds).objects.size(), 1u);
+}
+
+TEST_F(GltfReader, RefusesDeepNesting) {
+  Parts parts;
+  parts.nodes = "[";
+  for (int i = 0; i < 300; ++i) parts.nodes += R"({"children":[)" + std::to_string(i + 1) + "]},";
+  parts.nodes += R"({"mesh":0}])";
+  EXPECT_NE(errorOf(parts.text()).find("256"), std::string::npos);
+  Parts extras;
+  extras.more = R"(,"extras":)" + std::string(200000, '[') + std::string(200000, ']');
+  EXPECT_NE(errorOf(extras.text()).find("nesting"), std::string::npos);
+}
+
+TEST_F(GltfReader, RefusesBadSparseAccessors) {
+  const Hostile cases[] = {
+      {"index past the count", R"("count":1,"indices")", R"("count":9,"indices")", "POSITION"},
+      {"float indices", R"("bufferView":2,"componentType":5123)", R"("bufferView":2,"componentType":5126)", "POSITION"},
+      {"no such view", R"("values":{"bufferView":3})", R"("values":{"bufferView":30})", "POSITION"},
+      {"values past the view", R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":4})", "POSITION"},
+      {"offset of 33 bits", R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":4294967296})",
+       "accessors[0].sparse.values.byteOffset"}};
+  Parts parts;
+  parts.bin = kSquare + bytesOf<uint16_t>({2, 0}) + bytesOf<float>({3, 3, 0});
+  parts.views =
+      replaced(parts.views, "]", R"(,{"buffer":0,"byteOffset":60,"byteLength":2},{"buffer":0,"byteOffset":64,"byteLength":12}])");
+  parts.accessors =
+      replaced(parts.accessors, R"("VEC3")",
+               R"("VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}})");
+  for (const Hostile& hostile : cases) {
+    const std::string error = errorOf(replaced(parts.text(), hostile.from, hostile.to));
+    EXPECT_NE(error.find(hostile.place), std::string::npos) << hostile.name << ": " << error;
+  }
+  parts.bin[60] = 4;
+  EXPECT_NE(errorOf(parts.text()).find("sparse indices below 4"), std::string::npos);
+}
+
+TEST_F(GltfReader, RefusesWhatIsNoGltf) {
+  for (const std::string& bytes :
+       {std::string(), std::string("{"), std::string("[]"), std::string("{}"), std::string("glTF"),
+        std::string("\0\0\0\0\0\0", 6), std::string("{\"asset\":"), std::string("{\"a\":\"\\u12"),
+        std::string("{\"asset\":{\"version\":\"2.0\"}} x"), std::string(1000, '{'), std::string("\xff\xfe{}")}) {
+    EXPECT_NE(errorOf(bytes), "no error") << bytes.substr(0, 40);
+  }
+}
+
+// The levels that come with their triangle counts in a table: | name.glb | origin | licence | triangles | ...
+TEST(GltfLevels, HaveTheTriangleCountsOfTheirTable) {
+  const char* folder = std::getenv("NLG_SHARED_SCENES");
+  if (folder == nullptr) GTEST_SKIP() << "NLG_SHARED_SCENES names no folder";
+  std::ifstream table(fs::path(folder) / "levels" / "LICENSES.md");
+  if (!table) GTEST_SKIP() << folder << " has no levels/LICENSES.md";
+  size_t level_count = 0;
+  for (std::string line; std::getline(table, line);) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, '|');) cells.push_back(cell);
+    if (cells.size() < 5 || cells[1].find(".glb") == std::string::npos) continue;
+    const std::string name = cells[1].substr(1, cells[1].size() - 2);
+    const Scene scene = readGltf((fs::path(folder) / "levels" / name).string()).scene;
+    EXPECT_EQ(scene.triangles.size() + scene.dropped_triangle_count, std::stoul(cells[4])) << name;
+    ++level_count;
+  }
+  EXPECT_GT(level_count, 0u);
+}
+
+}  // namespace
+}  // namespace nlg

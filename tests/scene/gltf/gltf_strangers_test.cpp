@@ -1,0 +1,571 @@
+// glTF files as strangers write them: what no eye sees, poses, units that only a sign tells, and one part that is broken.
+#include "tests/scene/gltf/gltf_packed_parts.h"
+
+#include <cmath>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <tiny_gltf.h>
+
+#include "scene/gltf/gltf_light.h"
+#include "scene/gltf/gltf_meshopt.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+class GltfStrangers : public GltfFiles {
+ protected:
+  GltfLevel level(const Parts& parts, const GltfChoice& choice = {}) const {
+    return readGltf(write("stranger.gltf", parts.text()), 1.0, kDenseVeil, choice);
+  }
+
+  static std::string namesOf(const Scene& scene) {
+    std::string names;
+    for (const SceneObject& object : scene.objects) names += (names.empty() ? "" : " ") + object.name;
+    return names;
+  }
+
+  static std::string linesOf(const GltfLevel& level) {
+    std::string lines;
+    for (const std::string& note : level.notes) lines += note + "\n";
+    return lines;
+  }
+
+  static void expectSays(const GltfLevel& level, const std::string& words) {
+    EXPECT_NE(linesOf(level).find(words), std::string::npos) << "expected " << words << "\ngot " << linesOf(level);
+  }
+};
+
+// Nodes with the square, all of them roots.
+Parts nodesOf(const std::vector<std::string>& nodes) {
+  Parts parts;
+  parts.nodes = parts.scenes = "";
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    parts.nodes += (i > 0 ? "," : "[") + nodes[i];
+    parts.scenes += (i > 0 ? "," : R"([{"nodes":[)") + std::to_string(i);
+  }
+  parts.nodes += "]";
+  parts.scenes += "]}]";
+  return parts;
+}
+
+std::string named(const std::string& name, const std::string& more = "") {
+  return R"({"mesh":0,"name":")" + name + "\"" + more + "}";
+}
+
+// --- what no eye sees
+
+TEST_F(GltfStrangers, LeavesOutWhatNamesSayIsForNoEye) {
+  const std::tuple<const char*, std::vector<const char*>, const char*> cases[] = {
+      {"the wall", {"UCX_wall_01", "UBX_wall", "USP_wall", "ucp_wall", "MCDCX_wall"}, "5 objects"},
+      {"Wall", {"Kill-colonly", "kill_ConvColOnly", "Kill$colonly.001", "far-noimp", "nav-navmesh", "occ-occonly2"}, "6 objects"},
+      {"Skylight",
+       {"SkyDome", "sky_box.001", "Sky"},
+       "3 objects (SkyDome, sky_box.001, Sky) left out, for a sky and no wall, by its name"},
+      {"Arch_LOD0", {"Arch_LOD1", "Arch_LOD2"}, "2 objects (Arch_LOD1, Arch_LOD2) left out, coarser levels of detail by name"},
+      {"Arch_LOD0.001", {"arch_lod1.001", "Arch-LOD3"}, "2 objects"},
+      {"Arch", {"Arch_LOD1"}, "1 object (Arch_LOD1) left out"},
+      {"Arch_LOD2", {"Arch_LOD3"}, "1 object (Arch_LOD3) left out"}};
+  for (const auto& [stays, goes, words] : cases) {
+    std::vector<std::string> nodes = {named(stays)};
+    for (const char* name : goes) nodes.push_back(named(name));
+    const GltfLevel read = level(nodesOf(nodes));
+    EXPECT_EQ(namesOf(read.scene), stays);
+    if (std::string(words).size() > 9) expectSays(read, words);
+    expectSays(read, "an extra nlg_ignore of false keeps a node");
+  }
+}
+
+TEST_F(GltfStrangers, KeepsWhatOnlyLooksLikeSuchANameOrIsMarked) {
+  const char* const kept[] = {"Arch_LOD1", "colonly", "notcolonly", "door-col", "wall-convcol", "UCXwall", "LOD2", "melody"};
+  for (const char* name : kept) {
+    const GltfLevel read = level(nodesOf({named(name)}));
+    EXPECT_EQ(namesOf(read.scene), name);
+    EXPECT_TRUE(read.notes.empty()) << linesOf(read);
+  }
+  EXPECT_EQ(namesOf(level(nodesOf({named("UCX_a", R"(,"extras":{"nlg_ignore":false})")})).scene), "UCX_a");
+}
+
+TEST_F(GltfStrangers, LeavesOutByMarksAndPatternsWithAllThatHangs) {
+  const std::string lamp = R"(,"extensions":{"KHR_lights_punctual":{"light":0}})";
+  const std::pair<const char*, const char*> cases[] = {
+      {R"("extensions":{"KHR_node_visibility":{"visible":false}})",
+       "1 lamp, 1 object (child) left out, hidden by KHR_node_visibility"},
+      {R"("extras":{"nlg_ignore":true})", "1 lamp, 1 object (child) left out, by nlg_ignore"},
+      {R"("extras":{"nlg_ignore":1})", "1 lamp, 1 object (child) left out, by nlg_ignore"},
+      {R"("name":"Group.007")", "1 lamp, 1 object (child) left out, by --leave-out Gr*.00?"}};
+  for (const auto& [mark, words] : cases) {
+    Parts parts;
+    parts.nodes =
+        "[" + named("wall") + R"(,{"children":[2,3],)" + mark + "}," + named("child") + R"(,{"name":"lamp")" + lamp + "}]";
+    parts.scenes = R"([{"nodes":[0,1]}])";
+    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"}]}})";
+    const GltfLevel read = level(parts, {"", {"Gr*.00?", "no such*"}});
+    EXPECT_EQ(namesOf(read.scene), "wall") << mark;
+    EXPECT_TRUE(read.scene.light.lamps.empty()) << mark;
+    expectSays(read, words);
+    expectSays(read, "--leave-out no such*: no node");
+  }
+  const GltfLevel visible = level(nodesOf({named("a", R"(,"extensions":{"KHR_node_visibility":{"visible":true}})")}));
+  EXPECT_EQ(namesOf(visible.scene), "a");
+}
+
+TEST_F(GltfStrangers, LeavesOutTriggersAndCoarserLevelsOfExtensions) {
+  Parts parts;
+  parts.nodes =
+      "[" + named("wall", R"(,"extensions":{"MSFT_lod":{"ids":[1,2]}})") + "," + named("rough") + "," + named("rougher") + "," +
+      named("gate", R"(,"children":[4],"extensions":{"OMI_physics_body":{"trigger":{"shape":0}}})") + "," + named("sign") + "]";
+  parts.scenes = R"([{"nodes":[0,1,3]}])";
+  const GltfLevel read = level(parts);
+  EXPECT_EQ(namesOf(read.scene), "wall sign");
+  expectSays(read, "2 objects (rough, rougher) left out, coarser levels of detail (MSFT_lod)");
+  expectSays(read, "1 object (gate) left out, triggers of physics");
+  EXPECT_EQ(read.notes.size(), 2u) << linesOf(read);
+}
+
+TEST_F(GltfStrangers, NamesWhatOtherScenesHoldAndReadsThemByName) {
+  Parts parts;
+  parts.nodes = "[" + named("house") + "," + named("door") + R"(,{"extensions":{"KHR_lights_punctual":{"light":0}}},)" +
+                named("shed") + "]";
+  parts.scenes = R"([{"nodes":[0]},{"name":"Night","nodes":[0,1,2]}])";
+  parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"}]}})";
+  const GltfLevel read = level(parts);
+  EXPECT_EQ(namesOf(read.scene), "house");
+  expectSays(read, "scene 2 of 2 is not read: 1 lamp, 1 object (door); --scene-name Night");
+  expectSays(read, "in no scene of the file, and not read: 1 object (shed)");
+  for (const char* name : {"Night", "2"}) {
+    const GltfLevel night = level(parts, {name, {}});
+    EXPECT_EQ(namesOf(night.scene), "house door") << name;
+    EXPECT_EQ(night.scene.light.lamps.size(), 1u);
+  }
+  EXPECT_THROW(level(parts, {"Day", {}}), UsageError);
+  // what is hidden here and shown there counts there, too
+  Parts hidden = parts;
+  hidden.scenes = replaced(hidden.scenes, "[0]", "[0,4]");
+  hidden.nodes.back() = ',';
+  hidden.nodes += R"({"children":[1],"extensions":{"KHR_node_visibility":{"visible":false}}}])";
+  expectSays(level(hidden), "1 object (door) left out, hidden by KHR_node_visibility");
+  expectSays(level(hidden), "scene 2 of 2 is not read: 1 lamp, 1 object (door); --scene-name Night");
+  EXPECT_EQ(namesOf(level(hidden, {"Night", {}}).scene), "house door");
+  parts.more += R"(,"scene":7)";
+  expectSays(level(parts), "scene 8 of 2 by default: the first one instead");
+}
+
+// --- the pose of the file
+
+// A second set of four vectors behind the square's: what a morph target adds.
+Parts morphing(const std::string& node, const std::string& primitive = "") {
+  Parts parts;
+  parts.bin = kSquare + bytesOf<float>({0, 0, 2, 0, 0, 2, 0, 0, 2, 0, 0, 2});
+  parts.views = replaced(parts.views, "}]", R"(},{"buffer":0,"byteOffset":60,"byteLength":48}])");
+  parts.accessors = replaced(parts.accessors, "]", R"(,{"bufferView":2,"componentType":5126,"count":4,"type":"VEC3"}])");
+  parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":2},{"NORMAL":2}]}])" + primitive;
+  parts.nodes = "[" + node + "]";
+  return parts;
+}
+
+TEST_F(GltfStrangers, MorphTargetsStandAtTheFilesWeights) {
+  const auto heightOf = [&](const std::string& node, const std::string& mesh_weights) {
+    const GltfLevel read = level(morphing(node, mesh_weights));
+    EXPECT_TRUE(read.notes.empty()) << linesOf(read);
+    return corner(read.scene, 0, 0).z;
+  };
+  EXPECT_EQ(heightOf(R"({"mesh":0})", ""), 0.0);
+  // Parts ends the list of primitives with the mesh's end
+  EXPECT_EQ(heightOf(R"({"mesh":0})", R"(,"weights":[0.5,9])"), 1.0);
+  EXPECT_EQ(heightOf(R"({"mesh":0,"weights":[1,0]})", R"(,"weights":[0.5,9])"), 2.0) << "the node's own come first";
+  EXPECT_EQ(heightOf(R"({"mesh":0,"weights":[-0.5]})", ""), -1.0);
+}
+
+// The square on joints 0 and 1, half a corner each or as said.
+Parts skinned(const std::string& joints, const std::string& weights, const std::string& skin, const std::string& nodes) {
+  Parts parts;
+  parts.bin = kSquare + joints + weights + bytesOf<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -5, 0, 0, 1,  //
+                                                           1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0,  0, 0, 1});
+  parts.views = replaced(parts.views, "}]",
+                         R"(},{"buffer":0,"byteOffset":60,"byteLength":16},{"buffer":0,"byteOffset":76,"byteLength":64},)"
+                         R"({"buffer":0,"byteOffset":140,"byteLength":128}])");
+  parts.accessors = replaced(
+      parts.accessors, "]",
+      R"(,{"bufferView":2,"componentType":5121,"count":4,"type":"VEC4"},{"bufferView":3,"componentType":5126,"count":4,"type":"VEC4"},)"
+      R"({"bufferView":4,"componentType":5126,"count":2,"type":"MAT4"}])");
+  parts.primitives = R"([{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}])";
+  parts.nodes = nodes;
+  parts.scenes = R"([{"nodes":[0,1,2]}])";
+  parts.more = R"(,"skins":[)" + skin + "]";
+  return parts;
+}
+
+const std::string kOnJoint0 = bytesOf<uint8_t>({0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0});
+std::string weightsOf(float first, float second) {
+  std::string weights;
+  for (int i = 0; i < 4; ++i) weights += bytesOf<float>({first, second, 0, 0});
+  return weights;
+}
+
+TEST_F(GltfStrangers, SkinsStandWhereTheirJointsAre) {
+  // the skinned node stands 100 to the side, under a parent: nothing of it counts
+  const std::string nodes =
+      R"([{"mesh":0,"skin":0,"translation":[100,0,0],"name":"door"},{"translation":[8,0,0],"children":[3]},)"
+      R"({"translation":[0,4,0]},{"translation":[0,0,1]}])";
+  const std::string skin = R"({"joints":[3,2],"inverseBindMatrices":4})";
+  const struct {
+    float first, second;
+    const char* skin;
+    glm::dvec3 lower_left;
+  } cases[] = {{1, 0, skin.c_str(), {3, 0, 1}},            // 8 - 5
+               {0, 1, skin.c_str(), {0, 4, 0}},            // its matrix is one
+               {0.5f, 0.5f, skin.c_str(), {1.5, 2, 0.5}},  // the mean
+               {2, 2, skin.c_str(), {1.5, 2, 0.5}},        // weights that do not add up to 1
+               {0, 0, skin.c_str(), {3, 0, 1}},            // nor to anything: the first joint
+               {1, 0, R"({"joints":[3,2]})", {8, 0, 1}}};
+  for (const auto& one : cases) {
+    const GltfLevel read = level(skinned(kOnJoint0, weightsOf(one.first, one.second), one.skin, nodes));
+    EXPECT_EQ(namesOf(read.scene), "door") << linesOf(read);
+    expectNear(corner(read.scene, 0, 0), one.lower_left, fmt::format("{} {} {}", one.first, one.second, one.skin));
+    EXPECT_EQ(linesOf(read).find("rest pose"), std::string::npos);
+  }
+  // of 1,000 km off every millimetre is there
+  const std::string far = replaced(nodes, "[8,0,0]", "[1e6,0,0]");
+  const GltfLevel read = level(skinned(kOnJoint0, weightsOf(1, 0), R"({"joints":[3,2]})", far));
+  expectNear(corner(read.scene, 0, 0), {1e6, 0, 1}, "far");
+  // a joint that mirrors turns what it carries: the front stays the front
+  const std::string mirrored = replaced(nodes, R"({"translation":[0,0,1]})", R"({"scale":[-1,1,1]})");
+  expectNear(normalOf(level(skinned(kOnJoint0, weightsOf(1, 0), skin, mirrored)).scene, 0), {0, 0, 1}, "mirrored");
+}
+
+TEST_F(GltfStrangers, SkinsThatDoNotFitAreLeftOut) {
+  const std::string nodes = R"([{"mesh":0,"skin":0},{"name":"a"},{"name":"b"}])";
+  const auto errorWith = [&](const std::string& joints, const std::string& skin) {
+    return errorOf(skinned(joints, weightsOf(0.5, 0.5), skin, nodes).text());
+  };
+  EXPECT_NE(errorWith(kOnJoint0, R"({"joints":[1]})").find("JOINTS_0: expected joints below 1, got 1"), std::string::npos);
+  EXPECT_NE(errorWith(kOnJoint0, R"({"joints":[1,7]})").find("node 0: skin"), std::string::npos);
+  EXPECT_NE(errorWith(kOnJoint0, R"({"joints":[1,2,1],"inverseBindMatrices":4})").find("expected 3 elements, got 2"),
+            std::string::npos);
+  Parts bare = skinned(kOnJoint0, weightsOf(1, 0), R"({"joints":[1,2]})", nodes);
+  bare.primitives = R"([{"attributes":{"POSITION":0},"indices":1}])";
+  EXPECT_NE(errorOf(bare.text()).find("JOINTS_0 and WEIGHTS_0 of a mesh with a skin"), std::string::npos);
+}
+
+// --- instances
+
+Parts instanced(const std::string& attributes) {
+  Parts parts;
+  // three translations, three turns as bytes, three scales
+  parts.bin = kSquare + bytesOf<float>({0, 0, 0, 10, 0, 0, 20, 0, 0}) +
+              bytesOf<int8_t>({0, 0, 0, 127, 0, 0, 127, 0, 0, 0, 90, 90}) + bytesOf<float>({1, 1, 1, 2, 2, 2, 3, 3, 3});
+  parts.views = replaced(parts.views, "}]",
+                         R"(},{"buffer":0,"byteOffset":60,"byteLength":36},{"buffer":0,"byteOffset":96,"byteLength":12},)"
+                         R"({"buffer":0,"byteOffset":108,"byteLength":36}])");
+  parts.accessors = replaced(parts.accessors, "]",
+                             R"(,{"bufferView":2,"componentType":5126,"count":3,"type":"VEC3"},)"
+                             R"({"bufferView":3,"componentType":5120,"normalized":true,"count":3,"type":"VEC4"},)"
+                             R"({"bufferView":4,"componentType":5126,"count":3,"type":"VEC3"}])");
+  parts.nodes = R"([{"mesh":0,"name":"slat","translation":[0,5,0],"extensions":{"EXT_mesh_gpu_instancing":{"attributes":)" +
+                attributes + "}}}]";
+  parts.more = R"(,"extensionsUsed":["EXT_mesh_gpu_instancing"],"extensionsRequired":["EXT_mesh_gpu_instancing"])";
+  return parts;
+}
+
+TEST_F(GltfStrangers, InstancesStandWhereTheirAttributesSay) {
+  const GltfLevel read = level(instanced(R"({"TRANSLATION":2,"ROTATION":3,"SCALE":4,"_ID":0})"));
+  EXPECT_EQ(namesOf(read.scene), "slat 0 slat 1 slat 2");
+  EXPECT_TRUE(read.notes.empty()) << linesOf(read);
+  ASSERT_EQ(read.scene.triangles.size(), 6u);
+  expectNear(corner(read.scene, 0, 1), {1, 5, 0}, "as it is");
+  expectNear(corner(read.scene, 2, 1), {8, 5, 0}, "turned by half about z, twice as large");
+  expectNear(corner(read.scene, 4, 1), {20, 8, 0}, "by a quarter, thrice as large");
+  EXPECT_EQ(level(instanced(R"({"SCALE":4})")).scene.objects.size(), 3u);
+  EXPECT_NE(errorOf(instanced(R"({"TRANSLATION":2,"SCALE":9})").text()).find("EXT_mesh_gpu_instancing: SCALE"),
+            std::string::npos);
+  EXPECT_NE(errorOf(instanced(R"({"TRANSLATION":0,"SCALE":4})").text()).find("expected 4 elements, got 3"), std::string::npos);
+}
+
+// --- KHR_meshopt_compression
+
+std::string fromHex(const std::string& digits) {
+  std::string bytes;
+  for (size_t i = 0; i < digits.size(); i += 2) bytes += static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16));
+  return bytes;
+}
+
+std::string unpackedMeshopt(const std::string& packed, int count, int stride, const std::string& filter,
+                            std::string* notes = nullptr) {
+  tinygltf::Model model;
+  model.buffers.resize(1);
+  model.buffers[0].data.assign(packed.begin(), packed.end());
+  model.bufferViews.resize(1);
+  model.bufferViews[0].byteLength = static_cast<size_t>(count) * static_cast<size_t>(stride);
+  const auto number = [](size_t value) { return tinygltf::Value(static_cast<int>(value)); };
+  model.bufferViews[0].extensions["KHR_meshopt_compression"] =
+      tinygltf::Value(tinygltf::Value::Object{{"buffer", number(0)},
+                                              {"byteLength", number(packed.size())},
+                                              {"byteStride", number(stride)},
+                                              {"count", number(count)},
+                                              {"mode", tinygltf::Value(std::string("ATTRIBUTES"))},
+                                              {"filter", tinygltf::Value(filter)}});
+  SceneBudget bytes_left = SceneBudgets().bytes;
+  Oddities odd("test");
+  unpackMeshopt("test", model, bytes_left, &odd);
+  if (notes != nullptr) *notes = odd.notes().empty() ? "" : odd.notes()[0];
+  const std::vector<unsigned char>& unpacked = model.buffers.back().data;
+  return {unpacked.begin(), unpacked.end()};
+}
+
+// Of meshoptimizer 1.3's encoder (level 3, version 1): all control modes and channels, one of them turned by six bits.
+const char* const kVersion1 =
+    "a1b9977668152aaaaaaaeaaaaaaa1deaaa00001d00606080608060806080608060806080606080608060806080608060806080606080608060806080"
+    "00585858585858585858585858585858585858585858585858585858585858585858585858585858152aaaaaaaaaaaaaaaaaaa00002a0ddddddddddd"
+    "dddddddddddddddddddddddddddd000000001a02232232232232232232232232232232baeb0000030303008f062b3f9f3132b2bb7144c5bf75b3f483"
+    "e4a5f038c5704001425ba243973addd885d0ae99386e151555555555555555555500000104001f1a0ff8f8f4c4f4c4f210f018381c7c62e262f262e2"
+    "62f11e3edddd00000307030f000000000000803f000000000700c6ff0000803f00010062";
+
+TEST_F(GltfStrangers, Version1OfMeshoptIsUnpacked) {
+  std::string expected;
+  uint32_t random = 1;
+  for (uint32_t i = 0; i < 40; ++i) {
+    random = random * 1103515245u + 12345u;
+    expected += bytesOf<uint32_t>({((i * 2654435761u) & 0x00f0000fu) ^ 0x3f800000u});
+    expected += bytesOf<uint16_t>({static_cast<uint16_t>(i * 300), static_cast<uint16_t>(65536 - 7 * i)});
+    expected +=
+        bytesOf<uint8_t>({7, static_cast<uint8_t>(i % 3), static_cast<uint8_t>(random >> 16), static_cast<uint8_t>(255 - i)});
+    expected += bytesOf<float>({1.0f + 0.5f * static_cast<float>(i)});
+  }
+  const std::string packed = fromHex(kVersion1);
+  EXPECT_EQ(unpackedMeshopt(packed, 40, 16, "NONE"), expected);
+  std::string notes;
+  for (size_t size = 1; size < packed.size(); ++size) {
+    unpackedMeshopt(packed.substr(0, size), 40, 16, "NONE", &notes);
+    EXPECT_NE(notes.find("buffer view 0: KHR_meshopt_compression: expected packed ATTRIBUTES"), std::string::npos)
+        << size << notes;
+  }
+  unpackedMeshopt(packed + '\0', 40, 16, "NONE", &notes);
+  EXPECT_NE(notes, "") << "a byte too many";
+}
+
+TEST_F(GltfStrangers, ColoursOfMeshoptAreUnpacked) {
+  const std::string packed = fromHex("a1ff00e0cdcc00bd3132001e989700fd981700000000000000000000000000000000000000905ff1ff00");
+  EXPECT_EQ(unpackedMeshopt(packed, 4, 4, "COLOR"), fromHex("fe8140ff0000000034e56698ffffff80"));
+}
+
+TEST_F(GltfStrangers, MeshoptIsReadByItsRatifiedName) {
+  std::string text = meshoptSquare().text();
+  for (size_t at = 0; (at = text.find("EXT_meshopt", at)) != std::string::npos;) text.replace(at, 3, "KHR");
+  const std::string unmarked = replaced(text, R"(,"extensions":{"KHR_meshopt_compression":{"fallback":true}})", "");
+  for (const std::string& file : {text, unmarked}) {
+    const GltfLevel read = readGltf(write("khr.gltf", file));
+    EXPECT_DOUBLE_EQ(areaOf(read.scene), 1.0);
+    EXPECT_TRUE(read.notes.empty()) << linesOf(read);
+  }
+}
+
+// --- extensions that are not read
+
+TEST_F(GltfStrangers, NamesWhatAnExtensionMakesWrong) {
+  const auto linesWith = [&](const std::string& material, const std::string& used) {
+    Parts parts;
+    parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"material":0}])";
+    parts.more = R"(,"extensionsUsed":[")" + used + R"("],"materials":[{"name":"pane",)" + material + R"(},{"extensions":{")" +
+                 used + R"(":{}}}])";
+    return linesOf(level(parts));
+  };
+  const std::tuple<const char*, const char*, const char*> cases[] = {
+      {"KHR_materials_diffuse_transmission", R"({"diffuseTransmissionFactor":0.5})", "1 material (pane): lets no light through"},
+      {"KHR_materials_diffuse_transmission", "{}", ""},
+      {"KHR_materials_sheen", R"({"sheenColorFactor":[0,0.2,0]})", "1 material (pane): sends back its base colour alone"},
+      {"KHR_materials_sheen", R"({"sheenColorFactor":[0,0,0]})", ""},
+      {"KHR_materials_clearcoat", R"({"clearcoatFactor":1})", ""},
+      {"KHR_materials_volume", R"({"thicknessFactor":1,"attenuationDistance":1,"attenuationColor":[1,0,0]})", ""},
+      {"XYZ_glow", R"({"strength":3})", "XYZ_glow is not read: 1 material (pane): may be wrong"},
+      {"KHR_materials_ior", R"({"ior":2})", ""}};
+  for (const auto& [used, value, words] : cases) {
+    const std::string lines = linesWith(R"("extensions":{")" + std::string(used) + "\":" + value + "}", used);
+    EXPECT_NE(lines.find(words), std::string::npos) << used << value << lines;
+    EXPECT_EQ(lines.empty(), std::string(words).empty()) << used << value << lines;
+  }
+  const std::string glass = R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1},"KHR_materials_volume":)"
+                            R"({"thicknessFactor":1,"attenuationDistance":1,"attenuationColor":[1,0,0]}})";
+  EXPECT_NE(linesWith(glass, "KHR_materials_volume").find("KHR_materials_volume is not read: 1 material (pane): absorbs nothing"),
+            std::string::npos);
+  const std::string coated = R"("emissiveFactor":[1,1,1],"extensions":{"KHR_materials_clearcoat":{"clearcoatFactor":1}})";
+  EXPECT_NE(linesWith(coated, "KHR_materials_clearcoat").find("1 material (pane): shines as without its coat"),
+            std::string::npos);
+
+  Parts nodes = nodesOf({named("vase", R"(,"extensions":{"XYZ_bend":{}})"), named("floor")});
+  nodes.more = R"(,"extensionsUsed":["XYZ_bend","XYZ_talk"])";
+  const GltfLevel read = level(nodes);
+  expectSays(read, "XYZ_bend is not read: 1 object (vase): may be wrong");
+  expectSays(read, "XYZ_talk is not read; no material, object or lamp has it");
+}
+
+// --- one broken part
+
+TEST_F(GltfStrangers, ABrokenPartDoesNotRefuseALevel) {
+  const std::string good = R"({"attributes":{"POSITION":0},"indices":1})", last = R"({"attributes":{"POSITION":0},"indices":1}])";
+  const std::tuple<std::string, std::string, const char*> cases[] = {
+      {"]", R"(,{"attributes":{"NORMAL":0},"indices":1}])",
+       "mesh 0, primitive 1: POSITION: expected FLOAT VEC3, got none: left out"},
+      {"]", R"(,{"attributes":{},"indices":1}])", "mesh 0, primitive 1: POSITION"},
+      {"]", R"(,{"attributes":{"POSITION":9},"indices":1}])",
+       "mesh 0, primitive 1: POSITION: expected an accessor below 2, got 9"},
+      {"]", R"(,{"attributes":{"POSITION":"a"},"indices":1}])", "meshes[0].primitives[1].attributes"},
+      {"]", R"(,{"attributes":{"POSITION":0},"indices":9}])", "meshes[0].primitives[1].indices"},
+      {"]", R"(,{"attributes":{"POSITION":0},"indices":1,"material":4}])", "primitive 1: material: expected a material below 0"},
+      {"]", R"(,{"attributes":{"POSITION":0},"indices":1,"mode":9}])", "primitive 1: mode"},
+      {"]", R"(,{"attributes":{"POSITION":1},"indices":1}])", "primitive 1: POSITION"},
+      {R"("indices":1)", R"("indices":1.0)", ""},
+      {R"("POSITION":0)", R"("POSITION":0,"COLOR_0":1)", "COLOR_0: expected elements of 3 to 4"}};
+  for (const auto& [from, to, words] : cases) {
+    Parts parts;
+    parts.primitives = replaced(parts.primitives, from, to);
+    const GltfLevel read = level(parts);
+    EXPECT_EQ(read.scene.triangles.size(), 2u) << to;
+    expectSays(read, words);
+    EXPECT_EQ(read.notes.empty(), std::string(words).empty()) << linesOf(read);
+  }
+}
+
+TEST_F(GltfStrangers, ABrokenNodeAccessorOrMaterialDoesNotRefuseALevel) {
+  const auto readWith = [&](const std::string& from, const std::string& to) {
+    std::string text = nodesOf({named("whole"), named("other")}).text();
+    text = replaced(text, from, to);
+    return readGltf(write("broken.gltf", text));
+  };
+  const std::tuple<const char*, const char*, const char*> nodes[] = {
+      {R"("name":"other")", R"("name":"other","translation":[1,2])",
+       "nodes[1].translation: expected 3 numbers, got 2: against the format"},
+      {R"("name":"other")", R"("name":"other","rotation":[0,0,0,0])", "node 1: rotation"},
+      {R"("name":"other")", R"("name":"other","translation":[1e300,0,0])", "node 1: expected positions within"},
+      {R"({"mesh":0,"name":"other")", R"({"mesh":7,"name":"other")", "node 1: mesh: expected a mesh below 1, got 7"},
+      {R"("name":"other")", R"("name":"other","children":[9])", "node 9: expected a node below 2"},
+      {R"("name":"other")", R"("name":"other","camera":3)", "node 1: camera"},
+      {R"("bufferViews":)", R"("animations":[7],"skins":[null],"cameras":[{"type":"round"}],"bufferViews":)",
+       "skins[0]: expected a JSON object, got null and another one: against the format"},
+      {R"("bufferViews":)", R"("images":[{"bufferView":9},{}],"textures":[{"source":"a"}],"samplers":[3],"bufferViews":)",
+       "textures[0].source: expected a JSON index, got \"a\" and 3 others: against the format"},
+      {R"("bufferViews":)",
+       R"("extensions":{"KHR_lights_punctual":{"lights":[3,{"type":4},{"type":"spot","spot":5}]}},"bufferViews":)",
+       "light 0 and another one: a type that is none of directional, point and spot"},
+      {R"("bufferViews":)", R"("materials":[{"emissiveFactor":[1,1]},{"doubleSided":3}],"bufferViews":)",
+       "materials[0].emissiveFactor: expected 3 numbers, got 2 and another one: against the format"}};
+  for (const auto& [from, to, words] : nodes) {
+    const GltfLevel read = readWith(from, to);
+    EXPECT_NE(namesOf(read.scene).find("whole"), std::string::npos) << to;
+    expectSays(read, words);
+  }
+  Parts counted_in_floats;
+  counted_in_floats.accessors = replaced(counted_in_floats.accessors, R"("count":4)", R"("count":4.0)");
+  const GltfLevel floats = level(counted_in_floats);
+  EXPECT_EQ(floats.scene.triangles.size(), 2u);
+  EXPECT_TRUE(floats.notes.empty());
+  // a matrix comes before the rest
+  const GltfLevel both =
+      readWith(R"("name":"other")", R"("name":"other","translation":[9,9,9],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,2,3,4,1])");
+  expectNear(corner(both.scene, 2, 0), {2, 3, 4}, "the matrix");
+  expectSays(both, "nodes[1]: a matrix, and translation, rotation or scale beside it: the matrix counts");
+}
+
+TEST_F(GltfStrangers, EmissionAboveOneIsTakenAsItIs) {
+  Parts parts;
+  parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"material":0}])";
+  parts.more =
+      R"(,"materials":[{"name":"glow","emissiveFactor":[5,4,0],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":2}},)"
+      R"("pbrMetallicRoughness":{"baseColorFactor":[-1,3,0.5,1]}},{"emissiveFactor":[7,7,7]}])";
+  const GltfLevel read = level(parts);
+  EXPECT_EQ(read.scene.materials[0].emissive, glm::vec3(10, 8, 0));
+  EXPECT_EQ(read.scene.materials[0].base_color, glm::vec3(0, 1, 0.5f));
+  expectSays(read, "material glow: emissiveFactor of 5, above 1: taken as it is");
+  expectSays(read, "material glow: baseColorFactor of -1 and another one: brought into 0 to 1");
+  EXPECT_EQ(read.notes.size(), 2u) << "what nothing uses is not told of: " << linesOf(read);
+}
+
+TEST_F(GltfStrangers, PassesByWhatAGlbHasBesides) {
+  const std::string whole = Parts().binary();
+  const auto word = [](size_t value) { return bytesOf<uint32_t>({static_cast<uint32_t>(value)}); };
+  const auto withLength = [&](std::string bytes, size_t length) { return bytes.replace(8, 4, word(length)); };
+  const std::string other = word(8) + "XXTA" + "whatever";
+  const std::string json = Parts().text();
+  const std::string unpadded = "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json;
+  const std::pair<std::string, const char*> cases[] = {
+      {withLength(whole + other, whole.size() + 16), "1 chunk of an unknown kind: passed by"},
+      {withLength(whole.substr(0, whole.find("BIN") - 4) + other + whole.substr(whole.find("BIN") - 4), whole.size() + 16),
+       "1 chunk"},
+      {withLength(unpadded + other, unpadded.size() + 16), "1 chunk of an unknown kind"},
+      {unpadded, ""},
+      {whole + std::string(3, '\0'), "a header that says"},
+      {withLength(whole + std::string(3, '\0'), whole.size() + 3), "3 bytes behind the last chunk: passed by"},
+      {withLength(whole, whole.size() + 12), "a header that says"},
+      {"\xef\xbb\xbf" + json, ""}};
+  for (const auto& [bytes, words] : cases) {
+    const GltfLevel read = readGltf(write("container.glb", bytes));
+    EXPECT_EQ(read.scene.triangles.size(), 2u) << words;
+    expectSays(read, words);
+    EXPECT_EQ(read.notes.empty(), std::string(words).empty()) << linesOf(read);
+  }
+  const std::string no_bin = withLength(whole.substr(0, whole.find("BIN") - 4), whole.find("BIN") - 4);
+  EXPECT_NE(errorOf(no_bin).find("POSITION"), std::string::npos) << errorOf(no_bin);
+}
+
+// --- units of Blender
+
+struct UnitCase {
+  const char *version, *lights;
+  LightUnit::Kind kind;
+  const char* sign;
+};
+
+TEST_F(GltfStrangers, TheUnitOfBlenderIsKnownByItsSign) {
+  using Kind = LightUnit::Kind;
+  const UnitCase cases[] = {
+      {"4.3.47", R"({"type":"point","intensity":217.40565226352905})", Kind::standard, "watts of few digits, 4"},
+      {"4.3.47", R"({"type":"point","intensity":2174.0565226352905})", Kind::standard, "watts of few digits, 40"},
+      {"4.3.47", R"({"type":"point","intensity":0.3183098861837907})", Kind::same, "watts of few digits, 4"},
+      {"4.3.47", R"({"type":"point","intensity":636.6197723675814})", Kind::same, "watts of few digits, 8000"},
+      {"4.3.47", R"({"type":"point","intensity":5.4351413})", Kind::standard, "watts of few digits, 0.1"},
+      {"4.3.47", R"({"type":"point","intensity":60})", Kind::raw, "watts of few digits, 60"},
+      {"4.3.47", R"({"type":"directional","intensity":2049})", Kind::standard, "watts of few digits, 3"},
+      {"4.3.47", R"({"type":"directional","intensity":3.5})", Kind::same, "watts of few digits, 3.5"},
+      // no digits tell
+      {"4.3.47", R"({"type":"point","intensity":163.123457})", Kind::standard, "the exporter's default"},
+      {"4.3.47", R"({"type":"point","intensity":16.3123457})", Kind::same, "too faint"},
+      {"4.3.47", R"({"type":"directional","intensity":51.23456},{"type":"point","intensity":1.234567})", Kind::standard,
+       "default"},
+      // exporters from before there were units
+      {"3.3.36", R"({"type":"point","intensity":217.40565226352905})", Kind::raw, "exporters before 3.4.40"},
+      {"3.4.50", R"({"type":"point","intensity":217.40565226352905})", Kind::standard, "4"},
+      {"4.3.47", "", Kind::same, ""}};
+  for (const UnitCase& one : cases) {
+    Parts parts;
+    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[)" + std::string(one.lights) + "]}}";
+    const std::string text = replaced(parts.text(), R"("asset":{)",
+                                      R"("asset":{"generator":"Khronos glTF Blender I/O v)" + std::string(one.version) + "\",");
+    const LightUnit unit = readGltf(write("blender.gltf", text)).scene.light.unit;
+    EXPECT_EQ(static_cast<int>(unit.kind), static_cast<int>(one.kind)) << one.version << one.lights << unit.sign;
+    EXPECT_NE(unit.sign.find(one.sign), std::string::npos) << one.lights << unit.sign;
+    EXPECT_EQ(unit.sign.empty(), std::string(one.sign).empty());
+  }
+  Parts others;
+  others.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":217.40565}]}})";
+  EXPECT_EQ(level(others).scene.light.unit.sign, "");
+}
+
+TEST_F(GltfStrangers, SunsThatBlenderLostAreNamed) {
+  const auto linesWith = [&](const std::string& version, const std::string& intensity) {
+    Parts parts;
+    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional","intensity":)" + intensity + "}]}}";
+    return saidOf(
+        replaced(parts.text(), R"("asset":{)", R"("asset":{"generator":"Khronos glTF Blender I/O v)" + version + "\","));
+  };
+  const std::string words = "1 sun is of 1 W/m²: so Blender 5.0 to 5.1.0 wrote every sun";
+  for (const char* version : {"5.0.20", "5.0.21", "5.1.18"})
+    EXPECT_NE(linesWith(version, "683").find(words), std::string::npos) << version;
+  EXPECT_NE(linesWith("5.0.21", "1").find(words), std::string::npos) << "unitless";
+  EXPECT_EQ(linesWith("4.5.51", "683").find(words), std::string::npos);
+  EXPECT_EQ(linesWith("5.2.30", "683").find(words), std::string::npos);
+  EXPECT_EQ(linesWith("5.0.21", "2049").find(words), std::string::npos);
+}
+
+}  // namespace
+}  // namespace nlg

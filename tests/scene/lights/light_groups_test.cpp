@@ -1,0 +1,76 @@
+// Which of a scene's lights are kept apart, by kind, by name and by what the file's author says.
+#include "scene/lights/light_groups.h"
+
+#include <gtest/gtest.h>
+
+#include "scene/lights/light_options.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+using Names = std::vector<std::string>;
+
+// A sky, a sun, three lamps and a material that shines, of which one lamp has a group of its own.
+Scene manyLights() {
+  Scene scene;
+  scene.positions.resize(3);
+  scene.triangles = {{0, 1, 2}};
+  scene.triangle_material = {1};
+  scene.materials.resize(3);
+  scene.materials[1].emissive = scene.materials[2].emissive = glm::vec3(1.0f);
+  scene.materials[1].label.name = "screen";
+  scene.materials[2].label.name = "of no triangle";
+  scene.light.sky = defaultSky();
+  scene.light.suns = {defaultSun()};
+  scene.light.lamps.resize(3);
+  scene.light.lamp_labels = {{"Desk", ""}, {"Desk.001", ""}, {"Torch", "fire"}};
+  return scene;
+}
+
+TEST(LightGroups, AllLightIsOneUnlessAsked) {
+  Scene scene = manyLights();
+  groupLights("one", &scene);
+  EXPECT_TRUE(scene.light.groups.names.empty());
+  EXPECT_EQ(scene.light.groups.count(), 1u);
+}
+
+TEST(LightGroups, GoByKindAndByWhatTheAuthorSays) {
+  Scene scene = manyLights();
+  groupLights("kind", &scene);
+  const LightGroups& groups = scene.light.groups;
+  EXPECT_EQ(groups.names, (Names{"sky", "sun", "lamps", "fire", "emission"}));
+  EXPECT_EQ(groups.of_lamp, (std::vector<uint8_t>{2, 2, 3}));
+  EXPECT_EQ(groups.of_material[1], 4);
+}
+
+TEST(LightGroups, GoByNameWithoutBlendersNumbers) {
+  Scene scene = manyLights();
+  groupLights("name", &scene);
+  EXPECT_EQ(scene.light.groups.names, (Names{"sky", "sun", "Desk", "fire", "screen"}));
+  EXPECT_EQ(scene.light.groups.of_lamp, (std::vector<uint8_t>{2, 2, 3}));
+}
+
+TEST(LightGroups, OfLightsThatOptionsReplacedHaveNoName) {
+  Scene scene = manyLights();
+  scene.light.sun_labels = {{"Noon", "day"}};
+  LightOptions options;
+  options.sun = {"40", "50", "3", "2.8", "2.5"};
+  options.light_groups = "name";
+  applyLight(scene, options);
+  EXPECT_EQ(scene.light.groups.names[1], "sun");
+}
+
+TEST(LightGroups, RefusesUnknownWordsAndTooMany) {
+  Scene scene = manyLights();
+  EXPECT_THROW(groupLights("lamps", &scene), UsageError);
+  scene.light.lamps.resize(20);
+  scene.light.lamp_labels.clear();
+  for (int i = 0; i < 20; ++i) scene.light.lamp_labels.push_back({std::string("lamp ") + static_cast<char>('a' + i), ""});
+  EXPECT_THROW(groupLights("name", &scene), InputError);
+  groupLights("kind", &scene);
+  EXPECT_EQ(scene.light.groups.count(), 4u);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,352 @@
+#include "scene/lights/scene_light.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "scene/lights/light_options.h"
+#include "scene/procedural/level.h"
+#include "scene/procedural/procedural.h"
+#include "scene/scene_source.h"
+#include "tests/datagen/hand_built_scenes.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+TEST(SceneLightSha256, ChangesWithAllThatLightDependsOn) {
+  Scene scene = wallWithHole();
+  scene.light.sky_faces.positions = {{0, 9, 0}, {1, 9, 0}, {0, 9, 1}};
+  scene.light.sky_faces.triangles = {{0, 1, 2}};
+  scene.light.lamps.resize(1);
+  scene.light.suns.resize(1);
+  scene.light.baked.triangle_page.assign(scene.triangles.size(), BakedLight::kByVertex);
+  scene.light.baked.vertex_light.resize(scene.positions.size());
+  const std::string whole = sceneLightSha256(scene);
+  EXPECT_EQ(sceneLightSha256(scene), whole);
+  scene.light.groups.names = {"ab", "c"};
+  const std::string grouped = sceneLightSha256(scene);
+  EXPECT_NE(grouped, whole);
+  EXPECT_EQ(sceneLightSha256(scene, {}), whole);
+  const std::function<void(LightGroups&)> groupings[] = {
+      [](LightGroups& g) { g.names = {"a", "bc"}; }, [](LightGroups& g) { g.names = {"c", "ab"}; },
+      [](LightGroups& g) { g.of_sky = 1; },          [](LightGroups& g) { g.of_shine = 1; },
+      [](LightGroups& g) { g.of_baked = 1; },        [](LightGroups& g) { g.of_lamp = {1}; },
+  };
+  for (const auto& grouping : groupings) {
+    Scene other = scene;
+    grouping(other.light.groups);
+    EXPECT_NE(sceneLightSha256(other), grouped) << &grouping - groupings;
+    EXPECT_EQ(sceneLightSha256(other, {}), whole);
+  }
+  scene.light.groups = {};
+  const std::function<void(Scene&)> changes[] = {
+      [](Scene& s) { s.positions[3].y += 0.001f; },
+      [](Scene& s) { s.light.sky_faces.positions[0].y = 8.0f; },
+      [](Scene& s) { s.materials[0].base_color.x = 0.123f; },
+      [](Scene& s) { s.materials[0].emissive.x = 0.123f; },
+      [](Scene& s) { s.light.sky.ground.x = 1.0f; },
+      [](Scene& s) { s.light.sky_faces.shine.resize(1); },
+      [](Scene& s) { s.light.lamps[0].radius_m = 1.0f; },
+      [](Scene& s) { s.light.suns[0].irradiance.x = 1.0f; },
+      [](Scene& s) { s.light.baked.vertex_light[1].x = 1.0f; },
+  };
+  for (size_t i = 0; i < std::size(changes); ++i) {
+    Scene other = scene;
+    changes[i](other);
+    EXPECT_NE(sceneLightSha256(other), whole) << "change " << i;
+    // only the first two are of functions
+    EXPECT_EQ(sceneSha256(other) == sceneSha256(scene), i > 1) << "change " << i;
+  }
+}
+
+TEST(Sky, IsAGradientFromTheHorizonUp) {
+  const Sky sky{glm::vec3(4.0f), glm::vec3(2.0f), glm::vec3(1.0f)};
+  EXPECT_FLOAT_EQ(sky.radiance({0, 1, 0}).r, 4.0f);
+  EXPECT_FLOAT_EQ(sky.radiance({1, 0, 0}).r, 2.0f);
+  EXPECT_FLOAT_EQ(sky.radiance({0.8f, 0.6f, 0}).r, 3.2f);
+  EXPECT_FLOAT_EQ(sky.radiance({0.8f, -0.6f, 0}).r, 1.0f);
+}
+
+// A scene in which nothing shines.
+Scene darkScene() { return wallWithHole(); }
+
+TEST(LightOptions, ADarkSceneGetsTheDocumentedSkyAndSunAndSaysSo) {
+  Scene scene = darkScene();
+  ASSERT_FALSE(hasLight(scene));
+  const std::vector<std::string> done = applyLight(scene, {});
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_NE(done[0].find("nothing shines"), std::string::npos);
+  EXPECT_EQ(scene.light.sky.zenith, defaultSky().zenith);
+  ASSERT_EQ(scene.light.suns.size(), 1u);
+  EXPECT_EQ(scene.light.suns[0].irradiance, defaultSun().irradiance);
+  EXPECT_TRUE(hasLight(scene));
+}
+
+TEST(LightOptions, ASceneThatShinesStaysAsItIs) {
+  const std::function<void(Scene&)> lights[] = {
+      [](Scene& s) { s.materials[s.triangle_material[0]].emissive.b = 1.0f; },
+      [](Scene& s) { s.light.sky.ground.g = 0.1f; },
+      [](Scene& s) {
+        s.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(1.0f), 0.1f});
+      },
+      [](Scene& s) {
+        s.light.suns.push_back({{0, 1, 0}, glm::vec3(1.0f)});
+      },
+      [](Scene& s) { s.light.sky_faces.shine.push_back(glm::vec3(1.0f)); },
+      [](Scene& s) { s.light.baked.triangle_page.resize(s.triangles.size()); },
+  };
+  for (const auto& light : lights) {
+    Scene scene = darkScene();
+    light(scene);
+    const std::string before = sceneLightSha256(scene);
+    EXPECT_TRUE(hasLight(scene));
+    EXPECT_TRUE(applyLight(scene, {}).empty());
+    EXPECT_EQ(sceneLightSha256(scene), before);
+  }
+}
+
+TEST(LightOptions, SkyAndSunReplaceTheScenesOwn) {
+  Scene scene = makeProceduralScene("house", 3);
+  LightOptions options;
+  options.sky = {"1", "2", "3"};
+  options.sun = {"90", "30", "4", "5", "6"};
+  EXPECT_EQ(applyLight(scene, options).size(), 2u);
+  EXPECT_EQ(scene.light.sky.zenith, glm::vec3(1, 2, 3));
+  EXPECT_EQ(scene.light.sky.ground, glm::vec3(1, 2, 3));
+  ASSERT_EQ(scene.light.suns.size(), 1u);
+  EXPECT_NEAR(scene.light.suns[0].to_sun.y, 0.5f, 1e-6f);
+  EXPECT_NEAR(scene.light.suns[0].to_sun.z, std::sqrt(0.75f), 1e-6f) << "azimuth turns from x towards z";
+  options.sky = {"1", "1", "1", "2", "2", "2", "3", "3", "3"};
+  options.sun = {"0"};
+  applyLight(scene, options);
+  EXPECT_EQ(scene.light.sky.horizon, glm::vec3(2.0f));
+  EXPECT_EQ(scene.light.sky.ground, glm::vec3(3.0f));
+  EXPECT_TRUE(scene.light.suns.empty());
+  Scene dark = darkScene();
+  options.sky = {"0"};
+  applyLight(dark, options);
+  EXPECT_FALSE(hasLight(dark)) << "who asks for darkness gets it";
+}
+
+// A scene of Blender's with a sun of 3 W/m² and a lamp of 100 W, in its exporter's units.
+Scene sceneOfBlender() {
+  Scene scene = darkScene();
+  scene.light.unit = {LightUnit::Kind::standard, "a test says so"};
+  scene.light.suns.push_back({{0, 1, 0}, glm::vec3(3.0f * 683.0f)});
+  scene.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(683.0f * 100.0f / 12.566371f), 0.05f});
+  return scene;
+}
+
+TEST(LightUnit, LampsOfBlenderAreInWattsWhereEmissionOrASkyStandsBesideThem) {
+  const auto sunOf = [](Scene scene, const LightOptions& options, size_t notes) {
+    const std::vector<std::string> done = applyLight(scene, options);
+    EXPECT_EQ(done.size(), notes) << (done.empty() ? "" : done[0]);
+    return scene.light.suns.empty() ? scene.light.lamps[0].intensity.r * 12.566371f : scene.light.suns[0].irradiance.r;
+  };
+  EXPECT_EQ(sunOf(sceneOfBlender(), {}, 1), 3.0f * 683.0f) << "alone they are as they are";
+  Scene emissive = sceneOfBlender();
+  emissive.materials[emissive.triangle_material[0]].emissive = glm::vec3(5.0f);
+  EXPECT_NEAR(sunOf(emissive, {}, 1), 3.0f, 1e-5f);
+  EXPECT_NEAR(sunOf(sceneOfBlender(), {{"1", "1", "1"}, {}}, 2), 3.0f, 1e-5f);
+  EXPECT_NEAR(sunOf(sceneOfBlender(), {{}, {"0"}}, 2), 100.0f, 1e-3f) << "the lamp beside the sun that was given";
+  EXPECT_EQ(sunOf(emissive, {{}, {}, "file"}, 0), 3.0f * 683.0f);
+  EXPECT_NEAR(sunOf(sceneOfBlender(), {{}, {}, "watt"}, 1), 3.0f, 1e-5f);
+  EXPECT_THROW(sunOf(emissive, {{}, {}, "lumen"}, 0), UsageError);
+  emissive.light.unit = {LightUnit::Kind::raw, "a test says so"};
+  EXPECT_EQ(sunOf(emissive, {}, 1), 3.0f * 683.0f) << "raw suns are in emission's unit";
+  Scene lamp = emissive;
+  lamp.light.suns.clear();
+  EXPECT_NEAR(sunOf(lamp, {}, 1), 683.0f * 100.0f / 12.566371f, 1.0f) << "raw lamps are not divided by 4 pi yet";
+  emissive.light.unit.kind = LightUnit::Kind::same;
+  EXPECT_EQ(sunOf(emissive, {}, 1), 3.0f * 683.0f) << "said, and left";
+  emissive.light.unit = {};
+  EXPECT_EQ(sunOf(emissive, {}, 0), 3.0f * 683.0f) << "of another exporter";
+}
+
+TEST(LightOptions, AnOpenSceneWithoutLightFromOutsideGetsDaylightUnlessASkyIsGiven) {
+  const auto isOpen = [](const Scene&) { return true; };
+  const auto isClosed = [](const Scene&) { return false; };
+  Scene lamps = darkScene();
+  lamps.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(1.0f), 0.1f});
+  Scene scene = lamps;
+  EXPECT_TRUE(applyLight(scene, {}, isClosed).empty());
+  EXPECT_TRUE(applyLight(scene, {}).empty());
+  EXPECT_FALSE(hasLightFromOutside(scene));
+  const std::vector<std::string> done = applyLight(scene, {}, isOpen);
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_NE(done[0].find("open"), std::string::npos);
+  EXPECT_EQ(scene.light.sky.zenith, defaultSky().zenith);
+  EXPECT_EQ(scene.light.lamps.size(), 1u);
+  Scene night = lamps;
+  applyLight(night, {{"0"}, {}}, isOpen);
+  EXPECT_FALSE(hasLightFromOutside(night)) << "who asks for a night gets it";
+  const std::function<void(Scene&)> outsides[] = {
+      [](Scene& s) { s.light.sky.ground.g = 0.1f; },
+      [](Scene& s) {
+        s.light.suns.push_back({{0, 1, 0}, glm::vec3(1.0f)});
+      },
+      [](Scene& s) {
+        s.light.sky_faces.triangles.push_back({0, 1, 2});
+      },
+      [](Scene& s) { s.light.baked.triangle_page.resize(s.triangles.size()); },
+  };
+  for (const auto& outside : outsides) {
+    Scene lit = lamps;
+    outside(lit);
+    EXPECT_TRUE(applyLight(lit, {}, isOpen).empty());
+  }
+}
+
+TEST(LightOptions, ADarkFileIsToldHowBlenderExportsLights) {
+  const auto noteOf = [](LightWriter writer) {
+    Scene scene = darkScene();
+    scene.light.writer = writer;
+    return applyLight(scene, {}).at(0);
+  };
+  EXPECT_NE(noteOf(LightWriter::blender).find("Punctual Lights"), std::string::npos);
+  EXPECT_NE(noteOf(LightWriter::gltf).find("area lamps"), std::string::npos);
+  EXPECT_EQ(noteOf(LightWriter::other).find("Blender"), std::string::npos);
+}
+
+TEST(LightOptions, IntensityIsAFactorOnAllThatShines) {
+  Scene scene = makeProceduralScene("house", 3);
+  scene.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(2.0f), 0.1f});
+  scene.light.suns = {{{0, 1, 0}, glm::vec3(3.0f)}};
+  scene.light.sky.image = {2, 1, {glm::vec3(1.0f), glm::vec3(2.0f)}};
+  scene.light.sky_faces.shine = {glm::vec3(5.0f)};
+  scene.light.baked.texels = {glm::vec3(6.0f)};
+  scene.light.baked.vertex_light = {glm::vec3(7.0f)};
+  scene.light.baked.ambient = glm::vec3(8.0f);
+  const Scene before = scene;
+  LightOptions options;
+  options.intensity = 0.5;
+  EXPECT_EQ(applyLight(scene, options).size(), 1u);
+  const SceneLight &light = scene.light, &old = before.light;
+  EXPECT_EQ(light.lamps[0].intensity, 0.5f * old.lamps[0].intensity);
+  EXPECT_EQ(light.suns[0].irradiance, 0.5f * old.suns[0].irradiance);
+  EXPECT_EQ(light.sky.zenith, 0.5f * old.sky.zenith);
+  EXPECT_EQ(light.sky.horizon, 0.5f * old.sky.horizon);
+  EXPECT_EQ(light.sky.ground, 0.5f * old.sky.ground);
+  EXPECT_EQ(light.sky.image.texels[1], glm::vec3(1.0f));
+  EXPECT_EQ(light.sky_faces.shine[0], glm::vec3(2.5f));
+  EXPECT_EQ(light.baked.texels[0], glm::vec3(3.0f));
+  EXPECT_EQ(light.baked.vertex_light[0], glm::vec3(3.5f));
+  EXPECT_EQ(light.baked.ambient, glm::vec3(4.0f));
+  for (size_t m = 0; m < scene.materials.size(); ++m) EXPECT_EQ(scene.materials[m].emissive, 0.5f * before.materials[m].emissive);
+}
+
+TEST(LightOptions, SaysBeforeABakeWhatEnginesFilesWillNotHold) {
+  Scene scene = darkScene();
+  scene.light.suns = {{{0, 1, 0}, glm::vec3(68300.0f)}};
+  const std::vector<std::string> done = applyLight(scene, {});
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_NE(done[0].find("--intensity 0.1 "), std::string::npos) << done[0];
+  LightOptions options;
+  options.intensity = 0.1;
+  EXPECT_EQ(applyLight(scene, options).size(), 1u) << "what was done, and no more";
+}
+
+TEST(LightOptions, RefusesWhatIsNoLight) {
+  Scene scene = darkScene();
+  const std::vector<std::vector<std::string>> skies = {
+      {"1"}, {"1", "2"}, {"1", "2", "x"}, {"1", "2", ""}, {"1", "2", "nan"}, {"1", "2", "-3"}, {"1", "2", "1e13"}};
+  for (const std::vector<std::string>& sky : skies) EXPECT_THROW(applyLight(scene, {sky, {}}), UsageError) << sky.back();
+  const std::vector<std::vector<std::string>> suns = {
+      {"1", "2", "3"}, {"0", "91", "1", "1", "1"}, {"400", "0", "1", "1", "1"}, {"0", "0", "1", "1", "-1"}};
+  for (const std::vector<std::string>& sun : suns) EXPECT_THROW(applyLight(scene, {{}, sun}), UsageError) << sun.back();
+}
+
+double emittingArea(const Scene& scene) {
+  double area = 0.0;
+  for (size_t t = 0; t < scene.triangles.size(); ++t) {
+    if (scene.materials[scene.triangle_material[t]].emissive == glm::vec3(0.0f)) continue;
+    const glm::vec3 a = scene.positions[scene.triangles[t].x];
+    area += 0.5 * glm::length(glm::cross(scene.positions[scene.triangles[t].y] - a, scene.positions[scene.triangles[t].z] - a));
+  }
+  return area;
+}
+
+TEST(BuiltInScenes, AreReachableByName) {
+  EXPECT_EQ(loadScene("cornell").id, "cornell_0");
+  EXPECT_EQ(loadScene("cornell:0").scene.positions, loadScene("cornell").scene.positions);
+  EXPECT_EQ(loadScene("two_rooms:1").family, "two_rooms");
+  EXPECT_THROW(loadScene("cornell:1"), UsageError);
+  EXPECT_THROW(loadScene("two_rooms:2"), UsageError);
+  EXPECT_THROW(loadScene("two_rooms:x"), UsageError);
+}
+
+TEST(BuiltInScenes, TheCornellBoxIsTwoMetresInsideWithOneLamp) {
+  const Scene scene = loadScene("cornell").scene;
+  const Bounds bounds = sceneBounds(scene);
+  // rounded to 1/256 m
+  EXPECT_NEAR(bounds.max.x - bounds.min.x, 2.2f, 0.01f);
+  EXPECT_NEAR(bounds.max.y - bounds.min.y, 2.2f, 0.01f);
+  EXPECT_NEAR(emittingArea(scene), 0.47 * 0.38, 0.01) << "the panel's lower side alone";
+  // red is seen on the left, green on the right
+  for (size_t t = 0; t < scene.triangles.size(); ++t) {
+    const glm::vec3 colour = scene.materials[scene.triangle_material[t]].base_color;
+    const float x = scene.positions[scene.triangles[t].x].x;
+    const bool is_red = colour.r > 5.0f * colour.g, is_green = colour.g > 2.0f * colour.r;
+    EXPECT_TRUE(!is_red || x < -0.99f) << x;
+    EXPECT_TRUE(!is_green || x > 0.99f) << x;
+  }
+}
+
+TEST(BuiltInScenes, TheLampOfTwoRoomsHangsInTheLeftOne) {
+  for (const std::string& request : {std::string("two_rooms:0"), std::string("two_rooms:1")}) {
+    const Scene scene = loadScene(request).scene;
+    EXPECT_GT(emittingArea(scene), 0.3) << request;
+    for (size_t t = 0; t < scene.triangles.size(); ++t) {
+      if (scene.materials[scene.triangle_material[t]].emissive == glm::vec3(0.0f)) continue;
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_LT(scene.positions[scene.triangles[t][k]].x, -0.1f);
+        EXPECT_GT(scene.positions[scene.triangles[t][k]].y, 2.4f);
+      }
+    }
+  }
+  EXPECT_GT(loadScene("two_rooms:1").scene.triangles.size(), loadScene("two_rooms:0").scene.triangles.size()) << "the door";
+}
+
+TEST(Daylight, IsTheSameForASeedAndDayOrNightBySeed) {
+  int nights = 0;
+  for (uint64_t seed = 0; seed < 300; ++seed) {
+    const Daylight daylight = drawDaylight(seed);
+    EXPECT_EQ(daylight.sky.zenith, drawDaylight(seed).sky.zenith);
+    nights += daylight.suns.empty();
+    for (const Sun& sun : daylight.suns) {
+      EXPECT_NEAR(glm::length(sun.to_sun), 1.0f, 1e-5f);
+      EXPECT_GT(sun.to_sun.y, std::sin(0.26f));
+      EXPECT_LT(sun.to_sun.y, std::sin(1.14f));
+    }
+  }
+  // a third of 300, and five standard deviations of that: 5 sqrt(300 · 1/3 · 2/3) = 41
+  EXPECT_NEAR(nights, 100, 41);
+}
+
+TEST(ProceduralLight, EveryFurnishedFamilyHasLampsAndEveryLevelASky) {
+  for (const std::string& family : proceduralFamilies()) {
+    const Scene scene = makeProceduralScene(family, 3);
+    EXPECT_TRUE(hasLight(scene)) << family;
+    EXPECT_GT(scene.light.sky.horizon.g, 0.0f) << family;
+  }
+  EXPECT_GT(emittingArea(makeProceduralScene("house", 3)), 0.5);
+  EXPECT_GT(emittingArea(makeProceduralScene("apartment", 3)), 0.5);
+}
+
+TEST(ProceduralLight, WallsOfApartmentsAreAsThinAsHousesHaveThem) {
+  const Scene scene = makeProceduralScene("apartment", 3);
+  int thin_count = 0;
+  for (const SceneObject& object : scene.objects) {
+    if (object.name != "inner wall" && object.name != "hall wall") continue;
+    const Bounds bounds = objectBounds(scene, object);
+    const glm::vec3 size = bounds.max - bounds.min;
+    EXPECT_NEAR(std::min(size.x, size.z), 0.1f, 0.005f) << object.name;
+    ++thin_count;
+  }
+  EXPECT_GT(thin_count, 0);
+}
+
+}  // namespace
+}  // namespace nlg

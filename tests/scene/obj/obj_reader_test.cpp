@@ -1,0 +1,491 @@
+#include "scene/obj/obj_reader.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "scene/image/surface_look.h"
+#include "scene/scene_source.h"
+#include "tests/scene/image/hand_built_images.h"
+#include "tests/scene/input_error.h"
+#include "tests/scene/scene_triangles.h"
+#include "tests/scene/temporary_folder.h"
+#include "tool/error.h"
+
+namespace nlg {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A unit square in the plane z = 0, front towards +z, and a unit triangle above it.
+const char* const kSquare =
+    "# a comment\nmtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 2\nv 1 0 2\nv 0 1 2\nvt 0 0\nvn 0 0 1\n"
+    "o square\nusemtl lamp\nf 1/1/1 2/1/1 3/1/1 4/1/1\no roof\nusemtl brick\ns off\nf -3//1 -2//1 -1//1\nl 1 2\n";
+const char* const kLooks =
+    "newmtl lamp\nKd 0.25 0.5 0.75\nKe 8 4 0\nmap_Ka bricks.png\nd 1\nNs 10\nnewmtl brick\nKd 0.5 0.25 0.125\n";
+
+class ObjReader : public testing::Test {
+ protected:
+  ObjReader() {
+    fs::create_directory(folder_ / "level");
+    write("looks.mtl", kLooks);
+  }
+
+  std::string write(const std::string& name, const std::string& text) const { return folder_.write("level/" + name, text); }
+  ObjLevel read(const std::string& text, double unit_m = 1.0) const { return readObj(write("test.obj", text), unit_m); }
+  std::string errorOf(const std::string& text) const {
+    return inputErrorOf([&] { read(text); });
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ObjReader, ReadsObjectsFacesAndMaterials) {
+  const ObjLevel level = read(kSquare);
+  const Scene& scene = level.scene;
+  EXPECT_EQ(scene.id, "test");
+  EXPECT_TRUE(level.notes.empty()) << level.notes[0];
+  ASSERT_EQ(scene.triangles.size(), 3u);
+  EXPECT_EQ(scene.positions.size(), 7u);
+  ASSERT_EQ(scene.objects.size(), 2u);
+  EXPECT_EQ(scene.objects[0].name, "square");
+  EXPECT_EQ(scene.objects[0].triangle_count, 2u);
+  EXPECT_EQ(scene.objects[1].name, "roof");
+  EXPECT_EQ(scene.objects[1].first_triangle, 2u);
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(normalOf(scene, i), glm::dvec3(0, 0, 1)) << "each is half a unit square, from in front";
+  EXPECT_EQ(corner(scene, 2, 0), glm::dvec3(0, 0, 2));
+  const Material& lamp = scene.materials[scene.triangle_material[0]];
+  EXPECT_EQ(lamp.base_color, glm::vec3(0.25f, 0.5f, 0.75f));
+  EXPECT_EQ(lamp.emissive, glm::vec3(8, 4, 0));
+  EXPECT_FALSE(lamp.double_sided);
+  EXPECT_EQ(scene.materials[scene.triangle_material[2]].base_color, glm::vec3(0.5f, 0.25f, 0.125f));
+  EXPECT_EQ(scene.materials[scene.triangle_material[2]].emissive, glm::vec3(0.0f));
+}
+
+TEST_F(ObjReader, ScalesByTheUnit) {
+  const Scene scene = read(kSquare, 0.5).scene;
+  EXPECT_EQ(corner(scene, 2, 0), glm::dvec3(0, 0, 1));
+  EXPECT_EQ(normalOf(scene, 0), glm::dvec3(0, 0, 0.25));
+}
+
+// 100 km away a float's step is 8 mm.
+TEST_F(ObjReader, LosesNoPrecisionFarFromTheOrigin) {
+  const Scene scene = read("v 100000 0 0\nv 100000.001 0 0\nv 100000 0.001 0\nf 1 2 3\nv 100001 1 1\nf 1 2 4\n").scene;
+  ASSERT_EQ(scene.triangles.size(), 2u);
+  EXPECT_NEAR(glm::length(normalOf(scene, 0)), 1e-6, 1e-9);
+}
+
+TEST_F(ObjReader, CutsPolygonsThatAreNotConvex) {
+  // an L of six corners: three unit squares
+  const Scene scene = read("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5 6\n").scene;
+  double area = 0.0;
+  for (size_t i = 0; i < scene.triangles.size(); ++i) {
+    EXPECT_GT(normalOf(scene, i).z, 0.0) << "triangle " << i << " shows its front";
+    area += 0.5 * normalOf(scene, i).z;
+  }
+  EXPECT_NEAR(area, 3.0, 1e-9);
+}
+
+TEST_F(ObjReader, ReadsLinesOfOtherSystems) {
+  std::string text = kSquare;
+  for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.insert(at, "\r");
+  EXPECT_EQ(read(text).scene.triangles.size(), 3u);
+  EXPECT_EQ(read(text.substr(0, text.size() - 2)).scene.triangles.size(), 3u) << "the last line without an end";
+}
+
+TEST_F(ObjReader, SaysWhatItDidNotFind) {
+  fs::remove(folder_ / "level/looks.mtl");
+  const ObjLevel level = read(kSquare);
+  ASSERT_EQ(level.notes.size(), 2u);
+  EXPECT_EQ(level.notes[0], "mtllib \"looks.mtl\" is not there");
+  EXPECT_EQ(level.notes[1], "3 triangles without a material that was found: grey");
+  EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].base_color, Material().base_color);
+}
+
+TEST_F(ObjReader, CutsColoursAboveOneAndSaysSo) {
+  write("looks.mtl", "newmtl lamp\nKd 2 0.5 0\nnewmtl brick\nKd 1 1 1\n");
+  const ObjLevel level = read(kSquare);
+  EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].base_color, glm::vec3(1.0f, 0.5f, 0.0f));
+  ASSERT_EQ(level.notes.size(), 1u);
+  EXPECT_EQ(level.notes[0], "1 materials with a Kd above 1: cut to 1");
+}
+
+// --- images and opacity
+
+// A square, its places on the image those of its corners, lower left first.
+const char* const kPlacedSquare =
+    "mtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl wall\nf 1/1 2/2 3/3 4/4\n";
+// Red beside green; the second is half there.
+const std::string kHalves("\xff\0\0\xff\0\xff\0\x80", 8);
+
+TEST_F(ObjReader, PutsImagesWhereFacesSay) {
+  write("two halves.png", png(2, 1, kHalves));
+  write("looks.mtl", "newmtl wall\nKd 1 0.5 1\nmap_Kd -s 1 2 1 -o 0 0.25 0 two halves.png \n");
+  const ObjLevel level = read(kPlacedSquare);
+  EXPECT_TRUE(level.notes.empty()) << level.notes[0];
+  for (uint32_t triangle = 0; triangle < 2; ++triangle) {
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 at = corner(level.scene, triangle, k);
+      const glm::vec2 place = level.scene.base_places[level.scene.triangles[triangle][k]];
+      EXPECT_EQ(place, glm::vec2(at.x, 1.0 - (2.0 * at.y + 0.25))) << "the file's v points up";
+    }
+  }
+  EXPECT_EQ(level.scene.materials.at(0).veil, Veil::none) << "colours' own opacity is nothing";
+  EXPECT_LT(glm::length(baseColourAt(level.scene, 0, 0.25f, 0.0f) - glm::vec3(1, 0, 0)), 1e-3f);
+  EXPECT_LT(glm::length(baseColourAt(level.scene, 0, 0.75f, 0.0f) - glm::vec3(0, 0.5, 0)), 1e-3f);
+}
+
+TEST_F(ObjReader, OpacityMakesVeils) {
+  write("colours.png", png(2, 1, kHalves));
+  write("mask.png", png(2, 1, std::string("\0\0\0\xff\xff\xff\xff\xff", 8)));
+  const struct {
+    const char* looks;
+    double stops;
+  } cases[] = {{"newmtl wall\nKd 1 1 1\nd 0.25\n", 0.25},
+               {"newmtl wall\nKd 1 1 1\nTr 0.25\n", 0.75},
+               {"newmtl wall\nKd 1 1 1\nmap_Kd colours.png\nmap_d colours.png\n", 0.75},
+               {"newmtl wall\nKd 1 1 1\nmap_Kd colours.png\nmap_d mask.png\n", 0.5},
+               {"newmtl wall\nKd 1 1 1\nmap_d mask.png\n", 0.5},
+               {"newmtl wall\nKd 1 1 1\nd 1\nTr 0\n", 1.0},
+               {"newmtl wall\nKd 1 1 1\nd -halo 0.25\n", 0.25}};
+  for (const auto& one : cases) {
+    SCOPED_TRACE(one.looks);
+    // a material that stops all light goes before: Tr of files without is another thing
+    write("looks.mtl", std::string(one.looks) + "newmtl plain\nKd 1 1 1\n");
+    const ObjLevel level = read(std::string(kPlacedSquare) + "usemtl plain\nf 1/1 2/2 4/4\n");
+    const Material& material = level.scene.materials.at(0);
+    EXPECT_EQ(material.veil == Veil::none, one.stops == 1.0);
+    EXPECT_EQ(level.notes.size(), one.stops == 1.0 ? 0u : 1u);
+    const double stopped = 0.5 * (stoppedAt(level.scene, 0, 0.25f, 0.0f) + stoppedAt(level.scene, 0, 0.75f, 0.0f));
+    EXPECT_NEAR(stopped, one.stops, 0.003);
+  }
+}
+
+TEST_F(ObjReader, ShinesByItsImage) {
+  write("colours.png", png(2, 1, kHalves));
+  write("looks.mtl", "newmtl wall\nKd 1 1 1\nKe 8 8 8\nmap_Ke colours.png\n");
+  const Scene scene = read(kPlacedSquare).scene;
+  EXPECT_TRUE(scene.base_places.empty());
+  EXPECT_LT(glm::length(emissionAt(scene, 0, 0.25f, 0.0f) - glm::vec3(8, 0, 0)), 1e-2f);
+}
+
+TEST_F(ObjReader, ImagesThatCannotBeReadAreNoted) {
+  const struct {
+    const char *name, *note;
+  } cases[] = {{"missing.png", "is not there"},
+               {"C:\\textures\\a.png", "lies outside of the scene's folder and is not opened (tried textures/a.png, a.png)"},
+               {"../secret.png", "lies outside of the scene's folder"},
+               {"bad.png", "is of no kind that is read"}};
+  write("../secret.png", "secret");
+  write("bad.png", "no image at all, but long enough");
+  for (const auto& one : cases) {
+    write("looks.mtl", "newmtl wall\nKd 1 0.5 0\nmap_Kd " + std::string(one.name) + "\n");
+    const ObjLevel level = read(kPlacedSquare);
+    ASSERT_EQ(level.notes.size(), 1u);
+    EXPECT_NE(level.notes[0].find(one.note), std::string::npos) << level.notes[0];
+    EXPECT_EQ(level.scene.materials.at(0).base_color, glm::vec3(0.5f, 0.25f, 0.0f));
+  }
+}
+
+TEST_F(ObjReader, FacesWithoutPlacesLieAtTheCornerOfTheImage) {
+  write("colours.png", png(2, 1, kHalves));
+  write("looks.mtl", "newmtl wall\nKd 1 1 1\nmap_Kd colours.png\n");
+  const ObjLevel level = read("mtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nusemtl wall\nf 1 2/9 3/1\n");
+  ASSERT_EQ(level.notes.size(), 1u);
+  EXPECT_EQ(level.notes[0], "2 vertices without a place on their image (vt): its corner instead");
+}
+
+TEST_F(ObjReader, RefusesHostileFilesByNamingTheLine) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+  std::string many = vertices + "f";
+  for (int i = 0; i < 8193; ++i) many += " 1";
+  const struct {
+    std::string text;
+    const char* error;
+  } cases[] = {{"v 0 0 0\nv 1 x 0\n", "line 2: expected three numbers of -1e30 to 1e30, got 1 x 0"},
+               {"v 0 0\n", "line 1: expected three numbers of -1e30 to 1e30, got 0 0"},
+               {"v 0 0 nan\n", "line 1: expected three numbers"},
+               {"v 0 0 1e999\n", "line 1: expected three numbers"},
+               {"v 0 0 1,5\n", "line 1: expected three numbers"},
+               {vertices + "f 1 2 4\n", "line 4: expected a vertex of 1 to 3, or one counted back, got 4"},
+               {vertices + "f 1 2 0\n", "line 4: expected a vertex of 1 to 3"},
+               {vertices + "f 1 2 -4\n", "line 4: expected a vertex of 1 to 3"},
+               {vertices + "f 1 2 99999999999999999999\n", "line 4: expected a vertex of 1 to 3"},
+               {vertices + "f 1/1 2/1 x/1\n", "line 4: expected a vertex of 1 to 3"},
+               {vertices + "f 1 7\n", "line 4: expected a vertex of 1 to 3"},
+               {many + "\n", "line 4: expected a face of at most 8192 corners, got 8193"},
+               {"v 0 0 0\nv 2e9 0 0\nv 1 1 0\nf 1 2 3\n", "vertex 2: expected positions within 1e9 m"},
+               {"mtllib ../looks.mtl\n", "no error"},  // not there: noted
+               {std::string("v 0 0 0\0\n", 9), "expected text, got a zero byte"}};
+  for (const auto& c : cases) {
+    const std::string error = errorOf(c.text);
+    EXPECT_NE(error.find(c.error), std::string::npos) << c.text.substr(0, 80) << ": " << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  }
+}
+
+TEST_F(ObjReader, ReadsContinuedLinesAndNamesOfSeveralWords) {
+  write("looks.mtl", "newmtl red  brick\nKd 1 0 0\nnewmtl red paint\nKd 0 0 1\n");
+  const Scene scene =
+      read(
+          "# no continuation: \\\nmtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red brick \nf 1 \\\n2\\\r\n 3\n"
+          "usemtl red\tpaint\nf 1 3 4\\")
+          .scene;
+  ASSERT_EQ(scene.triangles.size(), 2u);
+  EXPECT_EQ(scene.materials[scene.triangle_material[0]].base_color, glm::vec3(1, 0, 0));
+  EXPECT_EQ(scene.materials[scene.triangle_material[1]].base_color, glm::vec3(0, 0, 1));
+  EXPECT_NE(errorOf("v 0 0 0\nf 1 1 \\\n7\n").find("line 3: expected a vertex of 1 to 1"), std::string::npos);
+}
+
+// One in forty of the furniture models of Sweet Home 3D has them.
+TEST_F(ObjReader, LeavesFacesOfTwoCornersOutAndSaysSo) {
+  const ObjLevel level = read(std::string(kSquare) + "f 1 2\nf 3\nf 1/1 2/1\n");
+  EXPECT_EQ(level.scene.triangles.size(), 3u);
+  ASSERT_EQ(level.notes.size(), 1u);
+  EXPECT_EQ(level.notes[0], "3 faces of fewer than three corners: left out");
+}
+
+TEST_F(ObjReader, OpensNoLibraryOutsideTheFolder) {
+  std::ofstream(folder_ / "secret.mtl") << kLooks;
+  fs::create_symlink(folder_ / "secret.mtl", folder_ / "level/link.mtl");
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl lamp\nf 1 2 3\n";
+  for (const char* name : {"../secret.mtl", "link.mtl"}) {
+    const ObjLevel level = read(std::string("mtllib ") + name + "\n" + triangle);
+    ASSERT_EQ(level.notes.size(), 2u) << name;
+    EXPECT_NE(level.notes[0].find(name[0] == 'l' ? "a link out of it" : "lies outside of the scene's folder"), std::string::npos)
+        << level.notes[0];
+  }
+  EXPECT_EQ(read("mtllib " + (folder_ / "secret.mtl") + "\n" + triangle).scene.materials.size(), 1u);
+  // but one of that name that lies beside it
+  const ObjLevel level = read("mtllib C:\\looks\\looks.mtl\n" + triangle);
+  EXPECT_EQ(level.notes, std::vector<std::string>{"mtllib \"C:/looks/looks.mtl\" is read from looks.mtl"});
+}
+
+TEST_F(ObjReader, OpensNoLibrariesThatAreNoRegularFiles) {
+  ASSERT_EQ(::mkfifo((folder_ / "level/pipe.mtl").c_str(), 0600), 0);
+  fs::create_symlink("ring.mtl", folder_ / "level/ring.mtl");
+  const std::string long_name = std::string(300, 'x') + ".mtl";
+  for (const auto& [name, got] : {std::pair<std::string, std::string>("pipe.mtl", "a pipe"),
+                                  {"ring.mtl", "Too many levels of symbolic links"},
+                                  {long_name, "File name too long"}}) {
+    const std::string note = read("mtllib " + name + "\n").notes.at(0);
+    EXPECT_EQ(note, "mtllib \"" + name.substr(0, 80) + "\" is no file in the scene's folder or below: " + got);
+  }
+}
+
+TEST_F(ObjReader, OpensALibraryOnce) {
+  std::string text;
+  for (const char* name : {"looks.mtl", "./looks.mtl", ".//looks.mtl", "looks.mtl"}) text += std::string("mtllib ") + name + "\n";
+  EXPECT_EQ(read(text + kSquare).scene.materials.size(), 3u) << "two and the one of faces without";
+}
+
+TEST_F(ObjReader, NamesColoursAndSharesThatAreNone) {
+  for (const char* line :
+       {"Kd -1 0 0", "Kd 0.5 1", "Ke 1 x 1", "Ke 1e13 0 0", "Kd spectral file.rfl 1", "d 7", "Tr -1", "d", "Tf 1 0 0"}) {
+    write("looks.mtl", std::string("newmtl lamp\nKd .5 .5 .5\n") + line + "\nnewmtl brick\nKd .5 .5 .5\n");
+    const ObjLevel level = read(kSquare);
+    std::string word = std::string(line).substr(0, std::string(line).find(' '));
+    for (char& c : word) c = static_cast<char>(std::tolower(c));
+    EXPECT_EQ(level.notes,
+              std::vector<std::string>{"words that are not read: " + (std::string(line) == "d" ? "d" : word) + " (1)"})
+        << line;
+    EXPECT_EQ(level.scene.materials[0].base_color, glm::vec3(0.5f));
+  }
+}
+
+// --- as programs write them
+
+TEST_F(ObjReader, PassesAByteOrderMarkBy) {
+  const std::string mark = "\xef\xbb\xbf";
+  write("looks.mtl", mark + kLooks);
+  for (const std::string& text : {mark + kSquare, mark + "v 9 9 9\n" + kSquare, mark + "\n\n" + kSquare}) {
+    const ObjLevel level = read(text);
+    EXPECT_TRUE(level.notes.empty()) << level.notes[0];
+    EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].emissive, glm::vec3(8, 4, 0));
+  }
+  EXPECT_EQ(corner(read(mark + "v 9 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").scene, 0, 0), glm::dvec3(9, 0, 0));
+}
+
+TEST_F(ObjReader, ReadsKeywordsInAnyCase) {
+  std::string text = kSquare, looks = kLooks;
+  for (std::string* lines : {&text, &looks}) {
+    bool is_keyword = true;
+    for (char& c : *lines) {
+      if (is_keyword) c = static_cast<char>(std::toupper(c));
+      is_keyword = c == '\n' || (is_keyword && c != ' ');
+    }
+  }
+  write("looks.mtl", looks);
+  const ObjLevel level = read(text);
+  EXPECT_TRUE(level.notes.empty()) << level.notes[0];
+  EXPECT_EQ(level.scene.objects.size(), 2u);
+  EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].emissive, glm::vec3(8, 4, 0));
+}
+
+TEST_F(ObjReader, FindsLibrariesByNamesAsTheyAreWritten) {
+  fs::create_directory(folder_ / "level/my materials");
+  fs::rename(folder_ / "level/looks.mtl", folder_ / "level/my materials/two rooms.mtl");
+  write("other one.mtl", "newmtl other\nKd 1 1 1\n");
+  write("third.mtl", "newmtl third\nKd 1 1 1\n");
+  std::string text = kSquare;
+  text.replace(text.find("mtllib looks.mtl"), 16, "mtllib LINE");
+  const struct {
+    std::string line;
+    size_t materials;
+    std::vector<std::string> notes;
+  } cases[] = {{"my materials/two rooms.mtl", 2, {}},
+               {"my materials\\two rooms.mtl", 2, {}},
+               {".\\my materials\\two rooms.mtl", 2, {}},
+               {"\"my materials/two rooms.mtl\"", 2, {}},
+               {"my%20materials/two%20rooms.mtl", 2, {}},
+               {"my materials/two rooms.mtl other one.mtl third.mtl # all", 4, {}},
+               {"third.mtl my materials\\two rooms.mtl other one.mtl", 4, {}},
+               {"third.mtl no such.mtl my materials/two rooms.mtl", 3, {"mtllib \"no such.mtl\" is not there"}}};
+  for (const auto& one : cases) {
+    std::string whole = text;
+    const ObjLevel level = read(whole.replace(whole.find("LINE"), 4, one.line));
+    EXPECT_EQ(level.scene.materials.size(), one.materials + 1) << one.line;
+    EXPECT_EQ(level.notes, one.notes) << one.line;
+  }
+}
+
+TEST_F(ObjReader, TrMayMeanTheOpposite) {
+  const std::string taken = "Tr is taken for what is stopped: by its other meaning no material would stop all light";
+  const std::string none = "by d no material would stop any light: all are taken to stop all of it";
+  const struct {
+    const char *lamp, *brick;
+    double stops_lamp, stops_brick;
+    std::string note;
+  } cases[] = {{"Tr 1", "Tr 1", 1, 1, taken},
+               {"Tr 1", "Tr 0.25", 1, 0.25, taken},
+               {"Tr 0", "Tr 0.25", 1, 0.75, ""},
+               {"Tr 0", "Tr 1", 1, 0, ""},
+               {"d 1", "Tr 1", 1, 0, ""},
+               {"", "Tr 1", 1, 0, ""},
+               {"d 0", "d 0", 1, 1, none},
+               {"d 0", "d 0.5", 0, 0.5, ""},
+               {"d 1\nTr 1", "Tr 1\nd 1", 1, 1, "2 materials whose d and Tr contradict each other: by d"},
+               {"d 0.5\nTr 0.5", "d 1", 0.5, 1, ""}};
+  for (const auto& one : cases) {
+    SCOPED_TRACE(std::string(one.lamp) + ", " + one.brick);
+    write("looks.mtl", std::string("newmtl lamp\nKd 1 1 1\n") + one.lamp + "\nnewmtl brick\nKd 1 1 1\n" + one.brick +
+                           "\nnewmtl unused\nTr 0.5\n");
+    const ObjLevel level = read(kSquare);
+    EXPECT_NEAR(stoppedAt(level.scene, 0, 0.3f, 0.3f), one.stops_lamp, 1e-6);
+    EXPECT_NEAR(stoppedAt(level.scene, 2, 0.3f, 0.3f), one.stops_brick, 1e-6);
+    const size_t veils = (one.stops_lamp < 1.0) + (one.stops_brick < 1.0);
+    ASSERT_EQ(level.notes.size(), (one.note.empty() ? 0u : 1u) + (veils > 0 ? 1u : 0u));
+    if (!one.note.empty()) {
+      EXPECT_EQ(level.notes[0], one.note);
+    }
+  }
+}
+
+TEST_F(ObjReader, VerticesHaveColours) {
+  write("looks.mtl", "newmtl lamp\nKd 1 0.5 1\n");
+  const std::string corners = "v 0 0 0 .6 .05 .2\nv 1 0 0 .6 .05 .2\nv 0 1 0 .6 .05 .2\nv 0 0 1\nv 1 0 1 1\nv 0 1 1\n";
+  const Scene scene = read("mtllib looks.mtl\n" + corners + "f 1 2 3\nf 4 5 6\nusemtl lamp\nf 1 2 3\nf 4 5 6\n").scene;
+  const glm::vec3 expected[] = {{0.6f, 0.05f, 0.2f}, glm::vec3(0.5f), {0.6f, 0.025f, 0.2f}, {1.0f, 0.5f, 1.0f}};
+  for (uint32_t t = 0; t < 4; ++t) EXPECT_LT(glm::length(baseColourAt(scene, t, 0.3f, 0.3f) - expected[t]), 1e-6f) << t;
+  const ObjLevel bytes = read("v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\nf 1 2 3\n");
+  EXPECT_LT(glm::length(baseColourAt(bytes.scene, 0, 0.3f, 0.3f) - glm::vec3(1.0f, 0.2f, 0.0f)), 1e-6f);
+  EXPECT_EQ(bytes.notes.at(0), "colours of vertices reach beyond 1: taken as of 0 to 255");
+}
+
+TEST_F(ObjReader, NamesWordsThatItDoesNotUnderstand) {
+  write("looks.mtl", std::string(kLooks) + "Pm 1\nmap_Bump a.png\nillum 2\nTf 1 1 1\nNi 1.5\nmap_Tr a.png\nglow 3\nmap_Kd\n");
+  const ObjLevel level = read(std::string(kSquare) + "surf 0 1 0 1 1 2\nvp 1 2\nSURF 1\n");
+  ASSERT_EQ(level.notes.size(), 1u);
+  EXPECT_EQ(level.notes[0], "words that are not read: glow (1), map_tr (1), surf (2), vp (1)");
+}
+
+TEST_F(ObjReader, NamesImagesThatShineByNothing) {
+  write("looks.mtl", "newmtl lamp\nKd 1 1 1\nKe 0 0 0\nmap_Ke none.png\nnewmtl brick\nKd 1 1 1\n");
+  EXPECT_EQ(read(kSquare).notes, std::vector<std::string>{"1 materials with a map_Ke and a Ke of 0: dark"});
+}
+
+// Each is looked for on the disk.
+TEST_F(ObjReader, LooksForNoEndOfLibraries) {
+  std::string text;
+  for (int i = 0; i < 1100; ++i) text += "mtllib none" + std::to_string(i) + ".mtl\nmtllib looks.mtl\n";
+  const ObjLevel level = read(text + kSquare);
+  EXPECT_EQ(level.scene.materials.size(), 3u);
+  EXPECT_EQ(level.notes.back(), "words that are not read: mtllib (77)") << "1,024 lines, of which looks.mtl is one";
+}
+
+TEST_F(ObjReader, NamesFacesThatCrossThemselves) {
+  const ObjLevel level = read(std::string(kSquare) + "f 1 3 2 4\n");
+  ASSERT_EQ(level.notes.size(), 1u);
+  EXPECT_EQ(level.notes[0], "1 faces whose outlines cross themselves are cut as well as can be, the first in line 20");
+}
+
+TEST_F(ObjReader, ReadsColoursAndImagesInAllTheirForms) {
+  write("a b.png", png(1, 1, std::string("\xff\0\0\xff", 4)));
+  fs::create_directory(folder_ / "level/textures");
+  write("textures/c.png", png(1, 1, std::string("\0\xff\0\xff", 4)));
+  const struct {
+    const char* looks;
+    glm::vec3 colour;
+  } cases[] = {{"Kd 0.25", glm::vec3(0.25f)},
+               {"Kd xyz 0.4124564 0.2126729 0.0193339", {1, 0, 0}},
+               {"Kd 0.5 0.25 0.125 # a comment", {0.5f, 0.25f, 0.125f}},
+               {"map_Kd a b.png", {1, 0, 0}},
+               {"MAP_KD -blendu on -mm 0 1 -t 0 0 0 -bm 0.5 -s 2 2 2 -o 1 -clamp on a b.png", {1, 0, 0}},
+               {"kd 1 1 1\nmap_kd textures\\c.png", {0, 1, 0}},
+               {"kd 1 1 1\nmap_kd C:\\work\\textures\\c.png", {0, 1, 0}},
+               {"", glm::vec3(0.5f)}};
+  for (const auto& one : cases) {
+    write("looks.mtl", std::string("newmtl wall\n") + one.looks + "\n");
+    const Scene scene = read(kPlacedSquare).scene;
+    EXPECT_LT(glm::length(baseColourAt(scene, 0, 0.3f, 0.3f) - one.colour), 2e-3f) << one.looks;
+  }
+}
+
+// A grid that is baked without light is lit later: no image may change what its functions are of.
+TEST_F(ObjReader, GeometryDoesNotDependOnImagesThatAreNotNeeded) {
+  write("colours.png", png(2, 1, kHalves));
+  write("mask.png", png(2, 1, std::string("\0\0\0\xff\xff\xff\xff\xff", 8)));
+  write("looks.mtl",
+        "newmtl wall\nmap_Kd colours.png\nmap_d mask.png\nnewmtl plain\nKe 1 1 1\nmap_Kd plain.png\nmap_Ke plain.png\n");
+  write("plain.png", png(2, 1, kHalves));
+  const std::string path = write("test.obj", std::string(kPlacedSquare) + "usemtl plain\nf 1/4 2/3 3/2\n");
+  const ObjLevel all = readObj(path, 1.0), bare = readObj(path, 1.0, kDenseVeil, ImageNeed::geometry);
+  EXPECT_EQ(sceneSha256(all.scene), sceneSha256(bare.scene));
+  EXPECT_EQ(all.scene.images.size(), 2u) << "with the mask's opacity, and as it is";
+  EXPECT_EQ(bare.scene.images.size(), 1u) << "what is cut out";
+  EXPECT_NEAR(stoppedAt(bare.scene, 0, 0.25f, 0.0f), stoppedAt(all.scene, 0, 0.25f, 0.0f), 1e-6);
+  EXPECT_EQ(bare.notes.at(0), "1 images are not read: no light is asked for");
+  fs::remove(folder_ / "level/plain.png");
+  EXPECT_EQ(sceneSha256(readObj(path, 1.0).scene), sceneSha256(all.scene)) << "nor does one that is missing";
+}
+
+// Bytes changed at random anywhere: an error or a scene, never a crash.
+TEST_F(ObjReader, SurvivesRandomDamage) {
+  const std::string whole = kSquare;
+  uint32_t state = 1;
+  const auto next = [&] { return (state = state * 1664525u + 1013904223u) >> 8; };
+  int refused_count = 0;
+  for (int round = 0; round < 1000; ++round) {
+    std::string damaged = whole;
+    for (uint32_t i = 0; i < 1 + next() % 3; ++i) damaged[next() % damaged.size()] = static_cast<char>(next());
+    refused_count += errorOf(damaged) == "no error" ? 0 : 1;
+  }
+  EXPECT_GT(refused_count, 100);
+  EXPECT_LT(refused_count, 1000);
+}
+
+TEST_F(ObjReader, IsAmongTheSourcesOfScenes) {
+  const std::string path = write("Room.OBJ", kSquare);
+  const SceneSource metres = loadScene(path), feet = loadScene(path, {0.25});
+  EXPECT_EQ(metres.id, "Room");
+  EXPECT_EQ(metres.sha256, sceneSha256(metres.scene));
+  EXPECT_NE(metres.sha256, feet.sha256);
+  EXPECT_EQ(normalOf(feet.scene, 0), glm::dvec3(0, 0, 0.0625));
+  EXPECT_THROW(loadScene("house:3", {0.25}), UsageError);
+}
+
+}  // namespace
+}  // namespace nlg

@@ -1,0 +1,118 @@
+#include "validate/generators/figures.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ends(const Interval& interval) { return {interval.low, interval.high}; }
+
+// The columns of one population.
+struct Columns {
+  std::vector<uint32_t> scenes;  // of all but the occluded ones
+  std::vector<double> blend_rmse, rmse, rmse_test_points, fails, fitted, elapsed_us;
+  ValuesByScene rmse_occluded;
+};
+
+Columns columnsOf(const MeasuredWord& word, Scope scope, Population population, const FigureContext& context) {
+  Columns columns;
+  for (const MeasuredFunction& one : word.functions) {
+    if (!context.populations.contains(scope, population, one.function)) continue;
+    const uint32_t scene = context.set.scene_idx[one.function];
+    columns.scenes.push_back(scene);
+    columns.blend_rmse.push_back(one.error.blend_rmse);
+    columns.rmse.push_back(one.error.rmse);
+    columns.rmse_test_points.push_back(one.error.rmse_test_points);
+    if (one.error.has_occluded) columns.rmse_occluded.add(one.error.rmse_occluded, scene);
+    columns.fails.push_back(one.fails_check);
+    columns.fitted.push_back(one.fitted);
+    columns.elapsed_us.push_back(one.elapsed_us);
+  }
+  return columns;
+}
+
+Json quantilesJson(const std::vector<double>& values, const SceneBootstrap& bootstrap) {
+  Json json = nlg::quantilesJson(values);
+  const std::vector<Interval> quantiles = bootstrap.quantiles(values, {0.5, 0.95});
+  json["interval"] = {{"median", ends(quantiles[0])}, {"mean", ends(bootstrap.mean(values))}, {"p95", ends(quantiles[1])}};
+  return json;
+}
+
+Json figures(const MeasuredWord& word, Scope scope, Population population, const FigureContext& context) {
+  const Columns columns = columnsOf(word, scope, population, context);
+  const SceneBootstrap bootstrap(columns.scenes, context.bootstrap);
+  const PooledMagnitudes& leaks = word.leaks.of(scope, population);
+  const Quantiles time = quantiles(columns.elapsed_us);
+  return {{"functions", columns.rmse.size()},
+          {"blend_rmse", quantilesJson(columns.blend_rmse, bootstrap)},
+          {"rmse", quantilesJson(columns.rmse, bootstrap)},
+          {"rmse_test_points", quantilesJson(columns.rmse_test_points, bootstrap)},
+          {"rmse_occluded", nlg::quantilesJson(columns.rmse_occluded, context.bootstrap)},
+          {"leak", {{"mean", leaks.mean()}, {"p99", leaks.quantile(0.99)}}},
+          {"share_failing_check", intervalJson(bootstrap.mean(columns.fails))},
+          {"share_fitted", intervalJson(bootstrap.mean(columns.fitted))},
+          {"us_per_function", time.mean},
+          {"us_per_function_median", time.median}};
+}
+
+// One figure: which error, of which functions.
+struct Ratio {
+  const char* name;
+  Population population;
+  double FunctionError::*error;
+  bool needs_occluded;
+};
+
+constexpr Ratio kRatios[] = {
+    {"median", Population::theta, &FunctionError::blend_rmse, false},
+    {"median_hard", Population::hard, &FunctionError::blend_rmse, false},
+    {"median_rmse", Population::theta, &FunctionError::rmse, false},
+    {"median_test_points", Population::theta, &FunctionError::rmse_test_points, false},
+    {"median_occluded_hard", Population::hard, &FunctionError::rmse_occluded, true},
+};
+
+}  // namespace
+
+Json intervalJson(const Interval& interval) {
+  return {{"value", interval.value}, {"low", interval.low}, {"high", interval.high}};
+}
+
+Json quantilesJson(const std::vector<double>& values) {
+  const Quantiles q = quantiles(values);
+  return {{"median", q.median}, {"mean", q.mean}, {"p95", q.p95}, {"p99", q.p99}, {"worst", q.worst}, {"functions", q.count}};
+}
+
+Json quantilesJson(const ValuesByScene& values, const BootstrapOptions& bootstrap) {
+  return quantilesJson(values.values, SceneBootstrap(values.scenes, bootstrap));
+}
+
+Json figuresByPopulation(const MeasuredWord& word, Scope scope, const FigureContext& context) {
+  Json json;
+  for (int p = 0; p < kPopulationCount; ++p) {
+    const auto population = static_cast<Population>(p);
+    json[populationName(population)] = figures(word, scope, population, context);
+  }
+  return json;
+}
+
+nlohmann::ordered_json ratiosJson(const MeasuredWord& word, const MeasuredWord& reference, const FigureContext& context,
+                                  const std::function<bool(uint64_t function)>& counts) {
+  nlohmann::ordered_json json;
+  for (const Ratio& ratio : kRatios) {
+    ValuesByScene ratios;
+    size_t at = 0;  // in the word's functions, which rise as the reference's do
+    for (const MeasuredFunction& one : reference.functions) {
+      while (word.functions[at].function != one.function) ++at;
+      const FunctionError &above = word.functions[at].error, &below = one.error;
+      if (!counts(one.function) || !context.populations.contains(Scope::sample, ratio.population, one.function)) continue;
+      if (ratio.needs_occluded && !below.has_occluded) continue;
+      if (!(below.*ratio.error > 0.0)) continue;
+      ratios.add(above.*ratio.error / (below.*ratio.error), context.set.scene_idx[one.function]);
+    }
+    const SceneBootstrap bootstrap(ratios.scenes, context.bootstrap);
+    json[ratio.name] = intervalJson(bootstrap.quantiles(ratios.values, {0.5}).front());
+  }
+  return json;
+}
+
+}  // namespace nlg

@@ -1,0 +1,109 @@
+#include "validate/generators/measured_word.h"
+
+#include <cmath>
+
+#include "nlg/check.h"
+#include "tool/error.h"
+#include "tool/parallel_for.h"
+
+namespace nlg {
+namespace {
+
+bool bit(const std::vector<uint8_t>& bits, uint64_t row, size_t width, size_t i) {
+  return bits[row * (width / 8) + i / 8] >> (i % 8) & 1;
+}
+
+struct MeanSquare {
+  double sum = 0.0;
+  uint64_t count = 0;
+  void add(double residual) { sum += residual * residual, ++count; }
+  double root() const { return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0; }
+};
+
+}  // namespace
+
+ErrorMeter::ErrorMeter(const FunctionSet& set, const LossOptions& loss)
+    : set_(set),
+      weights_(loss),
+      points_(makePointSet(supportPattern().points)),
+      test_points_(makePointSet(testPoints(set.test_point_count))),
+      values_(points_.padded_count),
+      test_values_(test_points_.padded_count) {}
+
+FunctionError ErrorMeter::measure(const Representation& representation, const float* theta, uint64_t index) {
+  evaluate(representation, points_, theta, values_.data());
+  evaluate(representation, test_points_, theta, test_values_.data());
+  return compare(values_.data(), test_values_.data(), index);
+}
+
+FunctionError ErrorMeter::measureTent(uint64_t index) { return compare(points_.tent.data(), test_points_.tent.data(), index); }
+
+FunctionError ErrorMeter::compare(const float* values, const float* test_values, uint64_t index) {
+  const size_t point_count = set_.point_count, test_count = set_.test_point_count;
+  MeanSquare loss, all, occluded, test;
+  leak_magnitudes_.clear();
+  for (size_t i = 0; i < point_count; ++i) {
+    if (!bit(set_.validity, index, point_count, i)) continue;
+    const uint8_t phi = set_.phi[index * point_count + i];
+    const double residual = values[i] - phi / 255.0;
+    const uint8_t sum = set_.blend_sum.empty() ? uint8_t{255} : set_.blend_sum[index * point_count + i];
+    loss.add(weights_.root(phi, points_.tent[i], sum) * residual);
+    all.add(residual);
+    if (bit(set_.seen, index, point_count, i)) continue;
+    occluded.add(residual);
+    if (phi != 0) continue;
+    leak_magnitudes_.push_back(std::fabs(values[i]));
+  }
+  for (size_t i = 0; i < test_count; ++i) {
+    if (!bit(set_.validity_test, index, test_count, i)) continue;
+    test.add(test_values[i] - set_.phi_test[index * test_count + i] / 255.0);
+  }
+  sorted_ = leak_magnitudes_;
+  return {
+      loss.root(), all.root(), test.root(), occluded.root(), occluded.count > 0, mean(leak_magnitudes_), quantile(sorted_, 0.99)};
+}
+
+void PopulationLeaks::add(const std::vector<double>& magnitudes, uint64_t function, const Populations& populations) {
+  for (int s = 0; s < kScopeCount; ++s) {
+    for (int p = 0; p < kPopulationCount; ++p) {
+      const auto scope = static_cast<Scope>(s);
+      const auto population = static_cast<Population>(p);
+      if (populations.contains(scope, population, function)) pools_[index(scope, population)].add(magnitudes);
+    }
+  }
+}
+
+void PopulationLeaks::add(const PopulationLeaks& other) {
+  for (size_t i = 0; i < pools_.size(); ++i) pools_[i].add(other.pools_[i]);
+}
+
+void MeasuredWord::mustBeFinite() const {
+  for (const MeasuredFunction& one : functions) {
+    for (const double rmse : {one.error.blend_rmse, one.error.rmse, one.error.rmse_test_points}) {
+      if (!std::isfinite(rmse))
+        throw NumericalError("validate", "function " + std::to_string(one.function), name + ": RMSE", rmse);
+    }
+  }
+}
+
+MeasuredWord measureTents(const FunctionSet& set, const Populations& populations, const ValidateOptions& options) {
+  struct Thread {
+    Thread(const FunctionSet& set, const LossOptions& loss) : meter(set, loss) {}
+    ErrorMeter meter;
+    FunctionChecker checker;
+    PopulationLeaks leaks;
+  };
+  MeasuredWord word{"tent", std::vector<MeasuredFunction>(set.functionCount()), {}};
+  std::vector<Thread> threads;
+  for (int t = 0; t < options.threadCount(); ++t) threads.emplace_back(set, options.policy.check().loss());
+  parallelFor(set.functionCount(), options.threadCount(), [&](uint64_t i, int t) {
+    Thread& thread = threads[t];
+    const FunctionCheck check = thread.checker.checkBareTent(storedFunction(set, i), options.policy.check());
+    word.functions[i] = {i, thread.meter.measureTent(i), !check.passes(options.policy.check()), false, 0.0};
+    thread.leaks.add(thread.meter.leakMagnitudes(), i, populations);
+  });
+  for (const Thread& thread : threads) word.leaks.add(thread.leaks);
+  return word;
+}
+
+}  // namespace nlg

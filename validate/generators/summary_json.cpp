@@ -1,0 +1,186 @@
+#include "validate/generators/summary_json.h"
+
+#include <filesystem>
+
+#include "runtime_eval/evaluator/theta_form.h"
+#include "tool/atomic_file.h"
+#include "validate/generators/figures.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json sampleRatios(const MeasuredWord& word, const LongFits& fits, const FigureContext& context) {
+  const auto all = [](uint64_t) { return true; };
+  const auto isNew = [&](uint64_t function) { return !context.known.in_training_mirrored[function]; };
+  const MeasuredWord &best = fits.at(LongFit::best_known), &direct = fits.at(LongFit::direct);
+  return {{"to_best_known", ratiosJson(word, best, context, all)},
+          {"to_direct", ratiosJson(word, direct, context, all)},
+          {"without_duplicates", ratiosJson(word, best, context, isNew)}};
+}
+
+Json sampleJson(const PolicyWords& policy, const LongFits& fits, const FigureContext& context) {
+  Json json = {{"functions", context.populations.count(Scope::sample, Population::theta)},
+               {"hard", context.populations.count(Scope::sample, Population::hard)}};
+  Json ratios;
+  for (const MeasuredWord& word : policy.words) {
+    json[word.name] = figuresByPopulation(word, Scope::sample, context);
+    ratios[word.name] = sampleRatios(word, fits, context);
+  }
+  for (const MeasuredWord& fit : fits.words) json[fit.name] = figuresByPopulation(fit, Scope::sample, context);
+  json["best_known_from"] = fits.best_known_from;
+  json["ratios"] = ratios;
+  return json;
+}
+
+// Quantiles of population theta, scene by scene.
+Json sceneJson(const PolicyWords& policy, const FigureContext& context) {
+  const auto quantilesOf = [&](ThetaWord word, uint32_t scene) -> Json {
+    std::vector<double> blend_rmse, rmse;
+    for (const MeasuredFunction& one : policy.at(word).functions) {
+      if (!context.populations.takesTheta(one.function) || context.set.scene_idx[one.function] != scene) continue;
+      blend_rmse.push_back(one.error.blend_rmse);
+      rmse.push_back(one.error.rmse);
+    }
+    return {{"blend_rmse", quantilesJson(blend_rmse)}, {"rmse", quantilesJson(rmse)}};
+  };
+  Json json;
+  for (uint32_t scene = 0; scene < context.set.scene_ids.size(); ++scene) {
+    for (const ThetaWord word : {ThetaWord::stored, ThetaWord::network}) {
+      json[context.set.scene_ids[scene]][wordName(word)] = quantilesOf(word, scene);
+    }
+  }
+  return json;
+}
+
+Json convergenceJson(const Convergence& convergence) {
+  const auto curve = [](const std::vector<ConvergencePoint>& points) {
+    Json json = Json::array();
+    for (const ConvergencePoint& point : points) {
+      json.push_back(
+          {{"restarts", point.restarts}, {"adam_steps", point.adam_steps}, {"blend_rmse_mean", point.blend_rmse_mean}});
+    }
+    return json;
+  };
+  return {{"functions", convergence.functions},
+          {"by_restarts", curve(convergence.by_restarts)},
+          {"by_adam_steps", curve(convergence.by_steps)},
+          {"best_known_blend_rmse_mean", convergence.best_known_blend_rmse_mean}};
+}
+
+// Mean over the functions that take a theta: codes are as long as each function needs.
+double meanStoredBytes(const ValidatedGenerator& validated) {
+  double sum = 0.0;
+  int64_t count = 0;
+  for (const MadeTheta& made : validated.policy.made) {
+    if (made.isBareTent()) continue;
+    sum += static_cast<double>(storedThetaBytes(validated.generator.representation(), ThetaPrecision::int8, made.theta.data()));
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+// A text as a field: file stems may hold commas.
+std::string csvField(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string field = "\"";
+  for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return field + '"';
+}
+
+}  // namespace
+
+Json tauJson(const ValidateOptions& options) {
+  const CheckOptions& check = options.policy.check();
+  return {{"rmse", check.tau_rmse},
+          {"blend", check.tau_blend},
+          {"leak", check.tau_leak},
+          {"dark_weight", check.dark_weight},
+          {"blend_floor", check.blend_floor},
+          {"hard_tent_rmse", options.hard_tent_rmse},
+          {"bare_tent_rmse", options.policy.bare_tent_rmse}};
+}
+
+Json functionsJson(const ShardCounts& counts, const FigureContext& context) {
+  return {{"distinct", counts.functions},
+          {"free_space", counts.free_space},
+          {"duplicates", counts.duplicates},
+          {"in_solid", counts.in_solid},
+          {"empty", counts.empty},
+          {"visited_probes", counts.visited_probes},
+          {"grid_probes", counts.grid_probes},
+          {"held_out", context.set.functionCount()},
+          {"held_out_scenes", context.set.scene_ids.size()},
+          {"take_theta", context.populations.count(Scope::set, Population::theta)},
+          {"hard", context.populations.count(Scope::set, Population::hard)},
+          {"held_out_in_training", context.known.countInTraining()},
+          {"held_out_in_training_mirrored", context.known.countInTrainingMirrored()}};
+}
+
+Json bootstrapJson(const FigureContext& context) {
+  const size_t scenes = context.set.scene_ids.size();
+  return {{"over", "scenes"},
+          {"scenes", scenes},
+          {"resamples", context.bootstrap.resamples},
+          {"confidence", context.bootstrap.confidence},
+          {"seed", context.bootstrap.seed},
+          {"note", scenes > 1 ? "a figure whose functions are all of one scene has no interval: both ends are the value"
+                              : "one scene: there is no interval, both ends are the value"}};
+}
+
+Json stagesJson(const std::vector<StagePlan>& plan) {
+  Json json = Json::array();
+  for (const StagePlan& stage : plan) {
+    const std::string budget = budgetText(stage);
+    json.push_back({{"name", stageName(stage.stage)},
+                    {"title", stageTitle(stage.stage)},
+                    {"word", wordName(wordOf(stage.stage))},
+                    {"budget", budget.empty() ? Json(nullptr) : Json(budget)},
+                    {"takes", takersText(stage)},
+                    {"text", describe(stage)}});
+  }
+  return json;
+}
+
+Json thetaBytesJson(const Representation& representation) {
+  Json json;
+  for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16, ThetaPrecision::int8}) {
+    json[thetaPrecisionName(precision)] = thetaForm(representation, precision).bytes();
+  }
+  return json;
+}
+
+Json representationJson(const ValidatedGenerator& validated, const FigureContext& context) {
+  const Representation& representation = validated.generator.representation();
+  Json json = {{"parameters", representation.thetaCount()},       {"theta_bytes", thetaBytesJson(representation)},
+               {"stored_bytes_mean", meanStoredBytes(validated)}, {"weights_bytes", std::filesystem::file_size(validated.path)},
+               {"weights_sha256", fileSha256(validated.path)},    {"evaluate_us", measureEvaluation(representation)},
+               {"stages", stagesJson(validated.policy.plan)}};
+  for (const MeasuredWord& word : validated.policy.words) json[word.name] = figuresByPopulation(word, Scope::set, context);
+  json["sample"] = sampleJson(validated.policy, validated.fits, context);
+  json["convergence"] = convergenceJson(validated.convergence);
+  json["by_scene"] = sceneJson(validated.policy, context);
+  return json;
+}
+
+FunctionsCsv::FunctionsCsv(const FunctionSet& set, const Populations& populations) : set_(set), populations_(populations) {
+  text_ << "representation,word,function,scene,take_theta,hard,blend_rmse,rmse,rmse_test_points,rmse_occluded,leak_mean,leak_p99,"
+           "fails_check,"
+           "fitted,elapsed_us\n";
+}
+
+void FunctionsCsv::add(const std::string& representation, const MeasuredWord& word) {
+  for (const MeasuredFunction& one : word.functions) {
+    const FunctionError& error = one.error;
+    text_ << representation << ',' << word.name << ',' << one.function << ','
+          << csvField(set_.scene_ids[set_.scene_idx[one.function]]) << ',' << populations_.takesTheta(one.function) << ','
+          << populations_.isHard(one.function) << ',' << error.blend_rmse << ',' << error.rmse << ',' << error.rmse_test_points
+          << ',';
+    if (error.has_occluded) text_ << error.rmse_occluded;
+    text_ << ',' << error.leak_mean << ',' << error.leak_p99 << ',' << one.fails_check << ',' << one.fitted << ','
+          << one.elapsed_us << '\n';
+  }
+}
+
+}  // namespace nlg

@@ -1,0 +1,49 @@
+// The pieces of summary.json, schema version 2: docs/reference/formats.md says what stands in them.
+#pragma once
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "validate/generators/best_known.h"
+#include "validate/generators/figures.h"
+#include "validate/generators/measured_word.h"
+#include "validate/generators/policy_words.h"
+
+namespace nlg {
+
+// Everything that was measured of one generator.
+struct ValidatedGenerator {
+  const Generator& generator;
+  std::string path;  // where it was read from
+  PolicyWords policy;
+  LongFits fits;
+  Convergence convergence;
+};
+
+nlohmann::ordered_json tauJson(const ValidateOptions& options);
+nlohmann::ordered_json functionsJson(const ShardCounts& counts, const FigureContext& context);
+nlohmann::ordered_json bootstrapJson(const FigureContext& context);
+// A stage a line: name, word, population, above_rmse, budget, and the sentence that --help prints.
+nlohmann::ordered_json stagesJson(const std::vector<StagePlan>& plan);
+nlohmann::ordered_json representationJson(const ValidatedGenerator& validated, const FigureContext& context);
+
+// functions.csv: one line a function and word.
+class FunctionsCsv {
+ public:
+  // Both must outlive it.
+  FunctionsCsv(const FunctionSet& set, const Populations& populations);
+
+  // representation   "tent" for the bare tent, which is of none
+  void add(const std::string& representation, const MeasuredWord& word);
+  std::string text() const { return text_.str(); }
+
+ private:
+  const FunctionSet& set_;
+  const Populations& populations_;
+  std::ostringstream text_;
+};
+
+}  // namespace nlg

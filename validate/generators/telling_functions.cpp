@@ -1,0 +1,162 @@
+#include "validate/generators/telling_functions.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <limits>
+#include <numeric>
+
+#include "runtime_eval/evaluator/evaluate.h"
+
+namespace nlg {
+namespace {
+
+uint8_t bitAt(const std::vector<uint8_t>& bits, uint64_t at) { return bits[at / 8] >> (at % 8) & 1; }
+
+// Pixel centres of the plane; a hair off the probe, so that the nearest point is not a tie of mirror images.
+std::vector<LocalPoint> planePoints(int axis, int size) {
+  std::vector<LocalPoint> points;
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column) {
+      LocalPoint point{};
+      point[axis] = 0.003f;
+      point[(axis + 1) % 3] = 2.0f * (static_cast<float>(column) + 0.5f) / static_cast<float>(size) - 1.0f;
+      point[(axis + 2) % 3] = 2.0f * (static_cast<float>(row) + 0.5f) / static_cast<float>(size) - 1.0f;
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+size_t nearestSupportPoint(const LocalPoint& point) {
+  const std::vector<LocalPoint>& support = supportPattern().points;
+  size_t nearest = 0;
+  float best = std::numeric_limits<float>::max();
+  for (size_t i = 0; i < support.size(); ++i) {
+    const float dx = support[i][0] - point[0], dy = support[i][1] - point[1], dz = support[i][2] - point[2];
+    const float squared = dx * dx + dy * dy + dz * dz;
+    if (squared < best) best = squared, nearest = i;
+  }
+  return nearest;
+}
+
+// Score of an axis plane: how far the function is from the bare tent near it, and four times how far the representation is from
+// the function.
+int mostTellingAxis(const FunctionSet& set, uint64_t index, const AlignedFloats& support_values) {
+  constexpr float kSlab = 0.08f;
+  double score[3] = {};
+  const std::vector<LocalPoint>& support = supportPattern().points;
+  for (size_t i = 0; i < support.size(); ++i) {
+    const uint64_t at = index * support.size() + i;
+    if (!bitAt(set.validity, at)) continue;
+    const double phi = set.phi[at] / 255.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::fabs(support[i][axis]) < kSlab)
+        score[axis] += std::fabs(phi - tent(support[i])) + 4.0 * std::fabs(support_values[i] - phi);
+    }
+  }
+  int best = 1;  // the floor plan, unless another plane says clearly more
+  for (const int axis : {0, 2}) {
+    if (score[axis] > 1.2 * score[best]) best = axis;
+  }
+  return best;
+}
+
+constexpr int kSlicePixels = 96;
+
+nlohmann::ordered_json sliceJson(const TellingFunction& telling, const Slice& slice, const FunctionError& error,
+                                 const FunctionSet& set) {
+  const auto permille = [](const std::vector<float>& values) {
+    std::vector<int> rounded;
+    for (const float value : values) rounded.push_back(static_cast<int>(std::lround(1000.0f * std::clamp(value, -2.0f, 2.0f))));
+    return rounded;
+  };
+  return {{"which", telling.which},
+          {"function", telling.function},
+          {"scene", set.scene_ids[set.scene_idx[telling.function]]},
+          {"blend_rmse", error.blend_rmse},
+          {"rmse", error.rmse},
+          {"axis", slice.axis},
+          {"size", slice.size},
+          {"valid", slice.valid},
+          {"seen", slice.seen},
+          {"target_permille", permille(slice.target)},
+          {"stored_permille", permille(slice.stored)},
+          {"difference_permille", permille(slice.difference)}};
+}
+
+// The tent times a network that says 1.
+Theta bareTentTheta() {
+  Theta theta(Representation::tentMlp().thetaCount(), 0.0f);
+  theta[ThetaLayout::b3] = 1.0f;
+  return theta;
+}
+
+}  // namespace
+
+Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& representation, const float* theta, int size) {
+  Slice slice;
+  const PointSet support = makePointSet(supportPattern().points);
+  AlignedFloats support_values(support.padded_count);
+  evaluate(representation, support, theta, support_values.data());
+  slice.axis = mostTellingAxis(set, index, support_values);
+  slice.size = size;
+  const std::vector<LocalPoint> plane = planePoints(slice.axis, size);
+  const PointSet points = makePointSet(plane);
+  AlignedFloats values(points.padded_count);
+  evaluate(representation, points, theta, values.data());
+  slice.stored.assign(values.begin(), values.begin() + points.count);
+  for (const LocalPoint& point : plane) {
+    const size_t nearest = nearestSupportPoint(point);
+    const uint64_t at = index * kSupportPointCount + nearest;
+    const float phi = static_cast<float>(set.phi[at]) / 255.0f;
+    slice.target.push_back(phi);
+    slice.valid.push_back(bitAt(set.validity, at));
+    slice.seen.push_back(bitAt(set.seen, at));
+    slice.difference.push_back(support_values[nearest] - phi);
+  }
+  return slice;
+}
+
+std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const FunctionSet& set,
+                                              const Populations& populations) {
+  std::vector<MeasuredFunction> functions;
+  for (const Population population : {Population::hard, Population::theta, Population::all}) {
+    std::copy_if(stored.functions.begin(), stored.functions.end(), std::back_inserter(functions),
+                 [&](const MeasuredFunction& one) { return populations.contains(Scope::set, population, one.function); });
+    if (!functions.empty()) break;
+  }
+  std::stable_sort(functions.begin(), functions.end(),
+                   [](const MeasuredFunction& a, const MeasuredFunction& b) { return a.error.blend_rmse < b.error.blend_rmse; });
+  const auto validCount = [&](const MeasuredFunction& one) {
+    const uint8_t* const validity = functionAt(set, one.function).validity;
+    return std::accumulate(validity, validity + set.point_count / 8, 0,
+                           [](int sum, uint8_t bits) { return sum + std::popcount(bits); });
+  };
+  const auto near = [&](double share) {
+    const size_t count = functions.size(), reach = count / 200;
+    const auto rank = static_cast<size_t>(share * static_cast<double>(count - 1));
+    const auto first = functions.begin() + static_cast<std::ptrdiff_t>(rank - std::min(rank, reach));
+    const auto end = functions.begin() + static_cast<std::ptrdiff_t>(std::min(rank + reach + 1, count));
+    return std::max_element(first, end, [&](const auto& a, const auto& b) { return validCount(a) < validCount(b); })->function;
+  };
+  return {{"p5", near(0.05)}, {"median", near(0.5)}, {"p95", near(0.95)}, {"worst", functions.back().function}};
+}
+
+void appendSlices(const Representation& representation, const PolicyWords& words, const FunctionSet& set,
+                  const Populations& populations, nlohmann::ordered_json* slices) {
+  const MeasuredWord& stored = words.at(ThetaWord::stored);
+  for (const TellingFunction& telling : tellingFunctions(stored, set, populations)) {
+    const MadeTheta& made = words.made[telling.function];
+    const Slice slice = made.isBareTent()
+                            ? makeSlice(set, telling.function, Representation::tentMlp(), bareTentTheta().data(), kSlicePixels)
+                            : makeSlice(set, telling.function, representation, made.theta.data(), kSlicePixels);
+    nlohmann::ordered_json entry = sliceJson(telling, slice, stored.functions[telling.function].error, set);
+    entry["representation"] = representationName(representation);
+    slices->push_back(entry);
+  }
+}
+
+}  // namespace nlg

@@ -1,0 +1,89 @@
+#include "validate/generators/validation.h"
+
+#include <iostream>
+
+#include "bake/load_generators.h"
+#include "bake/policy_options.h"
+#include "runtime_eval/evaluator/theta_form.h"
+#include "tool/atomic_file.h"
+#include "tool/output_path.h"
+#include "tool/parallel_for.h"
+#include "tool/provenance.h"
+#include "validate/generators/function_counts.h"
+#include "validate/generators/summary_json.h"
+#include "validate/generators/telling_functions.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchemaVersion = 2;
+
+ValidatedGenerator measure(const Generator& generator, const std::string& path, const FigureContext& context,
+                           const ValidateOptions& options) {
+  PolicyWords policy = measurePolicy(generator, context.set, context.populations, options);
+  LongFits fits = measureLongFits(generator, context.set, context.populations, policy.least_wrong, options);
+  Convergence convergence = measureConvergence(generator, context.set, context.populations, fits, options);
+  return {generator, path, std::move(policy), std::move(fits), std::move(convergence)};
+}
+
+}  // namespace
+
+int ValidateOptions::threadCount() const { return threads > 0 ? threads : machineThreadCount(); }
+
+void describe(ValidateOptions& o, OptionTable& table) {
+  table.group("Measurement");
+  table.add("seed", &o.seed, "seed of random starts");
+  describePolicy(o.policy, table);
+  table.group("Measurement");
+  table.add("theta_precision", &o.theta_precision, "float32, float16 or int8: what the light grid would store");
+  table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
+  table.add("direct_functions", &o.direct_functions,
+            "the sample: functions that take a theta, evenly over scenes, on which long fits run", 1, 1000000);
+  table.add("direct_adam_steps", &o.direct.adam_steps, "direct optimisation: Adam steps a start", 0, 10000000);
+  table.add("direct_lm_iterations", &o.direct.levenberg_iterations, "direct optimisation: LM iterations a start", 0, 100000);
+  table.add("direct_restarts", &o.direct.restarts, "direct optimisation: random starts", 1, 1000);
+  table.add("convergence_functions", &o.convergence_functions,
+            "hard functions of the sample on which direct optimisation is run with more and with less, to show that it has "
+            "converged; 0: not shown",
+            0, 100);
+  table.add("threads", &o.threads, "threads; 0: as many as the machine runs at once. No error depends on them", 0, 1024);
+}
+
+void validate(const ValidationRequest& request, ValidateOptions options, const OptionTable& table) {
+  requireOutputFolder(request.out_dir);
+  options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
+  const auto [generators, paths] = loadGenerators(request.weights);
+  const FunctionSet set = readHeldOut(request.held_out);
+  const Populations populations(set, options);
+  const FunctionCounts counts = countFunctions(request.training, request.held_out, set, options.threadCount());
+  const FigureContext context{set, populations, counts.known};
+  const MeasuredWord tents = measureTents(set, populations, options);
+
+  FunctionsCsv csv(set, populations);
+  csv.add(tents.name, tents);
+  Json slices = Json::array();
+  Json summary = {{"schema_version", kSchemaVersion},
+                  {"provenance", provenance("nlg-validate", table.toJson(), {{"held_out", set.sha256}})},
+                  {"tau", tauJson(options)},
+                  {"theta_precision", thetaPrecisionName(options.policy.theta_precision)},
+                  {"functions", functionsJson(counts.all, context)},
+                  {"bootstrap", bootstrapJson(context)},
+                  {tents.name, figuresByPopulation(tents, Scope::set, context)}};
+  for (size_t i = 0; i < generators.size(); ++i) {
+    const Representation& representation = generators[i].representation();
+    const std::string name = representationName(representation);
+    const ValidatedGenerator validated = measure(generators[i], paths[i], context, options);
+    summary["representations"][name] = representationJson(validated, context);
+    for (const MeasuredWord& word : validated.policy.words) csv.add(name, word);
+    for (const MeasuredWord& fit : validated.fits.words) csv.add(name, fit);
+    appendSlices(representation, validated.policy, set, populations, &slices);
+  }
+  writeFileAtomically(request.out_dir + "/functions.csv", csv.text());
+  writeFileAtomically(request.out_dir + "/slices.json", slices.dump());
+  writeFileAtomically(request.out_dir + "/summary.json", summary.dump(1) + "\n");
+  std::cout << request.out_dir << "/summary.json\n";
+}
+
+}  // namespace nlg
