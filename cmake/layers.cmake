@@ -42,7 +42,7 @@ set(NLG_MAY_LINK_viewer        nlg::render nlg::shader_export nlg::light_figures
 set(NLG_MAY_LINK_nlg_python    nlg::runtime_eval)
 # tools: the stage's own libraries, and what all tools share
 set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::view nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::dataset nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-pca       nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-pca       nlg::weights_file nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-cache     nlg::training_data nlg::basis nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch nlg::torch_threads nlg::training_data)
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::export_commands nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch nlg::torch_threads)
