@@ -53,6 +53,11 @@ void describe(BakeOptions& o, OptionTable& table) {
             "places in the air of every cell at which light is measured; more where a scene would have fewer than 2,048", 1,
             4096);
   table.add("light_rays", &o.light_rays, "rays of every such place", 8, 1 << 20);
+  table.add(
+      "light_noise", &o.light_noise,
+      "relative noise of light at such places above which 64 neighbours get more rays, up to 8 times light_rays. 0: all get "
+      "light_rays",
+      0.0, 1.0);
   table.add("light_probe_rays", &o.light_probe_rays, "light point: rays of every probe", 8, 1 << 24);
   table.add("light_cache", &o.light_cache,
             "keep what arrives at surfaces, so that each bounce is traced once for all probes. Off: every path by itself");

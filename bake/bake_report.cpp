@@ -90,7 +90,7 @@ nlohmann::ordered_json lightJson(const LightStatistics& light) {
       {"packing_error", light.packing.error},
       {"packing_worst", light.packing.worst},
       {"places", light.places},
-      {"rays_per_place", light.rays_per_place},
+      {"rays", light.rays},
       {"cache_cells", light.cache_cells},
       {"cache_divided", light.cache_divided},
       {"thinned", thinnedJson(light)},
@@ -115,9 +115,11 @@ std::string lightText(const BakeStatistics& s) {
   const LightStatistics& light = s.light;
   if (!light.is_lit) return text + "light: none\n";
   text += fmt::format(
-      "light: {} places x {} rays, {}; by the clock {:.2f} s bounces, {:.2f} s places, {:.2f} s solve ({} iterations)",
-      light.places, light.rays_per_place, light.is_gathered ? "gathered from the level's own light" : "traced",
-      light.cache_wall_s, light.measure_wall_s, light.solve_wall_s, light.solve_iterations);
+      "light: {} places, {} rays each on average, {}; by the clock {:.2f} s bounces, {:.2f} s places, {:.2f} s solve ({} "
+      "iterations)",
+      light.places, light.places > 0 ? light.rays / light.places : 0,
+      light.is_gathered ? "gathered from the level's own light" : "traced", light.cache_wall_s, light.measure_wall_s,
+      light.solve_wall_s, light.solve_iterations);
   return text + fmt::format("; mean radiance {:.4g}\n", light.mean);
 }
 
