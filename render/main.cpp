@@ -41,7 +41,8 @@ int irradianceMain(int argc, char** argv) {
 int renderMain(int argc, char** argv) {
   CLI::App app{
       "Draws a view of a scene, or a horizontal cut, lit by a method: truth (path traced at every pixel), grid (a light grid's\n"
-      "look-up at every pixel). Brightness is albedo x irradiance / pi + emission, times the exposure, cut off at 1, in sRGB.\n"
+      "look-up at every pixel). Brightness is albedo x irradiance / pi + emission, times the exposure, through\n"
+      "Khronos' neutral curve, in sRGB.\n"
       "nlg-render SCENE --out view.png: ground truth, from a view that shows something.\n"
       "nlg-render SCENE --grid GRID --panel truth,grid --out view.png: side by side, with the error.\n"
       "nlg-render irradiance SCENE --places PLACES.csv --out FILE.csv: what arrives at places, in numbers.",

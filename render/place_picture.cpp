@@ -76,11 +76,11 @@ void drawNeedle(Image& image, const PlaceView& view, const glm::vec3& normal) {
 }
 
 // So that truth's median is middle grey, but the ball's colour at the needle's foot is cut off in neither picture.
-double exposureOf(const LitPicture& truth, const MeasuredPlace& place) {
+double exposureOf(const LitPicture& truth, const MeasuredPlace& place, double least) {
   const glm::vec3 brighter = glm::max(place.truth, place.answer);
   const double radiance = kBallAlbedo * std::max({brighter.r, brighter.g, brighter.b}) / kPi;
-  const double most = radiance > 0.0 ? kBrightest / radiance : automaticExposure(truth);
-  return irradianceRms(truth) > 0.0 ? std::min(automaticExposure(truth), most) : most;
+  const double most = radiance > 0.0 ? kBrightest / radiance : automaticExposure(truth, least);
+  return irradianceRms(truth) > 0.0 ? std::min(automaticExposure(truth, least), most) : most;
 }
 
 std::string rgbText(const glm::vec3& irradiance) {
@@ -121,7 +121,7 @@ Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, con
   gather.rays = options.truth_rays / sights.samples_per_pixel;
   const LitPicture truth = lightPicture(sights, truthLighting(transport, gather, options.seed), options.thread_count);
   const LitPicture answer = lightPicture(sights, lighting, options.thread_count);
-  const double exposure = exposureOf(truth, place), range = nextScale(place.error);
+  const double exposure = exposureOf(truth, place, leastAdapted(transport.scene())), range = nextScale(place.error);
 
   std::vector<PanelColumn> columns = {
       {"truth", {rgbText(place.truth), fmt::format("exposure {:.3g}", exposure)}, toneMapped(truth, exposure), std::nullopt},

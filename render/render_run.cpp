@@ -42,7 +42,7 @@ CLI::Validator numberIn(double low, double high) {
           fmt::format("FLOAT in [{} - {}]", low, high)};
 }
 
-constexpr const char* kTone = "radiance x exposure, cut off at 1, sRGB";
+constexpr const char* kTone = "radiance x exposure, Khronos PBR Neutral, sRGB";
 
 Json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 glm::dvec3 vectorOf(const std::vector<double>& three) { return {three[0], three[1], three[2]}; }
@@ -269,7 +269,9 @@ class Rendering {
       pictures.push_back(name == "truth" ? *truth : lit(scene_.lighting(name)));
       said_["pictures"].push_back(figuresOf(pictures.back(), truth));
     }
-    const double exposure = request_.exposure > 0.0 ? request_.exposure : automaticExposure(truth ? *truth : pictures.front());
+    std::vector<const LitPicture*> shown;
+    for (const LitPicture& picture : pictures) shown.push_back(&picture);
+    const double exposure = request_.exposure > 0.0 ? request_.exposure : panelExposure(shown, leastAdapted(scene_.scene()));
     said_["exposure"] = exposure;
     said_["exposure_is_automatic"] = !(request_.exposure > 0.0);
     const ErrorKind kind = request_.show == "absolute" ? ErrorKind::absolute : ErrorKind::with_sign;
@@ -360,8 +362,10 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--truth-rays", r.truth_rays, "rays of ground truth at every sample")
       ->check(CLI::Range(8, 1 << 20))
       ->capture_default_str();
-  app.add_option("--exposure", r.exposure,
-                 "what radiance is multiplied by; 0: so that the median of truth, or else of the first method, is .18")
+  app.add_option(
+         "--exposure", r.exposure,
+         "what radiance is multiplied by; 0: so that the median of the first method that has no noise, or else of truth, is .18. "
+         "What is darker than a ten-thousandth of the scene's brightest source stays darker")
       ->check(numberIn(0.0, 1e12))
       ->capture_default_str();
   app.add_option("--error-range", r.error_range,

@@ -4,9 +4,16 @@
 #include <cmath>
 
 #include "datagen/view/legend.h"
+#include "scene/luminance.h"
+#include "scene/surface_look.h"
 
 namespace nlg {
 namespace {
+
+using glm::vec3, std::max, std::min;
+#include "render/neutral_tone.glsl"
+
+constexpr double kPi = 3.14159265358979, kMiddleGrey = 0.18;
 
 constexpr Colour kNoReceiver{120, 120, 120};
 
@@ -38,14 +45,45 @@ double errorOf(const LitPicture& picture, const LitPicture& truth, size_t pixel,
 
 }  // namespace
 
-double automaticExposure(const LitPicture& picture) {
-  constexpr double kMiddleGrey = 0.18;
+double leastAdapted(const Scene& scene) {
+  const SceneLight& light = scene.light;
+  double most = kPi * max(luminance(light.sky.zenith), luminance(light.sky.horizon));
+  for (const Sun& sun : light.suns) most = max<double>(most, luminance(sun.irradiance));
+  for (const Lamp& lamp : light.lamps) most = max<double>(most, luminance(lamp.intensity));
+  for (const glm::vec3& shine : light.sky_faces.shine) most = max(most, kPi * luminance(shine));
+  for (const glm::vec3& texel : light.baked.texels) most = max(most, kPi * luminance(texel));
+  for (const glm::vec3& vertex : light.baked.vertex_light) most = max(most, kPi * luminance(vertex));
+  // a metre before a small surface; of a large one no more than the surface itself sends
+  std::vector<double> brightest(scene.materials.size(), 0.0), power(scene.materials.size(), 0.0);
+  for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
+    const uint32_t material = scene.triangle_material[t];
+    if (scene.materials[material].emissive == glm::vec3(0.0f)) continue;
+    const glm::uvec3& corners = scene.triangles[t];
+    const glm::vec3& corner = scene.positions[corners.x];
+    const double shine = luminance(emissionAt(scene, t, 1.0f / 3.0f, 1.0f / 3.0f));
+    brightest[material] = max(brightest[material], shine);
+    power[material] +=
+        0.5 * shine * glm::length(glm::cross(scene.positions[corners.y] - corner, scene.positions[corners.z] - corner));
+  }
+  for (size_t m = 0; m < power.size(); ++m) most = max(most, min(power[m], kPi * brightest[m]));
+  return kLeastOfOpen * most;
+}
+
+double automaticExposure(const LitPicture& picture, double least) {
   std::vector<double> luminances;
   for (size_t i = 0; i < picture.radiance.size(); ++i) {
     const double luminance = luminanceOf(picture.radiance[i]);
     if (picture.receiver_share[i] > 0.0f && luminance > 0.0) luminances.push_back(luminance);
   }
-  return luminances.empty() ? 1.0 : kMiddleGrey / medianOf(std::move(luminances));
+  return luminances.empty() ? 1.0 : kMiddleGrey / max(medianOf(std::move(luminances)), least / kPi);
+}
+
+double panelExposure(const std::vector<const LitPicture*>& pictures, double least) {
+  const auto isNoisy = [](const LitPicture* picture) {
+    return std::any_of(picture->deviation.begin(), picture->deviation.end(), [](const vec3& d) { return d != vec3(0.0f); });
+  };
+  const auto clean = std::find_if_not(pictures.begin(), pictures.end(), isNoisy);
+  return automaticExposure(clean != pictures.end() ? **clean : *pictures.front(), least);
 }
 
 Image toneMapped(const LitPicture& picture, double exposure) {
@@ -53,7 +91,7 @@ Image toneMapped(const LitPicture& picture, double exposure) {
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) {
       const size_t pixel = static_cast<size_t>(y) * picture.width + x;
-      const glm::dvec3 shown = exposure * glm::dvec3(picture.radiance[pixel]);
+      const vec3 shown = neutralTone(vec3(exposure * glm::dvec3(picture.radiance[pixel])));
       image.set(x, y,
                 picture.in_solid[pixel] ? hatchColour(x, y) : Colour{srgbByte(shown.r), srgbByte(shown.g), srgbByte(shown.b)});
     }

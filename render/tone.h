@@ -1,6 +1,7 @@
 // From light to colours: exposure and tone of pictures, and the colours of errors.
 //
-// A pixel shows its radiance times the exposure: 1 becomes full white; brighter light is cut off there. Then sRGB's transfer.
+// A pixel shows its radiance times the exposure, through Khronos PBR Neutral (neutral_tone.glsl), which loses no light at 1 but bends
+// towards white from .8 on. Then sRGB's transfer.
 #pragma once
 
 #include "datagen/view/image.h"
@@ -8,9 +9,17 @@
 
 namespace nlg {
 
+// The least irradiance that an eye adapts to: kLeastOfOpen of what the brightest source of the scene gives by itself. Of sky and suns that is
+// on open ground, of lamps and what shines a metre before them. Darker places are shown dark. 0 in a scene where nothing shines.
+inline constexpr double kLeastOfOpen = 1e-4;
+double leastAdapted(const Scene& scene);
+
 // The exposure that shows the median luminance, over pixels that have receivers and are not black, as middle grey: .18. 1 when all
 // are black.
-double automaticExposure(const LitPicture& picture);
+// least   irradiance: at most what shows a white surface with so much light as middle grey
+double automaticExposure(const LitPicture& picture, double least = 0.0);
+// One for pictures of one view side by side: of the first without noise, or of the first.
+double panelExposure(const std::vector<const LitPicture*>& pictures, double least);
 
 Image toneMapped(const LitPicture& picture, double exposure);
 

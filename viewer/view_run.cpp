@@ -222,7 +222,8 @@ class ViewFolder {
             {"eye", numbers(camera.eye_m)},
             {"forward", numbers(glm::dvec3(camera.forward))},
             {"fov_y", camera.fov_y},
-            {"exposure", automaticExposure(lightPicture(seen, scene_.lighting("grid"), scene_.threads()))}};
+            {"exposure",
+             automaticExposure(lightPicture(seen, scene_.lighting("grid"), scene_.threads()), leastAdapted(scene_.scene()))}};
   }
 
   DataScript truthScript(size_t view, const Camera& camera) const {

@@ -152,16 +152,53 @@ TEST(PictureError, IsInSharesOfTruthsRms) {
   EXPECT_EQ(errorRange({&other}, truth), 0.5);
 }
 
-TEST(Tone, MedianBecomesMiddleGreyAndOneBecomesWhite) {
+TEST(Tone, MedianBecomesMiddleGreyAndNothingIsCutOffAtOne) {
   const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
   const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
   const LitPicture picture = lightPicture(sights, even("even", glm::vec3(7.0f)), 1);
   const double exposure = automaticExposure(picture);
   EXPECT_NEAR(exposure * 7.0 * 0.5 / kPi, 0.18, 1e-6);
-  // sRGB of .18: 255 * (1.055 * .18^(1 / 2.4) - .055) = 117.6
-  EXPECT_EQ(toneMapped(picture, exposure).at(3, 3), (Colour{118, 118, 118}));
-  EXPECT_EQ(toneMapped(picture, exposure / 0.18).at(3, 3), kWhite);
+  // sRGB of .18 - .04: 255 * (1.055 * .14^(1 / 2.4) - .055) = 104.6; of 1 - .04, which bends to 1 - .24^2 / .44
+  EXPECT_EQ(toneMapped(picture, exposure).at(3, 3), (Colour{105, 105, 105}));
+  EXPECT_EQ(toneMapped(picture, exposure / 0.18).at(3, 3), (Colour{240, 240, 240}));
   EXPECT_EQ(toneMapped(picture, 1e9).at(3, 3), kWhite);
+}
+
+// By hand from the published formula: 4, 1, 1 loses .04, its peak of 3.96 becomes 1 - .24^2 / 3.44 = .98326, and .30868 of it is white.
+// Below .08 what is lost is x - 6.25 x^2.
+TEST(Tone, IsTheNeutralCurveOfKhronos) {
+  LitPicture picture;
+  picture.width = picture.height = 1;
+  picture.in_solid = {0};
+  picture.radiance = {{4.0f, 1.0f, 1.0f}};
+  EXPECT_EQ(toneMapped(picture, 1.0).at(0, 0), (Colour{253, 182, 182}));
+  picture.radiance = {{0.04f, 0.04f, 0.54f}};  // .01, .01, .51
+  EXPECT_EQ(toneMapped(picture, 1.0).at(0, 0), (Colour{25, 25, 189}));
+}
+
+// The walls send 2 to everywhere: pi times that arrives. An eye adapts to a ten-thousandth of it, and not to a leak.
+TEST(Tone, EyesAdaptToNoLeakInTheDark) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(2.0f)));
+  EXPECT_NEAR(leastAdapted(r.scene), 2e-4 * kPi, 1e-9);
+  Scene dark = room(glm::vec3(0.5f), glm::vec3(0.0f));
+  EXPECT_EQ(leastAdapted(dark), 0.0);
+  dark.light.lamps.push_back({{}, glm::vec3(3.0f)});
+  EXPECT_NEAR(leastAdapted(dark), 3e-4, 1e-9);
+  const Rendered darkness(dark);
+  const LitPicture leak = lightPicture(sightsOf(darkness.transport, kAcross, smallPicture()), even("leak", glm::vec3(1e-8f)), 1);
+  EXPECT_NEAR(automaticExposure(leak, 3e-4) * 3e-4 / kPi, 0.18, 1e-6);
+  EXPECT_EQ(toneMapped(leak, automaticExposure(leak, 3e-4)).at(3, 3), kBlack);
+}
+
+TEST(Tone, PanelsAreExposedByWhatHasNoNoise) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
+  const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
+  LitPicture truth = lightPicture(sights, even("truth", glm::vec3(9.0f)), 1);
+  truth.deviation[7] = glm::vec3(1.0f);
+  const LitPicture grid = lightPicture(sights, even("grid", glm::vec3(2.0f)), 1),
+                   other = lightPicture(sights, even("other", glm::vec3(5.0f)), 1);
+  EXPECT_EQ(panelExposure({&truth, &grid, &other}, 0.0), automaticExposure(grid));
+  EXPECT_EQ(panelExposure({&truth}, 0.0), automaticExposure(truth));
 }
 
 TEST(Tone, ScalesAreTheNextOfOneTwoFive) {

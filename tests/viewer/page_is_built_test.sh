@@ -7,9 +7,11 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 command -v npm > /dev/null || { echo "skipped: no npm"; exit 77; }
 # not in the sources: another build may run there
-cp -r "$root/viewer/page" "$folder/page" && rm -rf "$folder/page/node_modules"
-if ! log=$("$folder/page/build.sh" "$folder/built" 2>&1); then
-  if [ ! -d "$folder/page/node_modules/three" ]; then
+mkdir "$folder/viewer" "$folder/render"
+cp -r "$root/viewer/page" "$folder/viewer" && rm -rf "$folder/viewer/page/node_modules"
+cp "$root/render/neutral_tone.glsl" "$folder/render"
+if ! log=$("$folder/viewer/page/build.sh" "$folder/built" 2>&1); then
+  if [ ! -d "$folder/viewer/page/node_modules/three" ]; then
     echo "skipped: npm: $(tail -1 <<< "$log")"
     exit 77
   fi

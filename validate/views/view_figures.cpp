@@ -147,7 +147,8 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> recei
   truth.at = std::move(received);
   truth.median_noise = medianNoise(truth.at);
   truth.median = medianLight(sights, truth.at);
-  truth.adapted = std::max(truth.median, kLeastLight * brightest);
+  truth.least = kLeastLight * brightest;
+  truth.adapted = std::max(truth.median, truth.least);
   truth.exposure = exposureOf(sights, truth);
   std::vector<float> light(truth.at.size(), 0.0f);
   double squares = 0.0, variance = 0.0, colour = 0.0;

@@ -2,7 +2,8 @@
 //
 // The eye adapts: a view is exposed by its own truth, so that a dark room counts as much as a terrace. The exposure is
 // render/tone.h's: the median luminance is shown as middle grey, .18; but no eye adapts to less than kLeastLight. Colours are
-// compared as a display shows them, by HyAB in CIE L*a*b* (validate/light/colour_difference.h). That is not FLIP, of which HyAB is the
+// compared as a display shows them, cut off at 1 and not by the pictures' tone curve, so that figures stay comparable, by HyAB in CIE
+// L*a*b* (validate/light/colour_difference.h). That is not FLIP, of which HyAB is the
 // colour part alone: FLIP's filters say what is seen from afar in a picture of a known size, and a player's is none.
 #pragma once
 
@@ -20,8 +21,8 @@ inline constexpr double kSureDeviations = 1.0;                  // of truth's no
 // Of the irradiance that the eye has adapted to: where neither truth nor answer has more, all is black to it. A surface of the view's
 // median colour is shown as .0018 there, L* 1.6, and less than 2.3 is not seen.
 inline constexpr double kBlackOfMedian = 0.01;
-// Of the median irradiance of the scene's brightest view: a view that has less is shown darker than middle grey, and one without any
-// light stays black.
+// Of the median irradiance of the scene's brightest view, or of a tenth of its brightest source where that is more (render/tone.h): a
+// view that has less is shown darker than middle grey, and one without any light stays black.
 inline constexpr double kLeastLight = 1e-3;
 // Of medianNoise: with more, three standard deviations are as much as light off by kLastFactor, at half of the receivers.
 inline constexpr double kMostNoise = (kLastFactor - 1.0) / 3.0;
@@ -35,7 +36,8 @@ struct ViewTruth {
   std::vector<float> exact;         // luminance that exact visibility gives, by sample; empty: not known, and nothing is dim
   double exposure = 1.0;
   double median = 0.0;        // medianLight
-  double adapted = 0.0;       // the median, or the least that an eye adapts to
+  double least = 0.0;         // that an eye adapts to
+  double adapted = 0.0;       // the median, or that
   double noise = 0.0;         // root mean square of its standard deviation, over that of truth
   double median_noise = 0.0;  // medianNoise, which --truth-noise bounds
   double colour_noise = 0.0;  // HyAB between truth and truth plus one standard deviation, the mean

@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import pictureVertex from './glsl/picture.vert.glsl';
 import pictureFragment from './glsl/picture.frag.glsl';
 import signedHeat from './glsl/signed_heat.glsl';
+import neutralTone from '../../../render/neutral_tone.glsl';
 import { PRECISION } from './methods.js';
 
 export class Picture {
@@ -15,7 +16,7 @@ export class Picture {
     this.material = new THREE.RawShaderMaterial({
       glslVersion: THREE.GLSL3,
       vertexShader: pictureVertex,
-      fragmentShader: PRECISION + signedHeat + pictureFragment,
+      fragmentShader: PRECISION + signedHeat + neutralTone + pictureFragment,
       depthTest: false,
       depthWrite: false,
       uniforms: {

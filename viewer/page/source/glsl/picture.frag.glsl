@@ -1,4 +1,4 @@
-// Two methods side by side, or their difference, as they are shown: radiance times the exposure, cut off at 1, in sRGB.
+// Two methods side by side, or their difference, as they are shown: radiance times the exposure, through neutralTone, in sRGB.
 in vec2 at;
 uniform sampler2D left, right;
 uniform vec2 left_scale, right_scale;  // of a stored picture: how much of it is seen along x and y; 0: rendered
@@ -18,7 +18,7 @@ vec3 encoded(vec3 linear) {
   vec3 v = clamp(linear, 0.0, 1.0);
   return mix(1.055 * pow(v, vec3(1.0 / 2.4)) - 0.055, 12.92 * v, lessThanEqual(v, vec3(0.0031308)));
 }
-vec3 shown(vec4 sample_) { return mix(sample_.rgb, encoded(sample_.rgb * exposure), sample_.w); }
+vec3 shown(vec4 sample_) { return mix(sample_.rgb, encoded(neutralTone(sample_.rgb * exposure)), sample_.w); }
 
 void main() {
   vec4 a = sampled(left, left_scale, units.x), b = sampled(right, right_scale, units.y);
