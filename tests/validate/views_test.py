@@ -16,7 +16,7 @@ BIN, WEIGHTS = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
 WIDTH, HEIGHT = 48, 27
 HOUSE = ["house:1", "--extent-m", "0,0,0,5,5,3", "--weights", os.path.join(WEIGHTS, "tent_mlp4.safetensors"), "--most-views", "2",
-         "--width", str(WIDTH), "--height", str(HEIGHT), "--truth-rays", "16", "--probe-rays", "64"]
+         "--width", str(WIDTH), "--height", str(HEIGHT), "--truth-rays", "16", "--probe-rays", "64", "--target-functions"]
 SHARES = ("brighter", "darker")
 
 
@@ -79,8 +79,8 @@ class Views(unittest.TestCase):
     def test_draws_truth_and_methods_of_every_view(self):
         for view in self.result["views"]:
             image = matplotlib.image.imread(self.path(view["picture"]))
-            # four pictures at twice their size
-            self.assertGreaterEqual(image.shape[1], 4 * 2 * WIDTH)
+            # truth, exact visibility, the grid, target functions, DDGI at four times their size
+            self.assertGreaterEqual(image.shape[1], 5 * 4 * WIDTH)
         sheet = matplotlib.image.imread(self.path(self.result["sheet"]))
         self.assertGreaterEqual(sheet.shape[0], len(self.result["views"]) * HEIGHT)
 
@@ -114,7 +114,7 @@ class Views(unittest.TestCase):
         with open(out) as file:
             result = json.load(file)
         self.assertEqual([[round(x, 4) for x in view["eye_m"]] for view in result["views"]], [[-0.4, 1.6, -1.7], [3.75, 1.6, -1.7]])
-        self.assertEqual([method["weights"] for method in result["methods"]], ["before", "target functions", "exact visibility"])
+        self.assertEqual([method["weights"] for method in result["methods"]], ["before", "exact visibility"])
         self.assertEqual(result["methods"][-1]["all"]["dim"], 0)
         self.assertEqual(views("house:1", "--cameras", *size, "--out", out).returncode, INPUT_ERROR)
 

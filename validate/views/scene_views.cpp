@@ -6,9 +6,10 @@
 #include <limits>
 #include <optional>
 
-#include "light/air.h"
+#include "light/standing.h"
 #include "render/camera.h"
 #include "runtime_eval/numbers/random.h"
+#include "tool/parallel_for.h"
 #include "validate/light/light_places.h"
 #include "validate/light/rooms.h"
 
@@ -16,99 +17,9 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kPlaceStream = 0x7669657773;
-constexpr double kPi = 3.14159265358979;
-constexpr float kWalkableSlope = 0.7f;                   // of the floor's normal: 45 degrees, as games have it
-constexpr double kUprightM = kEyeHeightM + kOverEyesM;   // below it nobody stands upright
-constexpr double kLeastHeadroomM = 0.5;                  // below it nobody looks out
-constexpr double kElbowRoomM = 0.25;                     // around an eye
-constexpr double kStrideM = 0.6, kStepM = 0.3;           // around a place to stand: no table, no ledge
-constexpr int kTurns = 8;                                // around the vertical
 constexpr uint64_t kDrawnPerPlace = 8;                   // places in air that rooms are made of are chosen among
 constexpr size_t kSpotsPerRoom = 64, kEyesPerView = 10;  // that are judged
 constexpr double kFigureNearM = 1.5, kFigureFarM = 8.0;  // from the eye
-constexpr Ball kFigure[] = {{{0.0, 0.3, 0.0}, 0.3}, {{0.0, 1.0, 0.0}, 0.35}, {{0.0, 1.6, 0.0}, 0.2}};  // over its foot
-constexpr double kFigureHeightM = 1.85;
-
-glm::dvec3 around(int turn) {
-  const double angle = 2.0 * kPi * turn / kTurns;
-  return {std::cos(angle), 0.0, std::sin(angle)};
-}
-
-// Where a player can stand.
-struct Spot {
-  glm::dvec3 floor_m{0.0}, eye_m{0.0};
-  double headroom_m = 0.0;
-  bool is_wide = false;   // a stride around it the floor goes on
-  bool has_roof = false;  // above it
-};
-
-class Spots {
- public:
-  Spots(const LightTransport& transport, const ExtentBox& extent)
-      : transport_(transport), rays_(transport.rays()), extent_(extent) {}
-
-  // What a bake lights: nobody asks for light beyond, on a roof or past the edge of the ground.
-  bool isInExtent(const glm::dvec3& place_m) const {
-    return glm::all(glm::greaterThanEqual(place_m, extent_.low_m)) && glm::all(glm::lessThanEqual(place_m, extent_.high_m));
-  }
-
-  // Straight below a place in air.
-  std::optional<Spot> below(const glm::dvec3& place_m) const {
-    const LightHit floor = rays_.lightHit(glm::vec3(place_m), {0.0f, -1.0f, 0.0f});
-    if (!isFloor(floor)) return std::nullopt;
-    Spot spot;
-    spot.floor_m = place_m - glm::dvec3(0.0, floor.distance, 0.0);
-    const glm::dvec3 off_floor = spot.floor_m + glm::dvec3(0.0, transport_.nudge(), 0.0);
-    const LightHit ceiling = rays_.lightHit(glm::vec3(off_floor), {0.0f, 1.0f, 0.0f});
-    spot.headroom_m =
-        ceiling.kind == LightHit::Kind::nothing ? std::numeric_limits<double>::infinity() : double{ceiling.distance};
-    spot.has_roof = ceiling.kind == LightHit::Kind::surface;
-    if (spot.headroom_m < kLeastHeadroomM) return std::nullopt;
-    spot.eye_m = spot.floor_m + glm::dvec3(0.0, std::min(kEyeHeightM, spot.headroom_m - kOverEyesM), 0.0);
-    if (!isInExtent(spot.eye_m) || !isInAir(rays_, spot.eye_m)) return std::nullopt;
-    for (int turn = 0; turn < kTurns; ++turn) {
-      if (isBlocked(spot.eye_m, spot.eye_m + kElbowRoomM * around(turn))) return std::nullopt;
-    }
-    if (spot.headroom_m < kUprightM && !isLowAround(spot)) return std::nullopt;
-    spot.is_wide = isWide(spot);
-    return spot;
-  }
-
-  bool isBlocked(const glm::dvec3& from, const glm::dvec3& to) const { return rays_.isBlocked(glm::vec3(from), glm::vec3(to)); }
-
- private:
-  bool isFloor(const LightHit& hit) const {
-    if (hit.kind != LightHit::Kind::surface || hit.normal.y < kWalkableSlope) return false;
-    const Scene& scene = transport_.scene();
-    return hit.is_front || scene.materials[scene.triangle_material[hit.triangle]].double_sided;
-  }
-
-  // Whether the ceiling is low for a stride around: below a table nobody stands, in a low room one crouches.
-  bool isLowAround(const Spot& spot) const {
-    for (int turn = 0; turn < kTurns; ++turn) {
-      const glm::dvec3 beside = spot.eye_m + kStrideM * around(turn);
-      if (isBlocked(spot.eye_m, beside)) continue;
-      if (!isBlocked(beside, {beside.x, spot.floor_m.y + kUprightM, beside.z})) return false;
-    }
-    return true;
-  }
-
-  bool isWide(const Spot& spot) const {
-    int free = 0;
-    for (int turn = 0; turn < kTurns; ++turn) {
-      const glm::dvec3 beside = spot.eye_m + kStrideM * around(turn);
-      if (isBlocked(spot.eye_m, beside)) continue;
-      ++free;
-      const LightHit hit = rays_.lightHit(glm::vec3(beside), {0.0f, -1.0f, 0.0f});
-      if (!isFloor(hit) || std::abs(beside.y - hit.distance - spot.floor_m.y) > kStepM) return false;
-    }
-    return free >= kTurns / 2;
-  }
-
-  const LightTransport& transport_;
-  const RayScene& rays_;
-  const ExtentBox extent_;
-};
 
 // A room with a floor.
 struct Standing {
@@ -118,11 +29,11 @@ struct Standing {
 };
 
 // Those with a wide floor; of a room that has none, all. A room that lies mostly under a roof has none before its windows.
-Standing standingIn(const std::vector<SeenRoom>& rooms, uint32_t room, const std::vector<glm::dvec3>& places_m,
-                    const Spots& spots) {
+// spots   by place
+Standing standingIn(const std::vector<SeenRoom>& rooms, uint32_t room, const std::vector<std::optional<Spot>>& spots) {
   std::array<std::vector<Spot>, 2> wide, all;  // without and with a roof
   for (const uint32_t place : rooms[room].places) {
-    const std::optional<Spot> spot = spots.below(places_m[place]);
+    const std::optional<Spot>& spot = spots[place];
     if (!spot) continue;
     all[spot->has_roof].push_back(*spot);
     if (spot->is_wide) wide[spot->has_roof].push_back(*spot);
@@ -173,29 +84,22 @@ std::vector<std::vector<Spot>> apart(const std::vector<Spot>& spots, const glm::
 }
 
 // Whether a figure can stand there, and is seen from head to foot.
-bool fits(const Spot& spot, const Camera& camera, double aspect, const Spots& spots, const RayScene& rays) {
-  constexpr double kTouching = 0.95;  // of a radius: the lowest ball lies on the floor
+bool fits(const Spot& spot, const Camera& camera, double aspect, const Spots& spots) {
   const double away = glm::distance(spot.eye_m, camera.eye_m);
-  if (spot.headroom_m < kFigureHeightM || away < kFigureNearM || away > kFigureFarM) return false;
+  if (!spot.is_upright || away < kFigureNearM || away > kFigureFarM) return false;
   for (const double height_m : {0.0, kFigureHeightM}) {
     const std::optional<glm::dvec2> at = camera.seenAt(spot.floor_m + glm::dvec3(0.0, height_m, 0.0), aspect);
     if (!at || at->x < 0.1 || at->x > 0.9 || at->y < 0.0 || at->y > 1.0) return false;
   }
-  for (const Ball& ball : kFigure) {
-    const glm::dvec3 centre = spot.floor_m + ball.centre_m;
-    if (spots.isBlocked(camera.eye_m, centre) || !spots.isInExtent(centre) || !isInAir(rays, centre)) return false;
-    for (int axis = 0; axis < 3; ++axis) {
-      glm::dvec3 side(0.0);
-      side[axis] = kTouching * ball.radius_m;
-      if (spots.isBlocked(centre - side, centre + side)) return false;
-    }
+  for (const FigureBall& ball : kFigure) {
+    if (spots.isBlocked(camera.eye_m, spot.floor_m + glm::dvec3(0.0, ball.height_m, 0.0))) return false;
   }
   return true;
 }
 
 // Where the view shows it, as near to the room's middle as may be.
 std::vector<Ball> figureIn(const Camera& camera, double aspect, const SeenRoom& room, std::vector<Spot> candidates,
-                           const Spots& spots, const RayScene& rays) {
+                           const Spots& spots) {
   // of small rooms few spots are known: some straight before the eye
   for (const double away_m : {2.2, 2.6, 3.0, 4.0}) {
     for (const double aside : {0.0, -0.3, 0.3}) {
@@ -209,11 +113,11 @@ std::vector<Ball> figureIn(const Camera& camera, double aspect, const SeenRoom& 
   double least = std::numeric_limits<double>::infinity();
   for (const Spot& spot : candidates) {
     const double away = glm::distance(spot.eye_m, room.middle_m);
-    if (away < least && fits(spot, camera, aspect, spots, rays)) least = away, best = &spot;
+    if (away < least && fits(spot, camera, aspect, spots)) least = away, best = &spot;
   }
   std::vector<Ball> figure;
   if (best == nullptr) return figure;
-  for (const Ball& ball : kFigure) figure.push_back({best->floor_m + ball.centre_m, ball.radius_m});
+  for (const FigureBall& ball : kFigure) figure.push_back({best->floor_m + glm::dvec3(0.0, ball.height_m, 0.0), ball.radius_m});
   return figure;
 }
 
@@ -249,9 +153,16 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   const Spots spots(transport, extent);
   const double aspect = static_cast<double>(options.width) / options.height;
 
+  std::vector<std::optional<Spot>> spot_of(places.size());
+  parallelFor(places.size(), options.thread_count, [&](uint64_t p, int) { spot_of[p] = spots.below(places[p]); });
+  // hollows of walls and the air over ceilings are nobody's, unless the whole scene is as low
+  const bool is_high = std::any_of(spot_of.begin(), spot_of.end(), [](const auto& spot) { return spot && spot->is_upright; });
+  for (std::optional<Spot>& spot : spot_of) {
+    if (is_high && spot && !spot->is_upright) spot.reset();
+  }
   std::vector<Standing> standing;
   for (uint32_t r = 0; r < rooms.size(); ++r) {
-    standing.push_back(standingIn(rooms, r, places, spots));
+    standing.push_back(standingIn(rooms, r, spot_of));
     if (standing.back().spots.empty()) standing.pop_back();
   }
   std::stable_partition(standing.begin(), standing.end(), hasRoof);
@@ -269,7 +180,13 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
       view.room = static_cast<uint32_t>(s);
       view.has_roof = has_roof;
       view.camera = bestView(transport, eyes, options.fov_y, aspect);
-      view.figure = figureIn(view.camera, aspect, rooms[number], of_room, spots, rays);
+      view.figure = figureIn(view.camera, aspect, rooms[number], of_room, spots);
+      // from another place, if from there a figure is seen
+      for (size_t i = 0; i < eyes.size() && view.figure.empty(); ++i) {
+        const Camera camera = bestView(transport, {eyes[i]}, options.fov_y, aspect);
+        view.figure = figureIn(camera, aspect, rooms[number], of_room, spots);
+        if (!view.figure.empty()) view.camera = camera;
+      }
       found.views.push_back(std::move(view));
     }
   }

@@ -1,6 +1,7 @@
 // From where a scene is looked at when methods are held against truth: the same views for all methods, spacings and settings of a bake.
 //
-// Eyes are where a player's are: 1.6 m above a floor that one can stand on, or 20 cm below the ceiling where that is lower; every
+// Eyes are where a player's are: 1.6 m above a floor on which a figure has room in the air, so that none stand in the hollow of a wall. In
+// a scene that has no such floor they are 20 cm below the ceiling, where one crouches. Every
 // room (validate/light/rooms.h) has a view or more, those under a roof before outdoors. Each looks where there is much to see
 // (render/camera.h). In most views stands a figure, three balls one above another, near the middle of the room: what moves
 // through it is lit like these.
@@ -9,19 +10,17 @@
 #include <cstdint>
 #include <vector>
 
-#include "light/light_transport.h"
+#include "light/standing.h"
 #include "render/camera.h"
 #include "render/sight.h"
 
 namespace nlg {
 
-inline constexpr double kEyeHeightM = 1.6, kOverEyesM = 0.2;
-
 struct SceneViewOptions {
-  int width = 192, height = 108;  // pixels: their quotient decides where there is much to see
-  double fov_y = 1.05;            // radians
+  int width = 64, height = 36;  // pixels: their quotient decides where there is much to see
+  double fov_y = 1.05;          // radians
   int views_per_room = 1;
-  int most_views = 12;            // rooms under a roof first, of these and of the others the largest
+  int most_views = 5;             // rooms under a roof first, of these and of the others the largest
   uint64_t places_in_air = 2000;  // of which rooms are made
   uint64_t seed = 1;
   int thread_count = 1;

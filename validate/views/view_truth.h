@@ -51,7 +51,7 @@ struct ViewTruthOptions {
   GatherOptions gather;  // of a round
   // After the first round as many follow as bring medianNoise down to this, kMostTruthRounds in all at most. No round is judged by
   // what it is to be: what is stopped where it looks sure is too dark where light comes seldom.
-  double noise = 0.05;
+  double noise = 0.1;
   uint64_t seed = 1;
   int thread_count = 1;
   std::string scene_sha256;  // sceneLightSha256 of the transport's scene

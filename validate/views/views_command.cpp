@@ -12,6 +12,7 @@
 #include "light/air.h"
 #include "light/methods/method_set.h"
 #include "nlg/light_grid.h"
+#include "render/tone.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -38,12 +39,12 @@ struct Request {
   std::vector<std::string> weights, grids;
   bool cameras = false;  // the scene's own in place of views that are found
   SceneViewOptions views;
-  int truth_rays = 256, probe_rays = 1024;
-  double truth_noise = 0.05;
-  bool grids_only = false;
+  int truth_rays = 128, probe_rays = 512;
+  double truth_noise = 0.1;
+  bool grids_only = false, target_functions = false;
   std::string truth;     // the folder for truths; empty: beside the result
   std::string pictures;  // the folder for pictures; empty: none are drawn
-  int picture_scale = 2;
+  int picture_scale = 4;
 };
 
 // A view and what is known of it before any method is asked.
@@ -74,7 +75,7 @@ class ViewsMeasurement {
     truth.scene_sha256 = sceneLightSha256(scene.source.scene);
     Progress progress("views", static_cast<int64_t>(views_.views.size()));
     std::vector<TracedView> traced;
-    double brightest = 0.0;
+    double brightest = leastAdapted(scene.source.scene) / kLeastLight;  // at least
     for (size_t v = 0; v < views_.views.size(); ++v) {
       ReadyView& ready = ready_.emplace_back();
       ready.surfaces = surfacesOf(transport_, views_.views[v], request.views.width, request.views.height, threads_);
@@ -96,7 +97,7 @@ class ViewsMeasurement {
   Json measure(const GeneratorSets& sets) {
     MethodSet methods({transport_, scene_.links, scene_.tree, scene_.air},
                       methodSetOptions(options_, {request_.probe_rays, 64}, threads_));
-    methods.addTargetFunctions(receivers(), options_.diffusion, {LightWay::solved});
+    if (request_.target_functions) methods.addTargetFunctions(receivers(), options_.diffusion, {LightWay::solved});
     methods.addTrilinear(TrilinearKind::visible, {LightWay::solved});
     takeExact(methods.methods().back());
     for (const auto& [name, generators] : sets) measureGrid(name, generators);
@@ -186,12 +187,12 @@ class ViewsMeasurement {
     return places;
   }
 
-  // Truth, exact visibility, all grids, and of rivals what a reader knows best.
+  // Truth, exact visibility, all grids, target functions where they were asked for, and of rivals what a reader knows best.
   std::vector<ShownMethod> shown(size_t view) {
     std::vector<ShownMethod> row = {{pictureOf(ready_[view].surfaces.sights, "truth", ready_[view].truth.at), {}}};
     std::vector<std::string> wanted = {"exact visibility"};
     for (size_t m = 0; m < grid_count_; ++m) wanted.push_back(measured_[m].weights);
-    wanted.push_back(request_.grids_only ? "target functions" : "DDGI as shipped");
+    wanted.insert(wanted.end(), {"target functions", "DDGI as shipped"});
     for (const std::string& name : wanted) {
       for (ShownMethod& method : pictures_[view]) {
         if (method.picture.method == name) row.push_back(method);
@@ -206,6 +207,14 @@ class ViewsMeasurement {
         fmt::format("view {}, room {}{}", view + 1, views_.views[view].room + 1, views_.views[view].has_roof ? "" : ", no roof"),
         fmt::format("noise {:.1f} %, ", 100.0 * truth.median_noise) +
             (truth.isKnown() ? fmt::format("HyAB {:.1f}", truth.colour_noise) : "not counted")};
+  }
+
+  // That of the figures, which is truth's; where truth is not known, that of what has no noise.
+  double exposureOf(size_t view, const std::vector<ShownMethod>& row) const {
+    const ViewTruth& truth = ready_[view].truth;
+    std::vector<const LitPicture*> pictures;
+    for (const ShownMethod& method : row) pictures.push_back(&method.picture);
+    return truth.isKnown() ? truth.exposure : panelExposure(pictures, truth.least);
   }
 
   std::string drawn(const std::string& name, const Image& image) const {
@@ -231,8 +240,9 @@ class ViewsMeasurement {
       if (!request_.pictures.empty()) {
         const std::vector<ShownMethod> row = shown(v);
         const std::vector<std::string> caption = captionOf(v);
-        view["picture"] = drawn(viewName(v), viewRow(row, ready_[v].truth.exposure, caption, request_.picture_scale));
-        rows.push_back(viewRow(row, ready_[v].truth.exposure, caption, 1));
+        const double exposure = exposureOf(v, row);
+        view["picture"] = drawn(viewName(v), viewRow(row, exposure, caption, request_.picture_scale));
+        rows.push_back(viewRow(row, exposure, caption, 1));
       }
       json["views"].push_back(std::move(view));
     }
@@ -282,7 +292,8 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
                {"truth_rays", request.truth_rays},
                {"truth_noise", request.truth_noise},
                {"probe_rays", request.probe_rays},
-               {"grids_only", request.grids_only}});
+               {"grids_only", request.grids_only},
+               {"target_functions", request.target_functions}});
   if (request.cameras) used["cameras"] = true;
   for (const std::string& path : request.grids) hashes["grid " + std::filesystem::path(path).stem().string()] = fileSha256(path);
   const BakeScene scene(request.scene, options);
@@ -303,22 +314,24 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
 int viewsMain(int argc, char** argv) {
   CLI::App app{
       "Draws views of a scene, where players stand, as truth and every method light them, and says how much of each picture is\n"
-      "off: the grid with each of the given weights as the bake leaves it, target functions, exact visibility, trilinear "
-      "blends,\n"
-      "APV, DDGI. Settings of the bake: section bake of the configuration.",
+      "off: the grid with each of the given weights as the bake leaves it, exact visibility, trilinear blends, APV, DDGI. "
+      "Settings of the bake: section bake of the configuration.",
       "nlg-validate views"};
   Request request;
   BakeOptions options;
   OptionTable table("bake");
   describe(options, table);
-  table.common({"weights", "spacing_m", "grids_only", "pictures", "truth", "most_views", "truth_rays", "threads"});
+  table.common(
+      {"weights", "spacing_m", "grids_only", "target_functions", "pictures", "truth", "most_views", "truth_rays", "threads"});
   app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
   app.add_option("--out", request.out, "the result (.json)")->required();
   app.add_option("--weights", request.weights,
                  "exported generators, each a bake of its own. Several with commas between them: a bake that chooses");
   app.add_option("--grid", request.grids, "light grids of this scene, as nlg-bake wrote them, beside those that are baked here");
   app.add_flag("--cameras", request.cameras, "look from the scene's own cameras; none: from where views are found");
-  app.add_flag("--grids-only", request.grids_only, "leave out rivals; exact visibility and target functions stay");
+  app.add_flag("--grids-only", request.grids_only, "leave out rivals; exact visibility stays");
+  app.add_flag("--target-functions", request.target_functions,
+               "add a yardstick: the functions that theta approximate, made at every pixel, which takes minutes");
   app.add_option("--pictures", request.pictures,
                  "a folder for pictures: of each view a row of truth and methods, and all rows on a sheet. None: no pictures");
   app.add_option("--truth", request.truth,

@@ -107,6 +107,24 @@ TEST(SceneViews, StandNotBelowTablesButInLowRooms) {
   for (const SceneView& view : found.views) EXPECT_NEAR(view.camera.eye_m.y, 0.75 - kOverEyesM, 1e-3);
 }
 
+// A wall of two boards with 60 cm of air between them: an eye would find elbow room there, and a figure does not.
+TEST(SceneViews, StandInNoHollowOfAWall) {
+  SceneOfFaces faces;
+  faces.addRoom({-2, 0, -2}, {4, 2.5f, 2}, 0.2f);
+  faces.addBox({1, 0, -2}, {1.05f, 2.5f, 2});
+  faces.addBox({1.65f, 0, -2}, {1.7f, 2.5f, 2});
+  SceneViewOptions options;
+  options.views_per_room = 3;
+  const SceneViews found = Seen(faces.finish()).views(options);
+  std::set<bool> sides;
+  for (const SceneView& view : found.views) {
+    EXPECT_TRUE(view.camera.eye_m.x < 1.0 || view.camera.eye_m.x > 1.7) << view.camera.eye_m.x;
+    sides.insert(view.camera.eye_m.x < 1.0);
+  }
+  EXPECT_EQ(sides.size(), 2u);
+  EXPECT_EQ(found.rooms_without_floor, 1u);
+}
+
 // On the roof one stands above all that the scene has: nobody lights that.
 TEST(SceneViews, StayInTheExtent) {
   SceneOfFaces faces;

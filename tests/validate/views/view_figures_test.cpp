@@ -228,7 +228,7 @@ TEST_F(ViewTruthFile, IsMadeAnewWhereAnythingThatDecidesItIsOther) {
   EXPECT_TRUE(isOther([&] { options_.scene_sha256 = "another scene"; }));
   EXPECT_TRUE(isOther([&] { options_.gather.rays = 16; }));
   EXPECT_TRUE(isOther([&] { options_.gather.direct = DirectLight::no_suns; }));
-  EXPECT_TRUE(isOther([&] { options_.noise = 0.1; }));
+  EXPECT_TRUE(isOther([&] { options_.noise = 0.2; }));
   EXPECT_TRUE(isOther([&] { options_.seed = 2; }));
   EXPECT_TRUE(isOther([&] { sights_.samples[3].receiver.position_m.x += 1e-9; }));
 }
