@@ -79,6 +79,13 @@ nlohmann::ordered_json atPlacesJson(const LightAtPlaces& light) {
           {"worst_m", {light.worst_m.x, light.worst_m.y, light.worst_m.z}}};
 }
 
+nlohmann::ordered_json darkRoomsJson(const std::vector<DarkRoom>& rooms) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const DarkRoom& room : rooms)
+    json.push_back({{"eye_m", {room.eye_m.x, room.eye_m.y, room.eye_m.z}}, {"volume_m3", room.volume_m3}});
+  return json;
+}
+
 nlohmann::ordered_json lightJson(const LightStatistics& light) {
   if (!light.is_lit) return nullptr;
   nlohmann::ordered_json sets = nlohmann::ordered_json::object();
@@ -95,6 +102,7 @@ nlohmann::ordered_json lightJson(const LightStatistics& light) {
       {"cache_divided", light.cache_divided},
       {"thinned", thinnedJson(light)},
       {"unread_probes", light.unread_probes},
+      {"dark_rooms", darkRoomsJson(light.dark_rooms)},
       {"solve_iterations", light.solve_iterations},
       {"sets", sets},
       {"wall_seconds", {{"cache", light.cache_wall_s}, {"measure", light.measure_wall_s}, {"solve", light.solve_wall_s}}}};

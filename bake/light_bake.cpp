@@ -35,10 +35,12 @@ InputError tooBright(const std::string& scene) {
           "more: scale them all down, and exposure up"};
 }
 
+// The mean of radiance over directions is its first coefficient times Y00.
+double meanOf(const LightSh& sh) { return 0.28209479 * (sh[0].r + sh[0].g + sh[0].b) / 3.0; }
+
 double meanOf(const std::vector<LightSh>& light) {
-  // the mean of radiance over directions is its first coefficient times Y00
   double sum = 0.0;
-  for (const LightSh& sh : light) sum += 0.28209479 * (sh[0].r + sh[0].g + sh[0].b) / 3.0;
+  for (const LightSh& sh : light) sum += meanOf(sh);
   return light.empty() ? 0.0 : sum / static_cast<double>(light.size());
 }
 
@@ -98,6 +100,20 @@ void measureSets(const BakeScene& scene, const std::vector<glm::dvec3>& places, 
         buried_m.push_back(origin_m + at);
     }
   }
+}
+
+// Of places that are dark in every set. Where all are, that is said of the whole.
+void findDark(const BakeScene& scene, const std::deque<LitSet>& sets, LightStatistics* statistics) {
+  std::vector<uint8_t> is_dark(scene.air.places.size(), 1);
+  bool shines = false;
+  for (const LitSet& set : sets) {
+    const double most = kDarkOfMean * meanOf(set.place_light);
+    shines |= most > 0.0;
+    for (size_t p = 0; p < is_dark.size(); ++p) is_dark[p] &= meanOf(set.place_light[p]) <= most;
+  }
+  if (!shines) return;
+  statistics->dark_rooms = findDarkRooms(sets.front().transport, scene.tree, scene.air, is_dark);
+  for (DarkRoom& room : statistics->dark_rooms) room.eye_m += scene.source.scene.origin_m;
 }
 
 // Each set by itself, by the same functions at the same places: what a bake of it alone would give.
@@ -228,6 +244,17 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
   };
   for (const auto& [name, light] : statistics.of_sets) warnOfDarkness("light set " + name + ": ", light.mean);
   if (statistics.of_sets.empty()) warnOfDarkness("", statistics.mean);
+  constexpr size_t kMostRooms = 3;
+  for (size_t r = 0; r < std::min(kMostRooms, statistics.dark_rooms.size()); ++r) {
+    const DarkRoom& room = statistics.dark_rooms[r];
+    warnings.push_back(
+        fmt::format("no light reaches a room of {:.3g} m3 around {:.1f}, {:.1f}, {:.1f}, where a player can stand: it "
+                    "needs a lamp, or something that shines",
+                    room.volume_m3, room.eye_m.x, room.eye_m.y, room.eye_m.z));
+  }
+  if (statistics.dark_rooms.size() > kMostRooms)
+    warnings.push_back(fmt::format("no light reaches {}, smaller than these",
+                                   countText(statistics.dark_rooms.size() - kMostRooms, "other room")));
   if (statistics.packing.too_dark > 0) {
     warnings.push_back(
         fmt::format("{} below 1e-12 of the brightest: dark in the file", countText(statistics.packing.too_dark, "probe")));
@@ -284,6 +311,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
 
   start = Clock::now();
   measureSets(scene, places, threads, &sets, &statistics);
+  findDark(scene, sets, &statistics);
   statistics.measure_wall_s = secondsSince(start);
 
   start = Clock::now();

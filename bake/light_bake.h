@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bake/scene_functions.h"
+#include "light/dark_rooms.h"
 #include "light/probe_light.h"
 #include "light/thinning.h"
 #include "nlg/light_grid.h"
@@ -38,11 +39,12 @@ struct LightStatistics : LightAtPlaces {
   LightPacking packing;                                 // what the file's form of it adds
   uint64_t file_bytes = 0;                              // of light
   std::vector<glm::dvec3> buried_lamps_m;               // in solid: nothing is lit by them; world coordinates
+  std::vector<DarkRoom> dark_rooms;                     // that no light set lights; world coordinates
   double largest = 0.0;                                 // |coefficient| of a probe, of the set where it is largest
 };
 
-// What a bake's light may come to without an error, and is seldom what was meant: black, nearly black, or brighter than engines' files
-// hold. A line each, with what to do.
+// What a bake's light may come to without an error, and is seldom what was meant: black, nearly black, dark in rooms, or brighter than
+// engines' files hold. A line each, with what to do; of dark rooms three at most, and one for the others.
 std::vector<std::string> lightWarnings(const LightStatistics& statistics);
 
 // What the settings say of light at places and of the solve; by the default way.

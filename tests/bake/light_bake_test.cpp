@@ -106,6 +106,21 @@ TEST(LightBake, SaysWhatIsBlackNearlyBlackOrTooBrightForEngines) {
   EXPECT_NE(lightWarnings(buried).at(0).find("1 lamp in solid"), std::string::npos) << lightWarnings(buried)[0];
 }
 
+// A room that the sky lights through a window, and a closed one beside it; of many such rooms three are named.
+TEST(LightBake, NamesRoomsThatNoLightReaches) {
+  BakeOptions options = roomOptions("integrated");
+  options.spacing_m = 0.5;
+  BakeScene scene("kitchen:0", options);
+  LightGrid grid = tentGrid(scene);
+  LightStatistics statistics = bakeLight(scene, options, &grid);
+  ASSERT_EQ(statistics.dark_rooms.size(), 1u);
+  EXPECT_NE(lightWarnings(statistics).at(0).find("no light reaches a room of 15"), std::string::npos)
+      << lightWarnings(statistics)[0];
+  statistics.dark_rooms.resize(5, {});
+  EXPECT_EQ(lightWarnings(statistics).size(), 4u);
+  EXPECT_EQ(lightWarnings(statistics)[3], "no light reaches 2 other rooms, smaller than these");
+}
+
 TEST(LoadLitScene, OpenGroundWithASmallLampIsLitByDayARoomIsNot) {
   const TemporaryFolder folder;
   folder.write("lamp.mtl", "newmtl lamp\nKe 1 1 1\nnewmtl grey\nKd 0.5 0.5 0.5\n");
