@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kTries = 4;             // of a place, to see another part of the air around it
 constexpr size_t kAskedPlaces = 200;  // of a room, for a roof and a place to stand
+constexpr size_t kFewestPlaces = 8;   // of a room: fewer may be dark, and see no light, by chance
 
 // Dark places that see each other from near are joined.
 class DarkAir {
@@ -111,6 +112,7 @@ std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const Probe
   for (auto& [root, places] : places_of) candidates.push_back(std::move(places));
   std::sort(candidates.begin(), candidates.end());  // as places are, whatever the map's order
   for (const std::vector<uint32_t>& places : candidates) {
+    if (places.size() < kFewestPlaces) continue;
     const std::optional<glm::dvec3> eye = eyeIn(places, air.places, spots, transport.rays());
     if (!eye) continue;
     DarkRoom& room = rooms.emplace_back(DarkRoom{*eye, 0.0});
