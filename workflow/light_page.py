@@ -23,6 +23,8 @@ Errors of every way to light a level, against ground truth by path tracing. All 
 
 The light of probes is *point*, gathered where the probe stands; *solved*, least squares over points in air that no figure uses; or the method's *own* form. *Dark* is the mean light beyond truth at points that should be dark, over the level's mean. *Edges* is the mean light beyond truth within 10 cm of edges, over truth there. Parentheses hold 95 % intervals, by bootstrap over scenes.
 
+DDGI takes the back of a double-sided face for a front. RTXGI's shaders go by the hit alone, which leaves rooms of such sheets unlit: in a room whose faces all look outward 35 % of the points in air were unlit, and none are now (RMSE 1.00 → .49; at surfaces 1.00 → .97); in `meeting:0` the RMSE at surfaces falls from .51 to .35 (probes 1 m apart, 256 rays each). The figures below were measured before.
+
 Methods and measures: [formats](formats.md#lightjson). How light is baked: [theory](../theory/light.md). What was tried: [lab](../lab/light.md).
 """
 

@@ -5,7 +5,9 @@
 // probe is trilinear, times a soft test of the normal, times Chebyshev's bound on being seen. What differs from RTXGI:
 // - Where RTXGI averages over frames, the rays of one bake are all averaged at once.
 // - Probes are those of the tree that all methods share, not of a box full of them.
-// - A probe of whose rays more than a tenth meet back faces is inactive; RTXGI would leave it black.
+// - A probe of whose rays more than a tenth meet back faces is inactive; RTXGI would leave it black. The back of a double-sided material
+//   is a front, for relocation and depth, too: RTXGI goes by the hit alone, and where exporters write doubleSided everywhere a third of
+//   a room would be unlit.
 // - As shipped, irradiance is scaled so that the brightest texel is stored as 1, and the factor 1.0989, which makes up for what
 //   averaging frames in 10 bits loses, is left out.
 // - Relocation moves a probe off a surface by a third of the spacing at a time; RTXGI's step of 1 m is further than it lets a probe

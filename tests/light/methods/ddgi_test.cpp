@@ -96,6 +96,24 @@ TEST_F(DdgiTest, MovesProbesOffSurfacesAndOutOfSolid) {
   EXPECT_EQ(free.position_m, glm::dvec3(-1.0, 1.5, 1.5));
 }
 
+// In a room of walls that look outward.
+TEST(Ddgi, TakesTheBackOfADoubleSidedFaceForAFront) {
+  SceneOfFaces faces;
+  faces.addBox({-2, -2, -2}, {2, 2, 2});
+  Scene scene = faces.finish();
+  for (const bool double_sided : {false, true}) {
+    for (Material& material : scene.materials) material.double_sided = double_sided;
+    const LitScene lit(scene);
+    ProbeSet probes;
+    probes.position_m = {glm::dvec3(0.0)};
+    probes.spacing_m = {4.0f};
+    const DdgiProbe probe = makeDdgiMaps(probes, lit.transport, {{256, 8}, false, 1, 1}).probes[0];
+    EXPECT_EQ(probe.is_active, double_sided);
+    // along an axis 2 m, and a little more a little beside it
+    if (double_sided) EXPECT_NEAR(probe.depth.at({1, 0, 0}).x, 2.0f, 0.1f);
+  }
+}
+
 TEST_F(DdgiTest, LosesLittleToTenBits) {
   DdgiMaps maps;
   maps.probes.resize(2);
