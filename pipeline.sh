@@ -103,6 +103,11 @@ if [ ${#changes[@]} -gt 0 ]; then
   /usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}" --write > /dev/null
   config=$(realpath -- "${judged[2]}")
 fi
+export NLG_PLAN=$run/plan.json
+# a batch system's jobs wait in its queue: their times are not those of the stages
+[ -n "$profile" ] || export NLG_TIMES=$run/times.json
+/usr/bin/python3 workflow/plan.py "$config" --bin "${NLG_BIN:-build/release/bin}" --out "$NLG_PLAN" ||
+  echo "pipeline.sh: the run goes on without a plan" >&2
 # what does the work: all cores of this machine, or what a profile says
 where=(--cores "$(nproc)")
 if [ -n "$profile" ]; then

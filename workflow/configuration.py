@@ -215,7 +215,7 @@ class Run:
     def artefacts(self):
         """Files that the run makes and keeps, in the order in which it makes them; shards aside, and what is in picture_folders."""
         judged = ["validation", *(["evaluation"] if self.evaluation else [])]
-        names = ["basis.h5", "basis.json"]
+        names = ["dataset.json", "basis.h5", "basis.json"]
         for name in self.representations:
             names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png", f"training/{name}/events.out.tfevents.0.nlg",
                       f"weights/{name}.safetensors", f"weights/{name}.json"]

@@ -1,8 +1,14 @@
-"""What the stages of a run take on one core: for the plan (plan.py), and with room to spare for batch systems (resources.py).
+"""What the stages of a run take on one core: for the plan (plan.py), for the time that a run has left (run_progress.py), and with room to
+spare for batch systems (resources.py).
 
 Measured on two cores of a shared machine (docs/lab/scaling.md); each within a factor of 1.5 there.
 """
+from collections import namedtuple
+
 from settings import default
+
+# name: as the plan and the report call it; rule: of the Snakefile; core_s: of all its jobs together; cores: that a job can use
+Stage = namedtuple("Stage", "name rule jobs core_s cores")
 
 # Seconds. A shard: process, scene and trees, and a function that is kept, with the duplicates that were made on the way to it.
 SHARD_S, FUNCTION_S = 0.6, 3e-3
@@ -11,6 +17,7 @@ MOMENTS_S, READ_S = 0.6e-3, 0.25e-3
 BASIS_S, CACHE_S, EXPORT_S, REPORT_S = 10, 3, 8, 12
 TRAIN_S = 20                      # theta0 and validations while training
 STABILITY_S = {"short": 10, "full": 120, "long": 900}
+TRAINING_CASES_S = 20
 
 # By representation. A function in a batch of a training, forth and back; a function with a theta through the whole policy; a function of the
 # validation's sample and of the frontier, at the tools' own numbers of steps.
@@ -51,9 +58,6 @@ class Costs:
         own = self.run.representations[representation]
         return TRAIN_S + of(SAMPLE_S, representation) * self.setting("train", "steps", own) * self.setting("train", "batch", own)
 
-    def export(self):
-        return EXPORT_S
-
     def validate(self, split):
         """Every function through the policy; long fits of a sample, and of some of it four times over to show that they have converged."""
         sample = min(self.setting("validate", "direct_functions"), self.functions[split])
@@ -67,14 +71,32 @@ class Costs:
         sample = min(self.setting("frontier", "functions"), self.functions[split])
         return sum(of(FRONTIER_S, name) * sample for name in self.run.representations)
 
-    def stability(self):
-        return STABILITY_S[self.run.report["stability"]]
+    def data_set(self):
+        shards = sum(len(self.run.shards(split)) for split in self.functions)
+        return SHARD_S * shards + FUNCTION_S * sum(self.functions.values())
 
-    def savings(self):
-        return SAVINGS_S * len(self.run.savings) * len(self.run.representations)
+    def stages(self, cores, data_set_s=None):
+        """Every stage of the run that takes time, in its order.
 
-    def light(self):
-        return LIGHT_S * len(self.run.light_scenes) * len(self.run.light_spacings)
-
-    def report(self):
-        return REPORT_S
+        cores        of the machine
+        data_set_s   what a sample of the shards says that they take; None: by the number of functions
+        """
+        run, judged = self.run, 1 + bool(self.run.evaluation)
+        shards = sum(len(run.shards(split)) for split in self.functions)
+        stages = [Stage("data set", "datagen", shards, self.data_set() if data_set_s is None else data_set_s, 1),
+                  Stage("data card", "data_card", 1, READ_S * sum(self.functions.values()), 1), Stage("basis", "pca", 1, self.basis(), 1),
+                  Stage("function cache", "cache", 1, self.cache(), 1)]
+        for name, (processes, threads) in run.training_cores.items():
+            # two threads are all that a batch of up to 512 keeps busy (train/generator/trainer.cpp)
+            stages.append(Stage(f"train {name}", "train", 1, self.train(name), processes * min(threads, 2)))
+        stages += [Stage("export", "export", len(run.representations), EXPORT_S * len(run.representations), 1),
+                   Stage("validate", "validate", 1, self.validate("held_out"), cores)]
+        stages += [Stage("evaluate", "evaluate", 1, self.validate("evaluation"), cores)] * bool(run.evaluation)
+        stages += [Stage("frontier", "frontier", judged, self.frontier("held_out") + self.frontier("evaluation") * bool(run.evaluation), 1)]
+        stages += [Stage("training cases", "training_cases", 1, TRAINING_CASES_S, 1)] * (run.report["stability"] != "short")
+        stages += [Stage("stability", "stability", 1, STABILITY_S[run.report["stability"]], 1),
+                   Stage("savings", "savings", len(run.savings), SAVINGS_S * len(run.savings) * len(run.representations), cores),
+                   Stage("light", "validate_light", len(run.light_scenes), LIGHT_S * len(run.light_scenes) * len(run.light_spacings), cores),
+                   Stage("report", "report", 1, REPORT_S, 1)]
+        stages += [Stage("report of the evaluation", "evaluation_report", 1, REPORT_S, 1)] * bool(run.evaluation)
+        return [stage for stage in stages if stage.jobs]

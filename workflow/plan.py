@@ -1,8 +1,12 @@
 """What a run will take, stage by stage, before anything is made: from a sample of its shards, and from what stages cost (costs.py).
 
-    plan.py CONFIG [--levels FOLDER] [--set SECTION.KEY=VALUE]... --bin FOLDER
+    plan.py CONFIG [--levels FOLDER] [--set SECTION.KEY=VALUE]... --bin FOLDER [--out PLAN.json]
+
+--out writes the plan beside what the run makes, where run_progress.py and the report find it, and prints one line; a plan of the same
+configuration that is there stays.
 """
 import argparse
+import hashlib
 import json
 import os
 import re
@@ -14,6 +18,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.atomic_file import write_files
+from tool.duration import duration
 from tool.errors import ToolError, run
 
 import configuration
@@ -22,10 +28,6 @@ from plain_yaml import text_of
 
 SAMPLED_OF_A_KIND, SAMPLED_FUNCTIONS = 4, 100  # scenes; functions of each that are made to find out
 WORD_OF = {"training": "trained on", "held_out": "held out", "evaluation": "for the evaluation"}
-
-
-def duration(seconds):
-    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.1f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
 class SampleError(ToolError):
@@ -69,57 +71,82 @@ def plan_of(binaries, config, of_run, split, scene):
     return json.loads(done.stdout)
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="pipeline.sh --plan")
-    configuration.add_arguments(parser)
-    parser.add_argument("--bin", required=True)
-    arguments = parser.parse_args()
-    content = configuration.content_of(arguments)
-    of_run = configuration.judge(content, arguments.config)
+PARALLEL = ("datagen", "export")  # rules whose jobs run beside each other
+
+
+def by_the_clock(stages, cores):
+    """Trainings share the cores, and none ends before it is done."""
+    in_turn = sum(stage.core_s / (cores if stage.rule in PARALLEL else stage.cores) for stage in stages if stage.rule != "train")
+    trainings = [stage for stage in stages if stage.rule == "train"]
+    return in_turn + max(max(stage.core_s / min(stage.cores, cores) for stage in trainings), sum(stage.core_s for stage in trainings) / cores)
+
+
+def plan(arguments, content, of_run):
+    """What plan.json holds: the run's data and stages."""
     sample = list(sampled(of_run))
     cores = len(os.sched_getaffinity(0))
     with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file, ThreadPoolExecutor(cores) as pool:
         file.write(text_of(content))
         file.flush()
         plans = list(pool.map(lambda one: plan_of(arguments.bin, file.name, of_run, one[0], one[1]), sample))
-
-    print(f"{of_run.folder}: {len(of_run.scenes)} scenes")
-    functions, total, file_bytes = {}, {"probes": 0.0, "core_s": 0.0}, 0.0
+    splits = {}
     for split in configuration.SPLITS:
+        own = [(of_shard, weight) for of_shard, (of_split, _, weight) in zip(plans, sample) if of_split == split]
+        total = {name: sum(weight * of_shard[key] for of_shard, weight in own)
+                 for name, key in (("probes", "visited_probes"), ("functions", "functions"), ("core_s", "core_seconds"), ("bytes", "bytes"))}
+        splits[split] = {"scenes": len(getattr(of_run, split)), "shards": len(of_run.shards(split)), **total}
+    costs = Costs(of_run, {split: data["functions"] for split, data in splits.items()})
+    stages = costs.stages(cores, sum(data["core_s"] for data in splits.values()))
+    return {"schema_version": 1, "configuration": digest_of(content), "cores": cores, "clock_s": by_the_clock(stages, cores),
+            "splits": splits, "stages": [stage._asdict() for stage in stages]}
+
+
+def digest_of(content):
+    return hashlib.sha256(text_of(content).encode()).hexdigest()
+
+
+def is_of(path, content):
+    try:
+        with open(path) as file:
+            return json.load(file)["configuration"] == digest_of(content)
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def text(found, of_run):
+    yield f"{of_run.folder}: {len(of_run.scenes)} scenes"
+    for split, data in found["splits"].items():
         names = getattr(of_run, split)
-        own = [(plan, weight) for plan, (of_split, _, weight) in zip(plans, sample) if of_split == split]
-        functions[split] = sum(weight * plan["functions"] for plan, weight in own)
         if not names:
             continue
-        probes = sum(weight * plan["visited_probes"] for plan, weight in own)
-        total["probes"] += probes
-        total["core_s"] += sum(weight * plan["core_seconds"] for plan, weight in own)
-        file_bytes += sum(weight * plan["bytes"] for plan, weight in own)
-        print(f"  {WORD_OF[split]:19} {len(names)} scenes, {len(of_run.shards(split))} shards, about {probes:,.0f} probes, {functions[split]:,.0f} functions")
+        yield f"  {WORD_OF[split]:19} {len(names)} scenes, {data['shards']} shards, about {data['probes']:,.0f} probes, {data['functions']:,.0f} functions"
         if split != "training":
-            print(f"  {'':19} {configuration.listed(names)}")
-    cache_bytes = functions["training"] * 11e3
-    print(f"  disk                {file_bytes / 1e6:,.0f} MB; while it trains {cache_bytes / 1e6:,.0f} MB more")
+            yield f"  {'':19} {configuration.listed(names)}"
+    cache_bytes = found["splits"]["training"]["functions"] * 11e3
+    yield f"  disk                {sum(data['bytes'] for data in found['splits'].values()) / 1e6:,.0f} MB; while it trains {cache_bytes / 1e6:,.0f} MB more"
+    yield f"\n{'stage':28}{'one core':>12}"
+    for stage in found["stages"]:
+        yield f"{stage['name']:28}{duration(stage['core_s']):>12}"
+    yield f"{'all':28}{duration(sum(stage['core_s'] for stage in found['stages'])):>12}"
+    yield f"\nBy the clock about {duration(found['clock_s'])} on {found['cores']} cores like the one that the sample ran on."
 
-    costs = Costs(of_run, functions)
-    judged = [("held_out", "validate", "frontier")] + [("evaluation", "evaluate", "frontier of the evaluation")] * bool(of_run.evaluation)
-    # name, seconds of one core, cores that it can use
-    stages = [("data set", total["core_s"], cores), ("basis", costs.basis(), 1), ("function cache", costs.cache(), 1)]
-    trainings = {name: costs.train(name) for name in of_run.representations}
-    stages += [(f"train {name}", seconds, 1) for name, seconds in trainings.items()]
-    stages += [("export", costs.export() * len(trainings), cores)]
-    for split, validate, frontier in judged:
-        stages += [(validate, costs.validate(split), cores), (frontier, costs.frontier(split), 1)]
-    stages += [("stability", costs.stability(), 1), ("savings", costs.savings(), cores), ("light", costs.light(), cores), ("report", costs.report() * len(judged), 1)]
-    stages = [stage for stage in stages if stage[1] > 0]
-    # trainings share the cores, and none ends before it is done
-    in_turn = sum(seconds / used for name, seconds, used in stages if not name.startswith("train "))
-    training = max(max(trainings.values()), sum(trainings.values()) / cores)
-    print(f"\n{'stage':28}{'one core':>12}")
-    for name, seconds, _ in stages:
-        print(f"{name:28}{duration(seconds):>12}")
-    print(f"{'all':28}{duration(sum(seconds for _, seconds, _ in stages)):>12}\n")
-    print(f"By the clock about {duration(in_turn + training)} on {cores} cores like the one that the sample ran on.")
+
+def main():
+    parser = argparse.ArgumentParser(prog="pipeline.sh --plan")
+    configuration.add_arguments(parser)
+    parser.add_argument("--bin", required=True)
+    parser.add_argument("--out")
+    arguments = parser.parse_args()
+    content = configuration.content_of(arguments)
+    of_run = configuration.judge(content, arguments.config)
+    if arguments.out and is_of(arguments.out, content):
+        return
+    found = plan(arguments, content, of_run)
+    if not arguments.out:
+        print(*text(found, of_run), sep="\n")
+        return
+    write_files({arguments.out: json.dumps(found, indent=1).encode()})
+    print(f"{of_run.folder}: planned to take about {duration(found['clock_s'])} on {found['cores']} cores; --plan shows the stages", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -5,13 +5,11 @@ killed: three times the time, twice the memory. One that is killed all the same 
 """
 import math
 
-from costs import FUNCTION_S, READ_S, SHARD_S, Costs
+from costs import FUNCTION_S, SHARD_S, Costs
 
 ROOM_S, ROOM_MB = 3, 2
 
-START_S = 300  # of a training and an export: theta0, validations
-# Stages that measure fit functions for long, which a dozen settings decide: `effort: full` takes some of them half an hour on two cores.
-MEASURE_S = 4800
+START_S = 300  # of a training, an export and what measures: theta0, validations, a node that is slower
 
 # Megabytes. A process with its libraries, and what it holds of all functions at once.
 SHARD_MB = 250            # a level of Quake III takes 51, ten million triangles 1,700
@@ -29,21 +27,23 @@ class Resources:
         self.functions_a_shard = max(costs.setting("datagen", "max_functions", own) for own in [{}, *run.by_scene.values()])
         self.functions = {split: len(run.shards(split)) * self.functions_a_shard for split in ("training", "held_out", "evaluation")}
         self.costs = Costs(run, self.functions)
+        stages = self.costs.stages(1)
+        # of one core, whatever a job can use
+        self.seconds = {stage.rule: stage.core_s / stage.jobs for stage in stages}
+        self.training_s = {name: stage.core_s / stage.cores for name, stage in zip(run.training_cores, (stage for stage in stages if stage.rule == "train"))}
 
     def shard(self):
         return job(SHARD_MB, SHARD_S + self.functions_a_shard * FUNCTION_S)
 
     def basis(self):
-        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], self.costs.basis())
+        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], self.seconds["pca"])
 
     def cache(self):
-        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], self.costs.cache())
+        return job(BASIS_MB + FUNCTION_MB * self.functions["training"], self.seconds["cache"])
 
     def train(self):
         def seconds(wildcards):
-            processes, threads = self.run.training_cores[wildcards.representation]
-            # two threads are all that a batch of up to 512 keeps busy (train/generator/trainer.cpp)
-            return START_S + self.costs.train(wildcards.representation) / (processes * min(threads, 2))
+            return START_S + self.training_s[wildcards.representation]
 
         def megabytes(wildcards):
             processes, _ = self.run.training_cores[wildcards.representation]
@@ -55,10 +55,9 @@ class Resources:
     def export(self):
         return job(TRAIN_MB + HELD_OUT_MB * self.functions["held_out"], START_S)
 
-    def measure(self, is_alone=True):
+    def measure(self, rule, is_alone=True):
         """A stage that measures; alone on its node where it takes times."""
-        functions = sum(self.functions.values())
-        return job(MEASURE_MB + FUNCTION_MB * functions, MEASURE_S + READ_S * functions, is_alone=is_alone)
+        return job(MEASURE_MB + FUNCTION_MB * sum(self.functions.values()), START_S + self.seconds.get(rule, 0), is_alone=is_alone)
 
 
 def job(megabytes, seconds, tasks=lambda wildcards: "1", is_alone=False):

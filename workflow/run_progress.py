@@ -2,27 +2,62 @@
 
 In a terminal one line that rewrites itself: jobs done of all, what is at work, time left. Every stage that is over leaves one line
 with its time, and so it does where stderr is a file or a pipe. Errors and warnings of snakemake are printed as they are.
+
+NLG_PLAN names the run's plan (plan.py), by which jobs are weighed until one of their rule has shown what it takes here; NLG_TIMES the file
+in which the times of jobs are noted, for the report.
 """
+import json
 import os
 import re
 import shutil
 import sys
 import threading
 import time
+from pathlib import Path
 
-# Seconds of one job of a rule in the default run on one core, or on both where it takes all: only their relation counts, and only
-# until a job of the rule has shown what it takes here.
-TYPICAL_S = {"datagen": 1.2, "pca": 10, "cache": 3, "train": 90, "export": 2, "validate": 40, "evaluate": 40,
-             "frontier": 25, "training_cases": 20, "stability": 8, "savings": 4, "validate_light": 20, "report": 10, "evaluation_report": 10}
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.duration import duration
+
+TYPICAL_S = 10  # of a job that no plan speaks of
 
 
-def duration(seconds):
-    seconds = int(seconds + 0.5)
-    if seconds < 60:
-        return f"{seconds} s"
-    if seconds < 3600:
-        return f"{seconds // 60} min {seconds % 60:02} s"
-    return f"{seconds // 3600} h {seconds // 60 % 60:02} min"
+def read_json(path):
+    """What a file of the run's own holds; nothing where there is none."""
+    try:
+        with open(path or "") as file:
+            found = json.load(file)
+        return found if isinstance(found, dict) else {}
+    except (OSError, ValueError):
+        return {}
+
+
+def seconds_of_jobs(plan):
+    """Rule → seconds of one of its jobs."""
+    jobs, seconds = {}, {}
+    for stage in plan.get("stages", []):
+        jobs[stage["rule"]] = jobs.get(stage["rule"], 0) + stage["jobs"]
+        seconds[stage["rule"]] = seconds.get(stage["rule"], 0) + stage["core_s"] / stage["cores"]
+    return {rule: seconds[rule] / count for rule, count in jobs.items()}
+
+
+class Times:
+    """Jobs and their seconds of every stage, in a file: of all runs with one plan together."""
+
+    def __init__(self, path, plan):
+        self.path, self.plan = path, plan
+        found = read_json(path)
+        self.stages = found.get("stages", {}) if found.get("plan") == plan.get("configuration") else {}
+
+    def add(self, rule, of, seconds):
+        if not self.path:
+            return
+        name = next((stage["name"] for stage in self.plan.get("stages", []) if stage["rule"] == rule and (rule != "train" or stage["name"].endswith(f" {of}"))), rule)
+        stage = self.stages.setdefault(name, {"jobs": 0, "seconds": 0.0})
+        stage["jobs"] += 1
+        stage["seconds"] += seconds
+        # a file that a kill leaves half-written counts as none
+        with open(self.path, "w") as file:
+            json.dump({"plan": self.plan.get("configuration"), "stages": self.stages}, file)
 
 
 class RunProgress:
@@ -30,9 +65,10 @@ class RunProgress:
 
     write      where text goes; is_terminal: whether a line can rewrite itself there
     now        the clock, in seconds
+    plan       what plan.py wrote; times: where times are noted
     """
 
-    def __init__(self, write, is_terminal, now=time.time, cores=os.cpu_count() or 1):
+    def __init__(self, write, is_terminal, now=time.time, cores=os.cpu_count() or 1, plan=None, times=""):
         self.write, self.is_terminal, self.now, self.cores = write, is_terminal, now, cores
         self.lock = threading.Lock()
         self.started_s = now()
@@ -43,6 +79,8 @@ class RunProgress:
         self.threads = {}      # rule → cores that a job takes
         self.running = {}      # job → (rule, what it is of, when it began)
         self.has_line = False
+        self.typical_s = seconds_of_jobs(plan or {})
+        self.times = Times(times, plan or {})
 
     def take(self, event):
         with self.lock:
@@ -71,9 +109,10 @@ class RunProgress:
     def _take_job_finished(self, event):
         if event["jobid"] not in self.running:
             return
-        rule, _, began_s = self.running.pop(event["jobid"])
+        rule, of, began_s = self.running.pop(event["jobid"])
         self.done[rule] = self.done.get(rule, 0) + 1
         self.spent_s[rule] = self.spent_s.get(rule, 0) + self.now() - began_s
+        self.times.add(rule, of, self.now() - began_s)
         if self.done[rule] == self.planned.get(rule):
             jobs = f"{self.done[rule]} jobs, " if self.done[rule] > 1 else ""
             self._print(f"{self._count()} {rule}: {jobs}{duration(self.now() - self.first_s[rule])}")
@@ -109,13 +148,13 @@ class RunProgress:
     def left_s(self):
         """Seconds until the end, from what jobs took so far; None before the first is done."""
         known = {rule: self.spent_s[rule] / count for rule, count in self.done.items()}
-        guessed = sum(TYPICAL_S.get(rule, 10) * self.done[rule] for rule in known)
+        guessed = sum(self.typical_s.get(rule, TYPICAL_S) * self.done[rule] for rule in known)
         if not guessed:
             return None
         pace = sum(self.spent_s.values()) / guessed
         left = 0.0
         for rule, count in self.planned.items():
-            took = known.get(rule, pace * TYPICAL_S.get(rule, 10))
+            took = known.get(rule, pace * self.typical_s.get(rule, TYPICAL_S))
             seconds = took * max(count - self.done.get(rule, 0), 0)
             for name, _, began_s in self.running.values():
                 seconds -= min(self.now() - began_s, took) if name == rule else 0
@@ -146,7 +185,7 @@ def write_stderr(text):
     sys.stderr.flush()
 
 
-progress = RunProgress(write_stderr, sys.stderr.isatty())
+progress = RunProgress(write_stderr, sys.stderr.isatty(), plan=read_json(os.environ.get("NLG_PLAN")), times=os.environ.get("NLG_TIMES", ""))
 # snakemake would print its own lines beside ours; its --quiet would keep the ends of jobs from us as well
 if "snakemake.logging" in sys.modules:
     sys.modules["snakemake.logging"].logger.log_handler.clear()

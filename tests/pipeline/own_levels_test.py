@@ -69,7 +69,12 @@ def main():
         assert len(held_out) == 1 and held_out[0].startswith("room") and held_out[0] in plan, f"{held_out}\n{plan}"
         assert len(trained) == 6 and not trained & set(held_out), trained
         assert "tent_mlp4" in said.stdout and str(out / "report.html") in said.stdout, said.stdout
-        assert held_out[0] in (out / "report.html").read_text(), "a report without the held-out level"
+        page = (out / "report.html").read_text()
+        assert held_out[0] in page, "a report without the held-out level"
+        times = json.loads((out / "times.json").read_text())["stages"]
+        stages = {stage["name"]: stage["jobs"] for stage in json.loads((out / "plan.json").read_text())["stages"]}
+        assert {name: stage["jobs"] for name, stage in times.items()} == stages, f"{times}\n{stages}"
+        assert "Planned and taken" in page and "train tent_mlp4" in page, "a report without the plan beside what came"
         assert "room" in (out / "configuration.yaml").read_text() or str(levels) in (out / "configuration.yaml").read_text()
 
         card = run(str(BIN / "nlg-datagen"), "info", str(out / "dataset")).stdout

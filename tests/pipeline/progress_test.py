@@ -3,10 +3,14 @@
 
     progress_test.py      (from the source folder)
 """
+import json
+import os
 import sys
+import tempfile
 
 sys.path.insert(0, "workflow")
-from run_progress import RunProgress, duration  # noqa: E402
+from run_progress import RunProgress, Times  # noqa: E402
+from tool.duration import duration  # noqa: E402
 
 STATS = """Job stats:
 job         count    min threads    max threads
@@ -16,6 +20,7 @@ datagen         3              1              1
 train           1              2              2
 total           5              1              2
 """
+PLAN = {"configuration": "c", "stages": [{"name": "data set", "rule": "datagen", "jobs": 3, "core_s": 6.0, "cores": 1}, {"name": "train mlp", "rule": "train", "jobs": 1, "core_s": 100.0, "cores": 2}]}
 failures = []
 
 
@@ -27,9 +32,9 @@ def check(holds, claim):
 class Run:
     """A run whose clock is set by hand."""
 
-    def __init__(self, is_terminal):
+    def __init__(self, is_terminal, times=""):
         self.text, self.time_s = "", 100.0
-        self.progress = RunProgress(self._write, is_terminal, lambda: self.time_s, cores=2)
+        self.progress = RunProgress(self._write, is_terminal, lambda: self.time_s, cores=2, plan=PLAN, times=times)
         self.progress.take({"level": "run_info", "msg": STATS})
 
     def _write(self, text):
@@ -74,9 +79,9 @@ def check_terminal():
     check("[0/4] 0 s: datagen house_0 1" in run.text and "left" not in run.text, f"before a job is done: {run.text!r}")
     run.time_s += 7
     run.ends(0)
-    # two shards of 7 s on two cores, and a training that takes as many times longer as it typically does
+    # two shards of 7 s on two cores where 2 s were planned, and a training that was planned to take 50 s
     left = run.progress.left_s()
-    check(abs(left - (7 + 7 / 1.2 * 90)) < 1, f"after a shard: {left} s left")
+    check(abs(left - (7 + 7 / 2 * 50)) < 1, f"after a shard: {left} s left")
     run.begins(1, "datagen", scene="house_1")
     run.begins(2, "datagen", scene="house_2")
     run.text = ""
@@ -92,10 +97,29 @@ def check_terminal():
     check(run.text.startswith("\r\033[K[4/4] train: ") and "\n\r\033[K[4/4]" in run.text, f"a stage that is over: {run.text!r}")
 
 
+def check_times():
+    """Times of a run that was stopped and goes on add up; those of another plan do not."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "times.json")
+        for job in range(2):
+            run = Run(is_terminal=False, times=path)
+            run.begins(job, "datagen", scene=f"house_{job}")
+            run.time_s += 4
+            run.ends(job)
+        run.begins(3, "train", representation="mlp")
+        run.time_s += 60
+        run.ends(3)
+        with open(path) as file:
+            found = json.load(file)
+        check(found == {"plan": "c", "stages": {"data set": {"jobs": 2, "seconds": 8.0}, "train mlp": {"jobs": 1, "seconds": 60.0}}}, f"times: {found}")
+        check(Times(path, {**PLAN, "configuration": "d"}).stages == {}, "times of another plan")
+
+
 def main():
     check(duration(59.4) == "59 s" and duration(61) == "1 min 01 s" and duration(3660) == "1 h 01 min", "durations")
     check_pipe()
     check_terminal()
+    check_times()
     for failure in failures:
         print("FAILED:", failure)
     return 1 if failures else 0

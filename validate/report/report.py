@@ -2,7 +2,7 @@
 """Draws nlg-validate's results as one self-contained page, report.html; beside it the slices as slices.png and the verdict as verdict.txt.
 
     report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
-        [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ...] [--light LIGHT.json ...] [--evaluation] --out report.html
+        [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ...] [--light LIGHT.json ...] [--data DATASET.json [--run FOLDER]] [--evaluation] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
 cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/reference/formats.md says what the inputs hold.
@@ -32,6 +32,7 @@ import frontier as frontier_module
 import inputs as inputs_module
 import light_figures
 import light_section
+import plan_section
 import plots
 import proof_inputs
 import slices
@@ -49,6 +50,7 @@ class Proof:
     savings: object = None   # of (scene, rows)
     light: object = None     # light_figures.Point of all scenes and methods
     light_steps: object = None  # light_figures.Step of all scenes
+    data: object = None         # tables of plan_section
     paths: dict = field(default_factory=dict)  # role → path
     is_evaluation: bool = False  # the scenes that published figures are of
     left_out: list = field(default_factory=list)  # what the run did less of than a full one, in words
@@ -88,11 +90,11 @@ def frontier_tables(frontier):
 
 # section's id → its name in the list of contents
 CONTENTS = {"stages": "Stages", "frontier": "Error against time", "scenes": "Scenes", "slices": "Worst functions", "stability": "Stability",
-            "savings": "Savings", "light": "Light", "training": "Training", "figures": "Every figure", "sample": "Best known", "provenance": "Provenance"}
+            "savings": "Savings", "light": "Light", "training": "Training", "figures": "Every figure", "sample": "Best known", "data": "Data and time", "provenance": "Provenance"}
 
 
 def contents(proof):
-    absent = {*(() if proof.frontier else ("frontier",)), *(() if proof.cases else ("stability",)), *(() if proof.savings else ("savings",)), *(() if proof.light else ("light",))}
+    absent = {*(() if proof.frontier else ("frontier",)), *(() if proof.cases else ("stability",)), *(() if proof.savings else ("savings",)), *(() if proof.light else ("light",)), *(() if proof.data else ("data",))}
     return [(section, name) for section, name in CONTENTS.items() if section not in absent]
 
 
@@ -110,7 +112,7 @@ def provenance_rows(inputs, proof, limits):
 
 def proof_values(proof, decision):
     """What the template shows of the proof's files."""
-    values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "light": None, "is_evaluation": proof.is_evaluation, "left_out": [proof_inputs.setting_words(text) for text in proof.left_out], "contents": contents(proof), "table": decision_module.table,
+    values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "light": None, "data_tables": proof.data, "is_evaluation": proof.is_evaluation, "left_out": [proof_inputs.setting_words(text) for text in proof.left_out], "contents": contents(proof), "table": decision_module.table,
               "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier)}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
@@ -156,6 +158,8 @@ def read_proof(arguments, summary):
         proof.light = light_figures.read_all(arguments.light)
         proof.light_steps = [step for path in arguments.light for step in light_figures.read_steps(path)]
         proof.paths |= {f"light of {os.path.splitext(os.path.basename(path))[0]}": path for path in arguments.light}
+    if arguments.data:
+        proof.data, proof.paths["data card"] = plan_section.tables(arguments.run, arguments.data), arguments.data
     return proof
 
 
@@ -170,6 +174,8 @@ def parse_arguments():
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
     parser.add_argument("--savings", nargs="+", help="what nlg-bake wrote with --json, one a scene")
     parser.add_argument("--light", nargs="+", help="light.json of nlg-validate light, one a scene")
+    parser.add_argument("--data", help="what nlg-datagen info --json printed of the data set")
+    parser.add_argument("--run", help="the workflow's folder, whose plan and times are set side by side where it has a plan")
     parser.add_argument("--evaluation", action="store_true", help="the scenes are the evaluation, which published figures are of: the page says so")
     parser.add_argument("--left-out", nargs="*", default=[], help="what the run did less of than a full one, a text each: stands in the page's provenance")
     limits = verdict.Limits()

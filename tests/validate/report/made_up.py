@@ -245,6 +245,13 @@ def write_all(folder):
         write_json(path(f"bake{index}.json"), bake(scene))
     for index, scene in enumerate(SCENES):
         write_json(path(f"light{index}.json"), light(scene, 1 + index))
+    counts = {"probes": 900, "functions": 200, "free_space": 400, "in_solid": 250, "duplicates": 45, "empty": 5, "bare_tents": 90, "hard": 50, "of_solid": 8}
+    write_json(path("dataset.json"), {"shards": 3, "scenes": [{"split": split, "scene": scene, **counts} for split, scene in (("held_out", "a"), ("training", "b"), ("training", "c"))]})
+    os.makedirs(path("run"), exist_ok=True)
+    split = {"scenes": 1, "shards": 1, "probes": 1000.0, "functions": 250.0, "core_s": 9.0, "bytes": 1e6}
+    write_json(path("run/plan.json"), {"schema_version": 1, "configuration": "c", "cores": 2, "clock_s": 30.0, "splits": {"training": split, "held_out": split},
+                                       "stages": [{"name": name, "rule": "r", "jobs": 1, "core_s": 40.0, "cores": 2} for name in ("train mlp", "report")]})
+    write_json(path("run/times.json"), {"plan": "c", "stages": {"train mlp": {"jobs": 1, "seconds": 30.0}}})
     os.makedirs(path("pictures"), exist_ok=True)
     for harder in (2, 3):
         for rank in range(10):
@@ -253,5 +260,5 @@ def write_all(folder):
     needed = ["--summary", path("summary.json"), "--functions", path("functions.csv"), "--slices", path("slices.json"), "--basis", path("basis.json"),
               "--logs", *(path(f"{name}.csv") for name in REPRESENTATIONS)]
     left_out = ["train.steps: 3000, full 8000", 'report.savings: ["doorway", "table"], full ["two_rooms", "doorway", "table"]']
-    return needed, ["--left-out", *left_out, "--frontier", path("frontier.json"), "--stability", path("stability.json"), "--savings", path("bake0.json"), path("bake1.json"),
+    return needed, ["--data", path("dataset.json"), "--run", path("run"), "--left-out", *left_out, "--frontier", path("frontier.json"), "--stability", path("stability.json"), "--savings", path("bake0.json"), path("bake1.json"),
                                                "--light", *(path(f"light{index}.json") for index in range(len(SCENES)))]

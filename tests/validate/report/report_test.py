@@ -118,6 +118,11 @@ def check_page(needed, proof):
            "a case that was not run counts as one that held or failed")
     expect(text.count('alt="Worst place ') == 10 and text.count("; truth 0.50, 0.40, 0.30, answer 0.90, 0.40, 0.30") == 10, "the worst places have no pictures, or do not say what is seen there")
     expect("brings back 2 settings" in text and "<li>train, steps: 3,000 instead of 8,000</li>" in text and "doorway, table instead of two_rooms, doorway, table" in text, "a short run does not say what it left out")
+    came = text[text.index('<section id="data">'):text.index('<section id="provenance">')]
+    row = lambda *cells: "".join(f">{cell}</td>" for cell in cells)
+    cells = re.sub(r"<td[^>]*>", ">", came)
+    expect(row("trained on", "1\u2009000", "1\u2009800", "250", "400") in cells, f"probes and functions, planned and made: {came}")
+    expect(row("train mlp", "1", "1", "20 s", "30 s", "1.50") in cells and row("report", "1", "–", "20 s", "–", "–") in cells, f"stages, planned and taken: {came}")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
     os.makedirs("evaluation", exist_ok=True)
