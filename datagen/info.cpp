@@ -32,7 +32,7 @@ struct Statistics {
 
 void requireCountsThatAddUp(const ShardHeader& header) {
   const ShardCounts& c = header.counts;
-  const uint64_t sum = c.functions + c.free_space + c.in_solid + c.duplicates + c.empty;
+  const uint64_t sum = c.functions + c.free_space + c.in_solid + c.duplicates + c.empty + c.outside;
   if (sum == c.visited_probes && c.visited_probes <= c.grid_probes) return;
   throw InputError(header.path, "attribute count_visited_probes",
                    fmt::format("{}, what the probes' outcomes add up to, of {} probes", sum, c.grid_probes),
@@ -111,13 +111,14 @@ constexpr std::array kBins = {0.002, 0.005, 0.01, 0.02, 0.04, 0.08, 1e9};
 constexpr int kBarWidth = 40;
 
 struct Row {
-  uint64_t probes = 0, functions = 0, free_space = 0, in_solid = 0, duplicates = 0, empty = 0;
+  uint64_t probes = 0, functions = 0, free_space = 0, in_solid = 0, duplicates = 0, empty = 0, outside = 0;
   uint64_t bare_tents = 0, hard = 0, of_solid = 0, valid_points = 0, dark_points = 0;
   std::array<uint64_t, kBins.size()> bins{};
 
   void add(const Row& other) {
-    for (uint64_t Row::*count : {&Row::probes, &Row::functions, &Row::free_space, &Row::in_solid, &Row::duplicates, &Row::empty,
-                                 &Row::bare_tents, &Row::hard, &Row::of_solid, &Row::valid_points, &Row::dark_points})
+    for (uint64_t Row::*count :
+         {&Row::probes, &Row::functions, &Row::free_space, &Row::in_solid, &Row::duplicates, &Row::empty, &Row::outside,
+          &Row::bare_tents, &Row::hard, &Row::of_solid, &Row::valid_points, &Row::dark_points})
       this->*count += other.*count;
     for (size_t b = 0; b < bins.size(); ++b) bins[b] += other.bins[b];
   }
@@ -137,7 +138,7 @@ void addFunction(const StoredFunction& function, uint8_t flags, FunctionChecker&
 
 Row rowOf(const ShardReader& reader) {
   const ShardCounts& c = reader.header().counts;
-  Row row{c.visited_probes, c.functions, c.free_space, c.in_solid, c.duplicates, c.empty};
+  Row row{c.visited_probes, c.functions, c.free_space, c.in_solid, c.duplicates, c.empty, c.outside};
   FunctionChecker checker;
   for (uint64_t first = 0; first < reader.functionCount(); first += kPieceFunctions) {
     const Shard piece = reader.read(first, std::min(kPieceFunctions, reader.functionCount() - first));
@@ -153,22 +154,28 @@ Json jsonOf(const Row& row) {
   Json bins = Json::array();
   for (size_t b = 0; b < kBins.size(); ++b)
     bins.push_back({{"at_most", b + 1 < kBins.size() ? Json(kBins[b]) : Json()}, {"functions", row.bins[b]}});
-  return {{"probes", row.probes},         {"functions", row.functions},
-          {"free_space", row.free_space}, {"in_solid", row.in_solid},
-          {"duplicates", row.duplicates}, {"empty", row.empty},
-          {"bare_tents", row.bare_tents}, {"hard", row.hard},
-          {"of_solid", row.of_solid},     {"dark_share", share(row.dark_points, row.valid_points)},
+  return {{"probes", row.probes},
+          {"functions", row.functions},
+          {"free_space", row.free_space},
+          {"in_solid", row.in_solid},
+          {"duplicates", row.duplicates},
+          {"empty", row.empty},
+          {"outside", row.outside},
+          {"bare_tents", row.bare_tents},
+          {"hard", row.hard},
+          {"of_solid", row.of_solid},
+          {"dark_share", share(row.dark_points, row.valid_points)},
           {"tent_blend_rmse", bins}};
 }
 
 std::string lineOf(const std::string& split, const std::string& scene, const Json& row) {
   const double functions = std::max(1.0, row["functions"].get<double>());
   const auto percent = [&](const char* key) { return 100.0 * row[key].get<double>() / functions; };
-  return fmt::format("{:<11}{:<26}{:>8}{:>10}{:>10}{:>9}{:>11}{:>6}{:>9.0f} %{:>5.0f} %{:>8.0f} %{:>5.0f} %\n", printable(split),
-                     printable(scene).substr(0, 25), row["probes"].get<uint64_t>(), row["functions"].get<uint64_t>(),
-                     row["free_space"].get<uint64_t>(), row["in_solid"].get<uint64_t>(), row["duplicates"].get<uint64_t>(),
-                     row["empty"].get<uint64_t>(), percent("bare_tents"), percent("hard"), percent("of_solid"),
-                     100.0 * row["dark_share"].get<double>());
+  return fmt::format("{:<11}{:<26}{:>8}{:>10}{:>10}{:>9}{:>11}{:>6}{:>9}{:>9.0f} %{:>5.0f} %{:>8.0f} %{:>5.0f} %\n",
+                     printable(split), printable(scene).substr(0, 25), row["probes"].get<uint64_t>(),
+                     row["functions"].get<uint64_t>(), row["free_space"].get<uint64_t>(), row["in_solid"].get<uint64_t>(),
+                     row["duplicates"].get<uint64_t>(), row["empty"].get<uint64_t>(), row["outside"].get<uint64_t>(),
+                     percent("bare_tents"), percent("hard"), percent("of_solid"), 100.0 * row["dark_share"].get<double>());
 }
 
 }  // namespace
@@ -206,16 +213,17 @@ Json dataCard(const std::string& folder) {
 
 std::string dataCardText(const Json& card) {
   std::string text = fmt::format(
-      "{}: {} shards\n\n{:>37}{:>8}{:>10}{:>36}{:>32}\n{:<11}{:<26}{:>8}{:>10}{:>10}{:>9}{:>11}{:>6}{:>11}{:>7}{:>10}{:>7}\n",
+      "{}: {} "
+      "shards\n\n{:>37}{:>8}{:>10}{:>45}{:>32}\n{:<11}{:<26}{:>8}{:>10}{:>10}{:>9}{:>11}{:>6}{:>9}{:>11}{:>7}{:>10}{:>7}\n",
       printable(card["folder"].get<std::string>()), card["shards"].get<uint64_t>(), "", "", "",
       "probes left out, because:", "of the functions:", "split", "scene", "probes", "functions", "open air", "solid", "duplicate",
-      "dark", "bare tent", "hard", "of solid", "dark");
+      "dark", "outside", "bare tent", "hard", "of solid", "dark");
   for (const Json& row : card["scenes"]) text += lineOf(row["split"], row["scene"], row);
   const Json& all = card["all"];
   text += lineOf("all", "", all);
   text +=
       "\nopen air: no triangle near; solid: the probe is in solid; duplicate: as another function of the shard; dark: 0 "
-      "everywhere.\n"
+      "everywhere; outside: nothing of the support lies within the level's hull (--keep-outside).\n"
       "bare tent: it is enough, and a bake stores nothing; hard: its RMSE is .01 or more; of solid: of probes in solid, seen "
       "from air; dark: "
       "points with 0.\n\nblend RMSE of the bare tent, functions:\n";

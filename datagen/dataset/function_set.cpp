@@ -96,6 +96,7 @@ void addCounts(const ShardCounts& from, ShardCounts* to) {
   to->duplicates += from.duplicates;
   to->empty += from.empty;
   to->solid_functions += from.solid_functions;
+  to->outside += from.outside;
 }
 
 FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count) {

@@ -277,6 +277,8 @@ std::string Hdf5Reader::readTextAttribute(const std::string& name) const {
   return text;
 }
 
+bool Hdf5Reader::hasAttribute(const std::string& name) const { return H5Aexists(file_, name.c_str()) > 0; }
+
 uint64_t Hdf5Reader::readIntegerAttribute(const std::string& name) const {
   silenceHdf5();
   const Place place{path_, "attribute " + name};

@@ -13,8 +13,8 @@
 
 namespace nlg {
 
-// What a shard left out, and why; every visited probe is counted exactly once among functions, free_space, in_solid, duplicates
-// and empty.
+// What a shard left out, and why; every visited probe is counted exactly once among functions, free_space, in_solid, duplicates,
+// empty and outside.
 struct ShardCounts {
   uint64_t grid_probes = 0;     // probes of the whole grid
   uint64_t visited_probes = 0;  // of these were looked at (max_functions may stop earlier)
@@ -26,6 +26,7 @@ struct ShardCounts {
   // Not an outcome of its own: probes in solid that got a function all the same, seen from an eye in air, before duplicates are
   // left out.
   uint64_t solid_functions = 0;
+  uint64_t outside = 0;  // no place of the support lies within the level's hull (datagen/visibility/hull.h)
 };
 
 // What a file says beside its functions.
@@ -67,6 +68,9 @@ Shard readShard(const std::string& path, uint64_t pattern_hash, int point_count 
 // The same without the N x … arrays: cheap.
 Shard readShardHeader(const std::string& path, uint64_t pattern_hash, int point_count = 0);
 
+// Shards of before 27 November have none, and it is 0.
+inline constexpr const char* kCountOutside = "count_outside";
+
 // The counts of a shard, listed once, as function_rows.h lists its arrays.
 //
 // Calls visit(attribute name, field) for every count, so that writing and reading cannot list different ones.
@@ -80,6 +84,7 @@ void forEachCount(Counts& counts, const Visit& visit) {
   visit("count_duplicates", counts.duplicates);
   visit("count_empty", counts.empty);
   visit("count_solid_functions", counts.solid_functions);
+  visit(kCountOutside, counts.outside);
 }
 
 }  // namespace nlg

@@ -44,7 +44,9 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   shard.duplicate_rule.rms = file.readRealAttribute("duplicate_rms");
   shard.duplicate_rule.validity_points = file.readIntegerAttribute("duplicate_validity_points");
   refuse(path, duplicateRuleFault(shard.duplicate_rule));
-  forEachCount(shard.counts, [&](const char* name, uint64_t& count) { count = file.readIntegerAttribute(name); });
+  forEachCount(shard.counts, [&](const char* name, uint64_t& count) {
+    if (std::string_view(name) != kCountOutside || file.hasAttribute(name)) count = file.readIntegerAttribute(name);
+  });
   return shard;
 }
 

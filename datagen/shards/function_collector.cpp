@@ -104,6 +104,7 @@ std::vector<FunctionRows> FunctionCollector::add(const ProbeBlock& block) {
     counts_.free_space += outcome == ProbeOutcome::free_space;
     counts_.in_solid += outcome == ProbeOutcome::in_solid;
     counts_.empty += outcome == ProbeOutcome::empty;
+    counts_.outside += outcome == ProbeOutcome::outside;
     uint32_t function = outcome == ProbeOutcome::free_space ? kFreeSpace : kNoWeight;
     if (outcome == ProbeOutcome::function) function = functionOf(block, row++, &chunks);
     if (of_probes_ != nullptr) of_probes_->push_back(function);

@@ -48,6 +48,16 @@ Shard makeHeader(const SceneSource& source, const ShardRequest& request, const D
   return shard;
 }
 
+// Every one of so many support points.
+constexpr size_t kHullStride = 16;
+
+std::vector<glm::vec3> placesOfPeople(const Scene& scene) {
+  std::vector<glm::vec3> places;
+  for (const Viewpoint& viewpoint : scene.viewpoints) places.emplace_back(viewpoint.position);
+  for (const Lamp& lamp : scene.light.lamps) places.push_back(lamp.position);
+  return places;
+}
+
 SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& options) {
   if (options.test_points % 16 != 0) throw UsageError("test_points", "a multiple of 16", std::to_string(options.test_points));
   if (options.probes.spacing_max_m < options.probes.spacing_min_m) {
@@ -88,6 +98,10 @@ void describe(DatagenOptions& o, OptionTable& table) {
             "where there are probes: x,y,z,X,Y,Z, low and high corner, metres, world coordinates. None: the scene's bounds");
   table.add("in_solid", &o.in_solid,
             "share of the probes in solid that have functions, as seen from a place in air. 0: none has one", 0.0, 1.0);
+  table.add(
+      "keep_outside", &o.keep_outside,
+      "keep functions of whose support nothing lies within the level's hull: the walls and sky around its cameras, players' "
+      "starts and lamps, where these close it off");
   table.group("Shard");
   table.add("max_functions", &o.max_functions, "stop after so many functions. Probes are visited in random order", 1, 1 << 30);
   table.add("max_visited_probes", &o.max_visited_probes, "stop after so many probes, most of which are empty in sparse scenes", 1,
@@ -126,11 +140,22 @@ ShardJob::ShardJob(const SceneSource& source, const ShardRequest& request, const
       tree_(placeProbes(scene_, options, seed_)),
       links_(makeLinkTable(testPoints(header_.test_point_count))),
       rays_(scene_),
+      hull_(rays_, options.keep_outside ? std::vector<glm::vec3>{} : placesOfPeople(source.scene)),
       eyes_(tree_.frame()) {}
 
 CollectorLimits ShardJob::limits() const {
   return {static_cast<uint64_t>(options_.max_functions),
           std::min<uint64_t>(probeCount(), static_cast<uint64_t>(options_.max_visited_probes))};
+}
+
+bool ShardJob::isOutside(const glm::dvec3& position_m, float spacing_m, const GeneratedFunction& function) const {
+  if (!hull_.isThere()) return false;
+  const std::vector<LocalPoint>& points = supportPattern().points;
+  for (size_t i = 0; i < points.size(); i += kHullStride) {
+    const glm::dvec3 place = position_m + double(spacing_m) * glm::dvec3(points[i][0], points[i][1], points[i][2]);
+    if (function.valid[i] != 0 && hull_.holds(glm::vec3(place))) return false;
+  }
+  return true;
 }
 
 void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& probes, ProbeBlock* block) const {
@@ -146,6 +171,7 @@ void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& 
     const std::optional<ProbeOutcome> settled = builder.begin(position, spacing_m, in_solid, &eyes_);
     ProbeOutcome outcome = settled ? *settled : builder.look();
     if (outcome == ProbeOutcome::function) outcome = builder.generate(&function);
+    if (outcome == ProbeOutcome::function && isOutside(position, spacing_m, function)) outcome = ProbeOutcome::outside;
     block->outcomes.push_back(outcome);
     if (outcome != ProbeOutcome::function) continue;
     FunctionRows& rows = block->functions;

@@ -9,6 +9,7 @@
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
 #include "datagen/shards/function_pipeline.h"
+#include "datagen/visibility/hull.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
 #include "datagen/weighting/weighting_builder.h"
@@ -25,6 +26,7 @@ struct DatagenOptions {
   SceneReading reading;
   DiffusionOptions diffusion;
   double in_solid = 0.0;  // share of the probes in solid that have functions, as seen from their eyes
+  bool keep_outside = false;
   int max_functions = 1200;
   int max_visited_probes = 4000000;
   int test_points = 2048;
@@ -67,6 +69,7 @@ class ShardJob {
 
  private:
   ShardJob(const SceneSource& source, const ShardRequest& request, const DatagenOptions& options, const OptionTable& table);
+  bool isOutside(const glm::dvec3& position_m, float spacing_m, const GeneratedFunction& function) const;
   void generate(WeightingBuilder& builder, const std::vector<uint64_t>& probes, ProbeBlock* block) const;
 
   DatagenOptions options_;
@@ -79,6 +82,7 @@ class ShardJob {
   ProbeTree tree_;
   LinkTable links_;
   RayScene rays_;
+  Hull hull_;
   mutable ProbeEyes eyes_;  // that threads find when they first ask
 };
 

@@ -161,15 +161,21 @@ FunctionSlice makeFunctionSlice(const StoredFunction& function, int normal, int 
 }
 
 int mostTellingPlane(const StoredFunction& function) {
-  constexpr float kSlab = 0.08f;
+  constexpr float kSlab = 0.08f, kThinSlab = 0.03f;  // a wall that ends beside the plane is a wall in it
+  constexpr double kEnoughAir = 0.25;
   const std::vector<LocalPoint>& points = supportPattern().points;
-  double score[3] = {};
+  double score[3] = {}, air[3] = {}, count[3] = {};
   for (size_t i = 0; i < points.size(); ++i) {
     const double difference = std::fabs(function.phi[i] / 255.0 - tent(points[i]));
     for (int axis = 0; axis < 3; ++axis) {
       if (std::fabs(points[i][axis]) < kSlab) score[axis] += difference;
+      if (std::fabs(points[i][axis]) >= kThinSlab) continue;
+      air[axis] += function.isValid(i) ? 1.0 : 0.0;
+      count[axis] += 1.0;
     }
   }
+  // a plane within a wall differs most, and shows nothing
+  for (int axis = 0; axis < 3; ++axis) score[axis] *= std::min(1.0, air[axis] / (kEnoughAir * count[axis]));
   int best = 1;  // the floor plan, unless another plane says clearly more
   for (const int axis : {0, 2}) {
     if (score[axis] > 1.2 * score[best]) best = axis;

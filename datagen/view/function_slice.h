@@ -51,7 +51,8 @@ FunctionSlice makeFunctionSlice(const StoredFunction& function, int normal, int 
 
 inline constexpr double kSliceReach = 0.2;  // shares of the spacing; the points stand 0.1 apart
 
-// The normal of the plane in which the function differs most from the bare tent, summed over the points near it.
+// The normal of the plane in which the function differs most from the bare tent, summed over the points near it. A plane of which less than
+// a quarter is air counts for less.
 int mostTellingPlane(const StoredFunction& function);
 
 }  // namespace nlg

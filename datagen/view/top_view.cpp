@@ -137,10 +137,11 @@ void drawHeader(Image& image, const ViewedShard& viewed, const Level& level) {
                                  fixed(level.box.low.y, 2), fixed(level.box.high.y, 2))
                    : "The scene is not at hand: only probes are drawn.";
   drawText(image, kMargin, 66, place, viewed.scene ? kInk : kWarning);
-  drawText(image, kMargin, 88,
-           fmt::format("{} of {} probes visited: {} functions, {} in free space, {} in solid, {} duplicates, {} empty",
-                       c.visited_probes, c.grid_probes, c.functions, c.free_space, c.in_solid, c.duplicates, c.empty),
-           kPaleInk);
+  drawText(
+      image, kMargin, 88,
+      fmt::format("{} of {} probes visited: {} functions, {} in free space, {} in solid, {} duplicates, {} empty, {} outside",
+                  c.visited_probes, c.grid_probes, c.functions, c.free_space, c.in_solid, c.duplicates, c.empty, c.outside),
+      kPaleInk);
 }
 
 void drawGeometryKeys(Image& image, int x, int y) {

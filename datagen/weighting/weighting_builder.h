@@ -24,6 +24,7 @@ enum class ProbeOutcome {
   free_space,  // no geometry in the support: the bare tent
   in_solid,    // the probe itself is in solid, and has no eye or is not asked to have one
   empty,       // generated, but zero at every valid support point
+  outside,     // generated, but nothing of its support lies within the level's hull: said by who makes a data set
 };
 
 // The result for one probe; arrays run over all points of the link table (P support points, then the test points).

@@ -33,8 +33,8 @@ class GeneratedShard : public testing::Test {
   std::string at(const std::string& name) const { return (folder_ / name).string(); }
 
   // The shard as run with these limits and threads writes it.
-  std::string make(const CollectorLimits& limits, int threads) {
-    const ShardJob job({"house:1", 0, true}, options_, table_);
+  std::string make(const CollectorLimits& limits, int threads, const std::string& scene = "house:1") {
+    const ShardJob job({scene, 0, true}, options_, table_);
     FunctionCollector collector(job.header(), limits, folder_.string());
     ShardWriter writer(at("shard.h5"), job.header());
     FunctionPipeline pipeline = job.pipeline();
@@ -95,6 +95,24 @@ TEST_F(GeneratedShard, HoldsFunctionsOfAsManyProbesInSolidAsAskedFor) {
   // a binomial share of the same probes: six deviations
   const double n = static_cast<double>(all.counts.solid_functions);
   EXPECT_NEAR(static_cast<double>(half.counts.solid_functions), 0.5 * n, 6 * 0.5 * std::sqrt(n));
+}
+
+// two_rooms is closed, and has viewpoints: probes around it are asked for, too.
+TEST_F(GeneratedShard, LeavesOutWhatLiesOutsideOfTheHull) {
+  options_.extent_m = {"-3", "-1", "-3", "9", "5", "9"};
+  options_.probes.spacing_min_m = options_.probes.spacing_max_m = 0.8;
+  const Shard within = readShard(make({100000, 100000}, 2, "two_rooms:0"), 0);
+  options_.keep_outside = true;
+  const Shard all = readShard(make({100000, 100000}, 1, "two_rooms:0"), 0);
+  const auto add_up = [](const ShardCounts& c) {
+    return c.functions + c.free_space + c.in_solid + c.duplicates + c.empty + c.outside;
+  };
+  EXPECT_EQ(all.counts.outside, 0u);
+  EXPECT_GT(within.counts.outside, 10u);
+  EXPECT_EQ(add_up(within.counts), within.counts.visited_probes);
+  EXPECT_EQ(within.counts.functions + within.counts.duplicates + within.counts.outside,
+            all.counts.functions + all.counts.duplicates);
+  EXPECT_GT(within.functionCount(), 10u) << "what is inside stays";
 }
 
 TEST_F(GeneratedShard, HoldsNoTwoFunctionsWithinTheTolerance) {

@@ -9,7 +9,7 @@ from tool.duration import duration
 from tool.input_file import read_json
 
 SPLITS = {"training": "trained on", "held_out": "held out", "evaluation": "evaluation"}
-LEFT_OUT = {"free_space": "open air", "in_solid": "solid", "duplicates": "duplicate", "empty": "dark"}
+LEFT_OUT = {"free_space": "open air", "in_solid": "solid", "duplicates": "duplicate", "empty": "dark", "outside": "outside"}
 KINDS = {"bare_tents": "bare tent is enough", "hard": "hard", "of_solid": "of probes in solid"}
 
 

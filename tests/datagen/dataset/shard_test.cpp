@@ -72,6 +72,7 @@ void expectEqualHeaders(const Shard& a, const Shard& b) {
   EXPECT_EQ(a.counts.in_solid, b.counts.in_solid);
   EXPECT_EQ(a.counts.duplicates, b.counts.duplicates);
   EXPECT_EQ(a.counts.empty, b.counts.empty);
+  EXPECT_EQ(a.counts.outside, b.counts.outside);
 }
 
 void expectEqual(const Shard& a, const Shard& b) {
@@ -132,6 +133,7 @@ void writeByHand(const std::string& path, Shard shard, uint64_t version, const s
   file.writeAttribute("duplicate_rms", shard.duplicate_rule.rms);
   file.writeAttribute("duplicate_validity_points", shard.duplicate_rule.validity_points);
   file.writeAttribute("count_functions", shard.counts.functions);
+  // an older shard, without the count of outside
   for (const char* name : {"grid_probes", "visited_probes", "free_space", "in_solid", "duplicates", "empty", "solid_functions"}) {
     file.writeAttribute(std::string("count_") + name, uint64_t{0});
   }

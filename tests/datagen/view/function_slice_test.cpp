@@ -131,6 +131,14 @@ TEST(MostTellingPlane, IsTheOneThatShowsTheDifference) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(mostTellingPlane(missing(axis).samples()), axis);
 }
 
+TEST(MostTellingPlane, DoesNotLieWithinAWall) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const MadeFunction walled([](const LocalPoint& p) { return tent(p); },
+                              [axis](const LocalPoint& p) { return p[axis] < 0.15f ? PixelKind::solid : PixelKind::seen; });
+    EXPECT_NE(mostTellingPlane(walled.samples()), axis);
+  }
+}
+
 TEST(LevelFromAbove, HatchesWhatTheCutGoesThroughWithoutSeams) {
   SceneOfFaces faces;
   faces.addBox({0, -1, 0}, {16, 0, 16});   // ground
