@@ -7,7 +7,8 @@
 # LEVELS     a folder of your levels: .glb, .gltf, .obj, or a game's .pk3. By configs/levels.yaml one in six is held out, and results
 #            go to out/NAME, the folder's name
 # --plan     only say what the run will take, stage by stage
-# --set SECTION.KEY=VALUE   over the configuration, as often as you like: --set train.steps=8000
+# --set SECTION.KEY=VALUE   over the configuration, as often as you like: --set train.steps=8000. Several values, train.steps=4000,8000,
+#                           here or as a list in the configuration, are as many runs, which are then compared
 # --bin FOLDER              the tools that are there (or NLG_BIN=FOLDER): nothing is installed or built
 # --profile FOLDER          a profile of snakemake's that runs the stages elsewhere; configs/profiles/slurm: as jobs of Slurm
 # A run that was stopped goes on where it was when it is started again. Exit codes: 2 a configuration or option that cannot be used,
@@ -20,16 +21,17 @@ refuse() {
   exit 2
 }
 
-plan='' profile='' changes=()
+plan='' profile='' changes=() sets=()
 while [ $# -gt 0 ]; do
   case $1 in
-    -h | --help) sed -n '2,16s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,17s/^# \{0,1\}//p' "$0"; exit 0 ;;
     --plan) plan=yes; shift ;;
     --set)
       [ $# -ge 2 ] || refuse "--set: expected SECTION.KEY=VALUE, got nothing"
-      changes+=("--set=$2")
+      sets+=("--set=$2")
       shift 2
       ;;
+    --set=*) sets+=("$1"); shift ;;
     --bin)
       [ -d "${2:-}" ] || refuse "--bin: expected a folder of tools, got ${2:-none}"
       NLG_BIN=$2
@@ -53,10 +55,14 @@ done
 [ $# -le 2 ] || refuse "expected at most a configuration and a folder of levels, got two folders"
 config=$(realpath -m -- "${1:-$(dirname "$0")/pipeline.yaml}")
 [ -f "$config" ] || { echo "pipeline.sh: $config: expected a configuration file or a folder of levels, got neither" >&2; exit 2; }
+levels=()
 if [ $# -ge 2 ]; then
   [ -d "$2" ] || { echo "pipeline.sh: $2: expected a folder of levels, got none" >&2; exit 2; }
-  changes+=(--levels "$(realpath -- "$2")")
+  levels=("$(realpath -- "$2")")
 fi
+changes=("${sets[@]}" ${levels[@]:+--levels "${levels[@]}"})
+# a package has its tools beside this script, and builds nothing
+[ -n "${NLG_BIN:-}" ] || [ -f "$(dirname "$0")/CMakeLists.txt" ] || NLG_BIN=$(dirname "$0")/bin
 if [ -n "${NLG_BIN:-}" ]; then
   [ -d "$NLG_BIN" ] || refuse "NLG_BIN: expected a folder of tools, got $NLG_BIN"
   NLG_BIN=$(realpath -- "$NLG_BIN")
@@ -72,10 +78,27 @@ if [ -z "${NLG_BIN:-}" ]; then
   # a plan takes nlg-datagen alone
   if [ -n "$plan" ]; then install_packages pipeline; else install_packages train pipeline; fi
 fi
+# several values of a setting: as many runs, one after the other
+sweep=$(/usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}" --sweep)
+if [ -n "$sweep" ]; then
+  folders=() worst=0
+  while IFS=$'\t' read -r -u 3 folder settings; do
+    IFS=$'\t' read -r -a settings <<< "$settings"
+    echo "pipeline.sh: ${settings[*]}" >&2
+    code=0
+    ./pipeline.sh ${plan:+--plan} ${profile:+--profile "$profile"} "${sets[@]}" "${settings[@]}" "$config" "${levels[@]}" || code=$?
+    [ "$code" = 0 ] || [ "$code" = 6 ] || exit "$code"
+    [ "$code" = 0 ] || worst=$code
+    folders+=("$folder")
+  done 3<<< "$sweep"
+  # what is worse in one of them is what the sweep asks for
+  [ -n "$plan" ] || validate/report/compare.py "${folders[@]}" || [ $? = 6 ]
+  exit "$worst"
+fi
 # judged before anything is built, made or moved
 judged=$(/usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}")
 mapfile -t judged <<< "$judged"
-run=${judged[0]}
+run=${judged[0]} data=${judged[3]}
 purpose=train
 read -r -a tools <<< "${judged[1]}"
 [ -z "$plan" ] || { purpose='' tools=(nlg-datagen); }
@@ -89,8 +112,8 @@ fi
 if [ -n "$plan" ]; then
   exec /usr/bin/python3 workflow/plan.py "$config" "${changes[@]}" --bin "${NLG_BIN:-build/release/bin}"
 fi
-mkdir -p "$run" 2> /dev/null || { echo "pipeline.sh: $run: cannot be written: no folder can be made there" >&2; exit 5; }
-for lock in "$run/.lock" "$run/.jobs.lock"; do
+mkdir -p "$run" "$data" 2> /dev/null || { echo "pipeline.sh: $run: cannot be written: no folder can be made there" >&2; exit 5; }
+for lock in "$run/.lock" "$run/.jobs.lock" "$data/.lock" "$data/.jobs.lock"; do
   # a pipe would keep everybody waiting who asks for it
   if [ -e "$lock" ] && [ ! -f "$lock" ]; then echo "pipeline.sh: $lock: expected a regular file, got something else" >&2; exit 2; fi
 done
@@ -99,6 +122,10 @@ done
 # still keeps others away.
 exec 9>> "$run/.lock" || exit 5
 flock -n 9 || { echo "pipeline.sh: $run: another run is at work there" >&2; exit 2; }
+if [ "$data" != "$run" ]; then
+  exec 8>> "$data/.lock" || exit 5
+  flock -n 8 || { echo "pipeline.sh: $data: another run is at work there" >&2; exit 2; }
+fi
 if [ ${#changes[@]} -gt 0 ]; then
   /usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}" --write > /dev/null
   config=$(realpath -- "${judged[2]}")
@@ -114,7 +141,9 @@ if [ -n "$profile" ]; then
   where=(--profile "$profile")
   [ ! -x "$profile/before.sh" ] || "$profile/before.sh" "$run"
 fi
-flock -n "$run/.jobs.lock" true || { echo "pipeline.sh: $run: a tool of a run that was killed is still at work there" >&2; exit 2; }
+for folder in "$run" "$data"; do
+  flock -n "$folder/.jobs.lock" true || { echo "pipeline.sh: $folder: a tool of a run that was killed is still at work there" >&2; exit 2; }
+done
 # files to make come first: what a profile holds is appended, and would be files behind a "--"
 workflow() {
   /usr/bin/snakemake "$@" -s workflow/Snakefile --configfile "$config" "${where[@]}" --rerun-incomplete --nolock \
@@ -125,7 +154,7 @@ damaged=$(/usr/bin/python3 workflow/check_artefacts.py "$config" "${NLG_BIN:-bui
 mapfile -t again <<<"$damaged"
 workflow ${damaged:+"${again[@]}"} all
 # snakemake takes it away after the last training, and forgets it where it was killed just then
-rm -f "$run/training/functions.cache"
+rm -f "$data/training/functions.cache"
 # the headline, what each generator was judged by, and the rule
 cat "$run/verdict.txt"
 echo "The report: $(realpath "$run/report.html")"

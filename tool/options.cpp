@@ -422,8 +422,8 @@ nlohmann::ordered_json OptionTable::describeAsJson() const {
 
 const std::vector<std::string>& pipelineSections() {
   static const std::vector<std::string> sections = {
-      "name", "scenes",   "split",    "representations", "datagen",        "basis",  "train", "export",
-      "bake", "validate", "frontier", "report",          "validate_light", "effort", "full",  "init"};
+      "name",     "scenes",   "split",  "representations", "datagen", "basis", "train", "export", "bake",
+      "validate", "frontier", "report", "validate_light",  "effort",  "full",  "init",  "data"};
   return sections;
 }
 

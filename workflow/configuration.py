@@ -1,14 +1,17 @@
 """What a run's configuration says, judged in one place before anything is built, made or moved.
 
-    configuration.py CONFIG [--levels FOLDER] [--set SECTION.KEY=VALUE]... [--write]
+    configuration.py CONFIG [--levels FOLDER] [--set SECTION.KEY=VALUE]... [--write | --sweep]
 
-Prints the run's folder, the tools that it needs, and the file that holds the configuration: CONFIG, or configuration.yaml of the run's folder where FOLDER or values go over it.
---write writes that file. A configuration that cannot be used ends with one line on stderr and exit code 2. The Snakefile, pipeline.sh
+Prints the run's folder, the tools that it needs, the file that holds the configuration (CONFIG, or configuration.yaml of the run's folder where
+FOLDER or values go over it), and the folder of its data. --write writes that file. --sweep prints, where a setting has a list of values in place of
+one, a line for each run: its folder, and what --set makes it of, apart by tabs. A configuration that cannot be used ends with one line on stderr and exit code 2. The Snakefile, pipeline.sh
 and check_artefacts.py take names, scenes and paths from here and from nowhere else; what each setting may be stands in settings.py.
 """
 import argparse
 import copy
+import itertools
 import json
+import math
 import os
 import random
 import re
@@ -24,12 +27,14 @@ from tool.errors import UsageError, run
 from furniture import find_interiors
 from levels import find_levels, is_texts
 from plain_yaml import ConfigurationError, parsed, read, require, require_plain, text_of
-from settings import MAX_SHARDS, OWN, REPRESENTATIONS, TOOL_ROWS, default, judged, rows_of
+from settings import MAX_SHARDS, OWN, REPRESENTATIONS, TOOL_ROWS, default, judged, kind_of, rows_of
 
 SECTIONS = sorted({row["section"] for row in OWN + TOOL_ROWS} - {""})
 PART_SECTIONS = sorted({*SECTIONS} - {"split"})  # which `full` may go over
 MAX_LIGHT_SPACINGS = 16
 STABILITY_DEPTHS = {"short": "--short", "full": "", "long": "--long"}
+DATA_SECTIONS = ("scenes", "split", "datagen", "basis")
+MAX_SWEPT = 64
 SPLITS = ["training", "held_out", "evaluation"]
 # what nlg-datagen and nlg-bake call by the same name; all else says how a shard is sampled, which a bake does not do
 BAKE_TOO = {row["name"] for row in rows_of("datagen")} & {row["name"] for row in rows_of("bake")} - {"seed", "threads"}
@@ -92,10 +97,11 @@ class Run:
         if not config["name"] and not folder:
             raise ConfigurationError("expected a name, or a folder of levels whose name it is, got missing key 'name'")
         self.name = config["name"] or re.sub(r"[^\w.-]+", "_", Path(os.path.abspath(folder)).name)
-        require("name", self.name, len(self.name) <= 100 and re.fullmatch(r"[\w.-]*\w[\w.-]*", self.name), "a folder's name")
+        for key, name in (("name", self.name), ("data", config["data"] or self.name)):
+            require(key, name, len(name) <= 100 and re.fullmatch(r"[\w.-]*\w[\w.-]*", name), "a folder's name")
         results = environment.get("NLG_OUT") or "out"
         require("NLG_OUT", results, results.isprintable() and not set(results) & set("{}"), "a folder's name of one line without braces")
-        self.folder = os.path.join(results, self.name)
+        self.folder, self.data_folder = (os.path.join(results, name) for name in (self.name, config["data"] or self.name))
         self._take_effort(config)
         self._take_representations(config["representations"])
         self._take_init(config["init"])
@@ -209,13 +215,13 @@ class Run:
     def shards(self, split):
         """Paths of the shards of a split, in the order in which the tools are given them."""
         jitters = self.jitters if split == "training" else 1
-        return [f"{self.folder}/dataset/{split}/{scene}.{jitter}.h5" for scene in getattr(self, split)
+        return [f"{self.data_folder}/dataset/{split}/{scene}.{jitter}.h5" for scene in getattr(self, split)
                 for jitter in range(1 if scene in self.unjittered else jitters)]
 
     def artefacts(self):
         """Files that the run makes and keeps, in the order in which it makes them; shards aside, and what is in picture_folders."""
         judged = ["validation", *(["evaluation"] if self.evaluation else [])]
-        names = ["dataset.json", "basis.h5", "basis.json"]
+        names = []
         for name in self.representations:
             names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png", f"training/{name}/events.out.tfevents.0.nlg",
                       f"weights/{name}.safetensors", f"weights/{name}.json"]
@@ -224,7 +230,7 @@ class Run:
         names += [f"savings/{scene}.json" for scene in self.savings]
         names += [f"light/{scene}.json" for scene in self.light_scenes]
         names += [f"{split}{file}" for split in ("", *(f"{name}/" for name in judged[1:])) for file in ("report.html", "slices.png", "verdict.txt")]
-        return [f"{self.folder}/{name}" for name in names]
+        return [f"{self.data_folder}/{name}" for name in ("dataset.json", "basis.h5", "basis.json")] + [f"{self.folder}/{name}" for name in names]
 
     def picture_folders(self):
         """Folders that a rule makes with whatever is in them."""
@@ -339,30 +345,72 @@ def content_of(arguments):
     return changed(content, arguments.levels, arguments.set) if arguments.levels or arguments.set else content
 
 
-def refuse_others_results(folder, path, content):
-    """Two folders of levels may have the same name: the results of one are not replaced by those of the other."""
-    if not os.path.isdir(os.path.join(folder, "dataset")):
-        return
-    before = read(path) if os.path.isfile(path) else {}
-    levels = [(config.get("scenes") or {}).get("folder") for config in (before, content)]
-    require(folder, f"results of {levels[0] or 'another configuration'}", levels[0] == levels[1], "results of the same levels; --set name=NAME keeps both")
+def swept(content):
+    """Keys that hold a list where one value is meant → these values. A text such as 4000,8000 in place of a number is a list, too. What makes
+    the data has one value: runs are compared on the same functions."""
+    own = content.get("representations")
+    places = [(name, name, content.get(name)) for name in PART_SECTIONS if name not in DATA_SECTIONS]
+    places += [(f"representations.{name}", "train", options) for name, options in (own.items() if isinstance(own, dict) else ())]
+    found = {}
+    for place, section, options in places:
+        kinds = {row["name"]: kind_of(row) for row in rows_of(section)}
+        for key, value in (options.items() if isinstance(options, dict) else ()):
+            if isinstance(value, str) and "," in value and kinds.get(key) in ("integer", "number", "boolean"):
+                value = parsed(f"{place}.{key}", f"[{value}]")
+            if isinstance(value, list) and value and kinds.get(key) in ("integer", "number", "boolean", "text"):
+                found[f"{place}.{key}"] = value
+    return found
+
+
+def sweep(content, path):
+    """The runs that lists of values stand for, each as (its folder, its settings); all share data and basis."""
+    found = swept(content) if isinstance(content, dict) else {}
+    count = math.prod(len(values) for values in found.values())
+    require(f"{path}: {', '.join(found)}", f"{count}", count <= MAX_SWEPT, f"values for at most {MAX_SWEPT} runs")
+    for values in itertools.product(*found.values()) if found else ():
+        settings = [f"{key}={json.dumps(value)}" for key, value in zip(found, values)]
+        base = judge(changed(content, None, settings), path).name
+        name = re.sub(r"[^\w.-]+", "-", "-".join([base, *(f"{key.split('.')[-1]}-{value}" for key, value in zip(found, values))]))
+        settings += [f"name={name}", f"data={base}"]
+        yield judge(changed(content, None, settings), path).folder, settings
+
+
+def refuse_others_results(run, content):
+    """Two folders of levels may have the same name: the results of one are not replaced by those of the other. Nor are another run's data by
+    data that are made otherwise."""
+    for folder in dict.fromkeys((run.folder, run.data_folder)):
+        path = os.path.join(folder, "configuration.yaml")
+        if not os.path.isdir(os.path.join(folder, "dataset")):
+            continue
+        before = read(path) if os.path.isfile(path) else {}
+        levels = [(config.get("scenes") or {}).get("folder") for config in (before, content)]
+        require(folder, f"results of {levels[0] or 'another configuration'}", levels[0] == levels[1], "results of the same levels; --set name=NAME keeps both")
+        for name in DATA_SECTIONS if before and folder != run.folder else ():
+            require(f"data: {folder}: {name}", before.get(name), before.get(name) == content.get(name), f"what this run has: {content.get(name)}")
 
 
 def main():
     parser = argparse.ArgumentParser(prog="pipeline.sh")
     add_arguments(parser)
     parser.add_argument("--write", action="store_true")
+    parser.add_argument("--sweep", action="store_true")
     arguments = parser.parse_args()
     content = content_of(arguments)
+    if arguments.sweep:
+        for folder, settings in sweep(content, arguments.config):
+            print(folder, *(f"--set={setting}" for setting in settings), sep="\t")
+        return
     run_of_file = judge(content, arguments.config)
     is_changed = bool(arguments.levels or arguments.set)
     path = os.path.join(run_of_file.folder, "configuration.yaml") if is_changed else arguments.config
     if arguments.write and is_changed:
-        refuse_others_results(run_of_file.folder, path, content)
-        write_files({path: text_of(content).encode()})
+        refuse_others_results(run_of_file, content)
+        of_data = os.path.join(run_of_file.data_folder, "configuration.yaml")
+        write_files({file: text_of(content).encode() for file in (path, of_data) if file == path or not os.path.exists(of_data)})
     print(run_of_file.folder)
     print(*run_of_file.tools())
     print(path)
+    print(run_of_file.data_folder)
 
 
 if __name__ == "__main__":

@@ -44,6 +44,7 @@ OWN = [
     own("", "full", "map", "options of the tools' sections, `scenes`, `report` and `validate_light` that `effort: full` puts over these sections. What a short run leaves out so stands in its report", default={}),
     own("", "representations", "any", f"what generators are trained for: a list out of {', '.join(REPRESENTATIONS)}; or a map from each of them to its own options of the section `train`"),
     own("", "init", "text", "a folder of weights, `REPRESENTATION.safetensors`, with which trainings begin: on their basis, in their shape, over the options of `train`. `\"\"`: none", default=""),
+    own("", "data", "text", "another run, by its name: its data set, basis and function cache are used, and made where they are missing. `scenes`, `split`, `datagen` and `basis` must be the same there. `\"\"`: the run's own", default=""),
     own("scenes", "families", "texts", "procedural scenes, named `FAMILY_SEED`", one_of=FAMILIES),
     own("scenes", "per_family", "integer", "seeds of each family: 0 … `per_family` − 1", min=0, max=MAX_SHARDS),
     own("scenes", "folder", "text", "a folder, every `.glb`, `.gltf` and `.obj` of which is a scene too ([scenes](../guide/scenes.md)), and every map of its `.pk3` archives. `./pipeline.sh FOLDER` sets it. `\"\"`: none", default=""),

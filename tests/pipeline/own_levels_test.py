@@ -99,6 +99,13 @@ def main():
             assert abs(finer - first) < 2e-3 * first, f"{file}: {first}, {finer}"
         refused = run(*pipeline, "--set", "init=nowhere", str(levels), code=2).stderr
         assert "nowhere/tent_mlp4.safetensors" in refused, refused
+        # a sweep: runs over one data set and basis, compared
+        compared = run(*pipeline, "--set", "name=sweep", "--set", "train.steps=20,40", "--set", "train.batch=[32]", str(levels)).stdout
+        assert "tent_mlp4, steps: 20 -> 40" in compared and "stored, mean blend RMSE" in compared, compared
+        swept = [folder / "out" / f"sweep-steps-{steps}-batch-32" for steps in (20, 40)]
+        assert all((one / "weights/tent_mlp4.safetensors").is_file() and not (one / "dataset").exists() and not (one / "basis.h5").exists() for one in swept), swept
+        assert len(list((folder / "out/sweep/dataset").glob("*/*.h5"))) == 7
+        assert "jitters" in run(*pipeline, "--set", "name=another", "--set", "data=sweep", "--set", "scenes.jitters=2", str(levels), code=2).stderr
         # what is there is not made again
         again = run(*pipeline, str(levels)).stderr
         assert "nothing to be done" in again, again
