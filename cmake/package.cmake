@@ -1,7 +1,5 @@
 # A Debian package and an archive that may be unpacked anywhere, both of what `cmake --install` leaves. workflow/package.sh makes them.
-#
-# Without training: that takes libtorch and the scripts, rules and configurations of a checkout. Libraries are Debian's own, on which the
-# package depends; the archive needs them too.
+# Libraries are Debian's own, on which the package depends; the archive needs them too.
 #
 #   PREFIX/share/neural-light-grid/samples/
 #   PREFIX/share/doc/nlg/                   pages, copyright
@@ -43,3 +41,36 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 # for find_package(nlg)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, g++, libhwy-dev")
 include(CPack)
+
+# Training, as packages of their own (workflow/package.sh --training), of the component `training`, which nothing else installs: libtorch, and
+# what of a checkout a run reads.
+#
+#   PREFIX/lib/nlg-training/    pipeline.sh, its rules, scripts and configurations; bin/
+if(NLG_BUILD_TRAINING)
+  set(training lib/nlg-training)
+  set(component COMPONENT training EXCLUDE_FROM_ALL)
+  install(TARGETS nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-bake nlg-validate RUNTIME DESTINATION ${training}/bin ${component})
+  install(PROGRAMS ${PROJECT_SOURCE_DIR}/pipeline.sh DESTINATION ${training} ${component})
+  install(FILES ${PROJECT_SOURCE_DIR}/pipeline.yaml DESTINATION ${training} ${component})
+  foreach(folder workflow tool configs validate/report validate/stability)
+    cmake_path(GET folder PARENT_PATH parent)
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${training}/${parent} USE_SOURCE_PERMISSIONS ${component}
+      FILES_MATCHING REGEX "\\.(py|sh|json|yaml|j2|css|js)$|/Snakefile$" PATTERN __pycache__ EXCLUDE)
+  endforeach()
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/nlg-training RENAME copyright ${component})
+  if(EXISTS /etc/debian_version)
+    file(STRINGS ${PROJECT_SOURCE_DIR}/cmake/packages.txt packages REGEX "^[a-z0-9+-]+-dev( train)?$")
+    foreach(package IN LISTS packages)
+      string(REPLACE " train" "" package ${package})
+      install(FILES /usr/share/doc/${package}/copyright DESTINATION share/doc/nlg-training/licences RENAME ${package} ${component})
+    endforeach()
+  endif()
+  file(WRITE ${PROJECT_BINARY_DIR}/CPackTraining.cmake "include(${PROJECT_BINARY_DIR}/CPackConfig.cmake)
+set(CPACK_INSTALL_CMAKE_PROJECTS \"${PROJECT_BINARY_DIR};nlg;training;/\")
+set(CPACK_PACKAGE_NAME nlg-training)
+set(CPACK_PACKAGE_FILE_NAME nlg-training-${PROJECT_VERSION}-${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR})
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY \"trains and validates generators of weighting functions\")
+set(CPACK_DEBIAN_PACKAGE_DEPENDS \"snakemake, python3-yaml, python3-matplotlib, python3-jinja2, python3-scipy\")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS nlg)
+")
+endif()

@@ -2,6 +2,7 @@
 """The packages: what they hold, and that a bake from them is that of the build.
 
     package_test.py BUILD CPACK VERSION archive   unpacked into an empty folder, in an environment without anything
+    package_test.py BUILD CPACK VERSION training  the same of training: a whole run of next to nothing
     package_test.py BUILD CPACK VERSION debian    installed on a bare Debian 12 that is made for this; skipped where none can be made
 """
 import os
@@ -90,6 +91,22 @@ class Archive(unittest.TestCase):
         self.assertEqual(sorted(line.split()), sorted(needed))
 
 
+def training():
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        output(CPACK, "--config", BUILD / "CPackTraining.cmake", "-G", "TZST", "-B", folder / "packed")
+        package, = (folder / "packed").glob("nlg-training*")
+        output("cmake", "-E", "tar", "xf", package, cwd=folder)
+        prefix, = folder.glob("nlg-training-*")
+        home = prefix / "lib/nlg-training"
+        for path in filter(Path.is_file, prefix.rglob("*")):
+            assert str(ROOT).encode() not in path.read_bytes(), path
+        small = ["scenes.families=[clutter]", "scenes.per_family=2", "split.held_out=[clutter_1]", "datagen.max_functions=60", "basis.components=32", "train.steps=10", "representations=[tent_mlp4]",
+                 "validate.direct_functions=4", "frontier.functions=4", "report.savings=[]", "validate_light.scenes=[]"]
+        output(home / "pipeline.sh", *(f"--set={setting}" for setting in small), "configs/smoke.yaml", cwd=home, env={"PATH": "/usr/bin:/bin", "NLG_OUT": str(folder / "out")})
+        assert (folder / "out/smoke/weights/tent_mlp4.safetensors").stat().st_size > 0 and (folder / "out/smoke/report.html").exists()
+
+
 def debian():
     """One bare system from nothing, which goes with the command that makes it; its mounts are in a namespace of their own."""
     if os.geteuid() != 0 or not shutil.which("mmdebstrap"):
@@ -132,5 +149,7 @@ def skip(reason):
 if __name__ == "__main__":
     if KIND == "debian":
         debian()
+    elif KIND == "training":
+        training()
     else:
         unittest.main(argv=sys.argv[:1])
