@@ -30,6 +30,19 @@ def card_rows(card):
                "functions": grouped(sums["functions"]), **{name: percent(sums[key] / functions) for key, name in KINDS.items()}}
 
 
+def hardness_rows(card):
+    """How many functions of each split have a bare tent of such a blend RMSE: what training saw beside what it is judged on."""
+    bins = {}
+    for scene in card["scenes"].items():
+        for number, one in enumerate(scene["tent_blend_rmse"].items()):
+            row = bins.setdefault(number, {"at most": one["at_most"].value})
+            row[scene["split"].text()] = row.get(scene["split"].text(), 0) + one["functions"].count()
+    splits = list(totals(card))
+    sums = {split: max(sum(row.get(split, 0) for row in bins.values()), 1) for split in splits}
+    for row in bins.values():
+        yield {"the bare tent's blend RMSE": "more" if row["at most"] is None else f"at most {row['at most']:g}", **{SPLITS.get(split, split): percent(row.get(split, 0) / sums[split]) for split in splits}}
+
+
 def data_rows(plan, card):
     for split, sums in totals(card).items():
         if split in plan["splits"]:
@@ -57,7 +70,8 @@ def stage_rows(plan, times):
 def tables(run, card_path):
     """(title, what it says, rows); the last two only of a run that was planned."""
     card = read_json(card_path)
-    result = [("The data", f"{card['shards'].count()} shards. Probes that no function was made of, by reason; of the functions, how many are of each kind.", list(card_rows(card)))]
+    result = [("The data", f"{card['shards'].count()} shards. Probes that no function was made of, by reason; of the functions, how many are of each kind.", list(card_rows(card))),
+              ("How hard functions are", "Share of the functions. Where held-out scenes have more of the hard kind than the training saw, more such levels help.", list(hardness_rows(card)))]
     files = [os.path.join(run or "", name) for name in ("plan.json", "times.json")]
     if not run or not os.path.isfile(files[0]):
         return result

@@ -245,7 +245,8 @@ def write_all(folder):
         write_json(path(f"bake{index}.json"), bake(scene))
     for index, scene in enumerate(SCENES):
         write_json(path(f"light{index}.json"), light(scene, 1 + index))
-    counts = {"probes": 900, "functions": 200, "free_space": 400, "in_solid": 250, "duplicates": 45, "empty": 5, "outside": 0, "bare_tents": 90, "hard": 50, "of_solid": 8}
+    counts = {"probes": 900, "functions": 200, "free_space": 400, "in_solid": 250, "duplicates": 45, "empty": 5, "outside": 0, "bare_tents": 90, "hard": 50, "of_solid": 8,
+              "tent_blend_rmse": [{"at_most": 0.01, "functions": 150}, {"at_most": None, "functions": 50}]}
     write_json(path("dataset.json"), {"shards": 3, "scenes": [{"split": split, "scene": scene, **counts} for split, scene in (("held_out", "a"), ("training", "b"), ("training", "c"))]})
     os.makedirs(path("run"), exist_ok=True)
     split = {"scenes": 1, "shards": 1, "probes": 1000.0, "functions": 250.0, "core_s": 9.0, "bytes": 1e6}

@@ -122,6 +122,7 @@ def check_page(needed, proof):
     row = lambda *cells: "".join(f">{cell}</td>" for cell in cells)
     cells = re.sub(r"<td[^>]*>", ">", came)
     expect(row("trained on", "1\u2009000", "1\u2009800", "250", "400") in cells, f"probes and functions, planned and made: {came}")
+    expect(row("at most 0.01", "75\u00a0%", "75\u00a0%") in cells and row("more", "25\u00a0%", "25\u00a0%") in cells, f"how hard functions are: {came}")
     expect(row("train mlp", "1", "1", "20 s", "30 s", "1.50") in cells and row("report", "1", "–", "20 s", "–", "–") in cells, f"stages, planned and taken: {came}")
     expect(draw("again.html", *needed, *proof) == text, "the same inputs gave another page")
     expect(open("slices.png", "rb").read()[:4] == b"\x89PNG", "no slices.png beside the page")
