@@ -16,7 +16,9 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.atomic_file import write_atomically
 from tool.duration import duration
+from tool.errors import OutputError
 
 TYPICAL_S = 10  # of a job that no plan speaks of
 
@@ -55,9 +57,11 @@ class Times:
         stage = self.stages.setdefault(name, {"jobs": 0, "seconds": 0.0})
         stage["jobs"] += 1
         stage["seconds"] += seconds
-        # a file that a kill leaves half-written counts as none
-        with open(self.path, "w") as file:
-            json.dump({"plan": self.plan.get("configuration"), "stages": self.stages}, file)
+        try:
+            write_atomically(self.path, json.dumps({"plan": self.plan.get("configuration"), "stages": self.stages}).encode())
+        except (OSError, OutputError) as error:
+            print(f"times of this run are not noted: {error}", file=sys.stderr)
+            self.path = ""
 
 
 class RunProgress:
