@@ -108,6 +108,7 @@ Json functionsJson(const ShardCounts& counts, const FigureContext& context) {
           {"duplicates", counts.duplicates},
           {"in_solid", counts.in_solid},
           {"empty", counts.empty},
+          {"outside", counts.outside},
           {"visited_probes", counts.visited_probes},
           {"grid_probes", counts.grid_probes},
           {"held_out", context.set.functionCount()},

@@ -98,7 +98,8 @@ class Findings:
     def __init__(self, inputs):
         self.inputs = inputs
         summary = inputs.summary
-        self.functions = {key: node.count() for key, node in summary["functions"].entries()}
+        # summaries of before 27 November know nothing outside
+        self.functions = {"outside": 0, **{key: node.count() for key, node in summary["functions"].entries()}}
         self.tau = {key: node.number() for key, node in summary["tau"].entries()}
         self.limits = {error: self.tau[key] for error, key in zip(ERRORS, ("blend", "rmse"))}  # what the check allows
         self.precision = summary["theta_precision"].text()
@@ -216,14 +217,14 @@ class Findings:
         visited = max(1, counts["visited_probes"])
         kinds = (("distinct", "distinct functions", "#0072B2"), ("free_space", "free space: no geometry near, the bare tent", "#56B4E9"),
                  ("in_solid", "in solid: nothing is lit from there", "#7a828a"), ("duplicates", "duplicates of a distinct function", "#E69F00"),
-                 ("empty", "empty: the probe reaches no point", "#CC79A7"))
+                 ("empty", "empty: the probe reaches no point", "#CC79A7"), ("outside", "outside the level's hull", "#009E73"))
         return [{"count": grouped(counts[key]), "share": 100.0 * counts[key] / visited, "text": percent(counts[key] / visited), "label": label,
                  "colour": colour} for key, label, colour in kinds]
 
     def left_out_sentence(self):
         counts = self.functions
         visited = counts["visited_probes"]
-        spared = counts["free_space"] + counts["in_solid"] + counts["duplicates"] + counts["empty"]
+        spared = counts["free_space"] + counts["in_solid"] + counts["duplicates"] + counts["empty"] + counts["outside"]
         text = (f"Of {plural(visited, 'probe')} visited (of {grouped(counts['grid_probes'])} on the grids), {grouped(spared)} needed no function "
                 f"of their own: {percent(spared / max(1, visited))} of the probes were spared fitting and storage")
         unaccounted = visited - spared - counts["distinct"]
