@@ -14,8 +14,8 @@ namespace nlg {
 inline constexpr double kLeastOfOpen = 1e-4;
 double leastAdapted(const Scene& scene);
 
-// The exposure that shows the median luminance, over pixels that have receivers and are not black, as middle grey: .18. 1 when all
-// are black.
+// The exposure that brings the median luminance, over pixels that have receivers and are not black, to middle grey before the curve: .18.
+// 1 when all are black.
 // least   irradiance: at most what shows a white surface with so much light as middle grey
 double automaticExposure(const LitPicture& picture, double least = 0.0);
 // One for pictures of one view side by side: of the first without noise, or of the first.

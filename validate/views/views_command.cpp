@@ -242,7 +242,7 @@ class ViewsMeasurement {
         const std::vector<std::string> caption = captionOf(v);
         const double exposure = exposureOf(v, row);
         view["picture"] = drawn(viewName(v), viewRow(row, exposure, caption, request_.picture_scale));
-        rows.push_back(viewRow(row, exposure, caption, 1));
+        rows.push_back(viewRow(row, exposure, caption, (request_.picture_scale + 1) / 2));
       }
       json["views"].push_back(std::move(view));
     }
@@ -353,7 +353,8 @@ int viewsMain(int argc, char** argv) {
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
   whole("--probe-rays", &request.probe_rays, "rays of every probe of rivals", 8, 1 << 24);
-  whole("--picture-scale", &request.picture_scale, "pixels of a row's pictures are so many pixels wide; a sheet's are one", 1, 8);
+  whole("--picture-scale", &request.picture_scale,
+        "pixels of a row's pictures are so many pixels wide; a sheet's are half as many", 1, 8);
   return runTool(argc, argv, app, table, [&] { measureViews(request, options, table); });
 }
 
