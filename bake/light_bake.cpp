@@ -248,7 +248,7 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
   for (size_t r = 0; r < std::min(kMostRooms, statistics.dark_rooms.size()); ++r) {
     const DarkRoom& room = statistics.dark_rooms[r];
     warnings.push_back(
-        fmt::format("no light reaches a room of {:.3g} m3 around {:.1f}, {:.1f}, {:.1f}, where a player can stand: it "
+        fmt::format("no light reaches a room of {:.0f} m3 around {:.1f}, {:.1f}, {:.1f}, where a player can stand: it "
                     "needs a lamp, or something that shines",
                     room.volume_m3, room.eye_m.x, room.eye_m.y, room.eye_m.z));
   }

@@ -114,7 +114,7 @@ TEST(LightBake, NamesRoomsThatNoLightReaches) {
   LightGrid grid = tentGrid(scene);
   LightStatistics statistics = bakeLight(scene, options, &grid);
   ASSERT_EQ(statistics.dark_rooms.size(), 1u);
-  EXPECT_NE(lightWarnings(statistics).at(0).find("no light reaches a room of 15"), std::string::npos)
+  EXPECT_NE(lightWarnings(statistics).at(0).find("no light reaches a room of 16 m3 around"), std::string::npos)
       << lightWarnings(statistics)[0];
   statistics.dark_rooms.resize(5, {});
   EXPECT_EQ(lightWarnings(statistics).size(), 4u);
