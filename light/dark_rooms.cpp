@@ -109,6 +109,7 @@ std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const Probe
   }
   const Spots spots(transport, {glm::dvec3(-INFINITY), glm::dvec3(INFINITY)});
   std::vector<std::vector<uint32_t>> candidates;
+  candidates.reserve(places_of.size());
   for (auto& [root, places] : places_of) candidates.push_back(std::move(places));
   std::sort(candidates.begin(), candidates.end());  // as places are, whatever the map's order
   for (const std::vector<uint32_t>& places : candidates) {

@@ -270,6 +270,7 @@ class Rendering {
       said_["pictures"].push_back(figuresOf(pictures.back(), truth));
     }
     std::vector<const LitPicture*> shown;
+    shown.reserve(pictures.size());
     for (const LitPicture& picture : pictures) shown.push_back(&picture);
     const double exposure = request_.exposure > 0.0 ? request_.exposure : panelExposure(shown, leastAdapted(scene_.scene()));
     said_["exposure"] = exposure;

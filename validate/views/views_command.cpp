@@ -213,6 +213,7 @@ class ViewsMeasurement {
   double exposureOf(size_t view, const std::vector<ShownMethod>& row) const {
     const ViewTruth& truth = ready_[view].truth;
     std::vector<const LitPicture*> pictures;
+    pictures.reserve(row.size());
     for (const ShownMethod& method : row) pictures.push_back(&method.picture);
     return truth.isKnown() ? truth.exposure : panelExposure(pictures, truth.least);
   }
