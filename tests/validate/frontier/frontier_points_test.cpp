@@ -6,6 +6,8 @@
 #include <set>
 
 #include "runtime_eval/evaluator/theta_form.h"
+#include "runtime_eval/policy/stage_plan.h"
+#include "runtime_eval/policy/theta_trace.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/error.h"
