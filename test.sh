@@ -9,7 +9,7 @@ Usage: ./test.sh [--all | --sanitize address,undefined | --sanitize thread | --t
 
 Installs what is missing, builds, and runs the test suite: a quarter of an hour on two cores.
 
-  --all                          before a release: the heavy tests, too (the whole siege, every fuzz target, Slurm with kills, all bad
+  --all                          before a release: the heavy tests, too (all of fault injection, every fuzz target, Slurm with kills, all bad
                                  input, a large level in the browser, a bare Debian, the library on ARM and Windows and in Python), and a
                                  build of the benchmarks; two hours on two cores
   --sanitize address,undefined   the default suite in a build of its own with AddressSanitizer and UndefinedBehaviorSanitizer

@@ -10,7 +10,7 @@ INTRODUCTION = """# Reliability
 
 *Written by `workflow/results.py write` from `docs/results/reliability.json`. Change nothing here by hand.*
 
-Fault injection: `tests/siege/run.py` kills, disturbs and deceives every tool and the whole pipeline; the same seed gives the same cases. A column is what must not happen:
+Fault injection: `tests/fault_injection/run.py` kills, disturbs and deceives every tool and the whole pipeline; the same seed gives the same cases. A column is what must not happen:
 
 - **torn**: a file under its final name is not whole, a restart gives other bytes than an undisturbed run, or a file of others was touched.
 - **left behind**: a temporary or useless file stays.
@@ -33,16 +33,16 @@ def page(all_results):
     rows, origin = results["rows"], results["origin"]
     columns = [column for column in next(iter(rows.values())) if column != "cases"]
     targets = ", ".join(f"{count_of(rows, kind):,} of {target:,} {kind}" for kind, target in TARGETS.items())
-    text = INTRODUCTION + f"\nMade by `tests/siege/run.py --seed {origin['seed']}` of revision `{origin['revision']}`, and `workflow/results.py collect-siege build/siege`. Against the targets: {targets}.\n"
+    text = INTRODUCTION + f"\nMade by `tests/fault_injection/run.py --seed {origin['seed']}` of revision `{origin['revision']}`, and `workflow/results.py collect-fault-injection build/fault_injection`. Against the targets: {targets}.\n"
     bad = lambda row: "; ".join(f"{column} {row[column]:,}" for column in columns if row[column]) or "0"
     text += "\n## Cases\n" + table(["kind", "cases", "in any bad column"], [[name, f"{row['cases']:,}", bad(row)] for name, row in rows.items()])
-    text += "\n## Findings of the first run\nEach is a few cases by its name: `tests/siege/run.py findings`.\n"
+    text += "\n## Findings of the first run\nEach is a few cases by its name: `tests/fault_injection/run.py findings`.\n"
     text += table(["finding", "cases", "failed"], [[name, entry["cases"], entry["failed"]] for name, entry in results["findings"].items()])
     return text
 
 
 def collect(folder):
-    """What tests/siege/run.py wrote, as it is but for the names of what failed."""
+    """What tests/fault_injection/run.py wrote, as it is but for the names of what failed."""
     with open(folder / "table.json") as file:
         found = json.load(file)
     return {key: found[key] for key in ("schema_version", "run", "origin", "rows", "findings")}

@@ -3,7 +3,7 @@
 
     workflow/results.py collect RUN [--config CONFIG] [--no-pictures] [--add]    measured → docs/results, then write
     workflow/results.py collect-light FOLDER [--ours NAME] [--no-pictures]    what was measured of light → docs/results/light.json, then write
-    workflow/results.py collect-siege FOLDER                             what fault injection found → docs/results/reliability.json, then write
+    workflow/results.py collect-fault-injection FOLDER                   what fault injection found → docs/results/reliability.json, then write
     workflow/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
     workflow/results.py write                                            docs/results → every text
     workflow/results.py check                                            names every text that says something else
@@ -11,7 +11,7 @@
 collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
 collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (light_results.py says what else may lie there; of that, what
 is not there stays as it was collected before).
-collect-siege takes what tests/siege/run.py left in its --out, collect-cycles what workflow/cycles/compare.py left in its own.
+collect-fault-injection takes what tests/fault_injection/run.py left in its --out, collect-cycles what workflow/cycles/compare.py left in its own.
 write makes docs/reference/results.md, docs/reference/light.md, docs/reference/reliability.md, docs/reference/cycles.md and weights/README.md whole, and fills the phrases that workflow/quotes.json names.
 What a run's folder does not have by itself, and is taken when it is there:
     nlg-bake LEVEL --threads 1 --out GRID --json RUN/bakes/LEVEL.json
@@ -167,8 +167,8 @@ def main():
     collecting_light.add_argument("folder", type=Path, help="SCENE.json of nlg-validate light, one a scene")
     collecting_light.add_argument("--no-pictures", action="store_true", help="leave docs/images as it is")
     collecting_light.add_argument("--ours", default=light_page.OURS, help="the weights that are compared with baselines (%(default)s)")
-    collecting_siege = commands.add_parser("collect-siege", help="what fault injection found → docs/results, then write")
-    collecting_siege.add_argument("folder", type=Path, help="--out of tests/siege/run.py")
+    collecting_faults = commands.add_parser("collect-fault-injection", help="what fault injection found → docs/results, then write")
+    collecting_faults.add_argument("folder", type=Path, help="--out of tests/fault_injection/run.py")
     collecting_cycles = commands.add_parser("collect-cycles", help="light against Cycles → docs/results, then write")
     collecting_cycles.add_argument("folder", type=Path, help="--out of workflow/cycles/compare.py")
     commands.add_parser("write", help="docs/results → every text")
@@ -178,7 +178,7 @@ def main():
         return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.add)
     if arguments.command == "collect-light":
         return collect_light(arguments.folder, arguments.ours, not arguments.no_pictures)
-    if arguments.command == "collect-siege":
+    if arguments.command == "collect-fault-injection":
         return write(keep(reliability_page.collect(arguments.folder)))
     if arguments.command == "collect-cycles":
         return write(keep(cycles_page.collect(arguments.folder)))

@@ -32,20 +32,20 @@ def check_ended(tool, made, folder, faults):
             faults.add(trial.TORN, f"{path} is another file after a restart")
 
 
-def kill_tool(siege, tool, made, random):
+def kill_tool(injection, tool, made, random):
     def run(folder, faults):
-        chain.lay_out(siege.store, tool, folder)
+        chain.lay_out(injection.store, tool, folder)
         words = []
         # a second kill meets what the first one left
         for _ in range(random.choice((1, 1, 2))):
-            settings, word = injector.draw_kill(random, siege.counts[tool.name])
+            settings, word = injector.draw_kill(random, injection.counts[tool.name])
             words.append(word)
-            ending = trial.run(tool.argv(siege), folder, injector.injecting(siege, folder, tool.program(), **settings), siege.limits)
+            ending = trial.run(tool.argv(injection), folder, injector.injecting(injection, folder, tool.program(), **settings), injection.limits)
             if ending.hung:
                 faults.add(trial.HANG, ending.words())
             check_whole(tool, made, folder, faults, word)
-        ending = trial.run(tool.argv(siege), folder, siege.environment, siege.limits)
-        trial.judge(ending, siege.limits, faults, is_quiet=False)
+        ending = trial.run(tool.argv(injection), folder, injection.environment, injection.limits)
+        trial.judge(ending, injection.limits, faults, is_quiet=False)
         if ending.code != 0:
             faults.add(trial.ENDING, f"restart: {ending.words()}")
         check_ended(tool, made, folder, faults)
@@ -53,32 +53,32 @@ def kill_tool(siege, tool, made, random):
     return run
 
 
-def kill_pipeline(siege, random, kills):
+def kill_pipeline(injection, random, kills):
     """One run from nothing, killed again and again, and let go on until it is done."""
     def run(folder, faults):
-        pipeline = Pipeline(siege, folder)
+        pipeline = Pipeline(injection, folder)
         words = []
         for _ in range(kills):
             seconds = random.uniform(*PIPELINE_KILL_SECONDS)
             ending = pipeline.run(kill_after=seconds)
             words.append(f"{seconds:.1f} s")
-            pipeline.check_whole(siege.pipeline, faults, f"killed after {', '.join(words)}")
+            pipeline.check_whole(injection.pipeline, faults, f"killed after {', '.join(words)}")
             if ending.code == 0:
                 words.append("done, and from nothing again")
                 pipeline.clear()
-        pipeline.finish(siege.pipeline, faults)
+        pipeline.finish(injection.pipeline, faults)
         return f"killed after {', '.join(words)}"
     return run
 
 
-def cases(siege, count):
+def cases(injection, count):
     """About a quarter of the kills are of whole pipelines."""
     kills = min(KILLS_OF_A_PIPELINE, count // 4)
-    runs = count // 4 // kills if siege.pipeline else 0
+    runs = count // 4 // kills if injection.pipeline else 0
     for number in range(runs):
-        yield Case(f"kills/pipeline/{number}", "kills of whole pipelines", kill_pipeline(siege, random_of(siege, "kills", "pipeline", number), kills)), kills
-    tools = [tool for tool in siege.tools if tool.name not in SILENT_TOOLS]
+        yield Case(f"kills/pipeline/{number}", "kills of whole pipelines", kill_pipeline(injection, random_of(injection, "kills", "pipeline", number), kills)), kills
+    tools = [tool for tool in injection.tools if tool.name not in SILENT_TOOLS]
     for number in range(count - runs * kills):
-        random = random_of(siege, "kills", number)
-        tool = siege.draw_tool(random, tools)
-        yield Case(f"kills/call/{number}", "kills at single system calls", kill_tool(siege, tool, siege.made[tool.name], random)), 1
+        random = random_of(injection, "kills", number)
+        tool = injection.draw_tool(random, tools)
+        yield Case(f"kills/call/{number}", "kills at single system calls", kill_tool(injection, tool, injection.made[tool.name], random)), 1

@@ -1,14 +1,14 @@
 /* Preloaded into a tool: counts its system calls by class, and strikes at one of them.
  *
- *   SIEGE_COUNTS=FILE   a line "class count" for every class, appended when the process ends by itself
- *   SIEGE_CALL=write    the class to strike in: open read write sync rename truncate map close folder unlink thread memory
- *   SIEGE_AT=17         which of its calls, from 1
- *   SIEGE_FAULT=kill    SIGKILL before the call; tear: half of a write, then SIGKILL; short: half of a read or write; a number: the call
- *                       fails with that errno
- *   SIEGE_STAY=1        every later call of the class fails too: a disk stays full
- *   SIEGE_UNDER=FOLDER  calls on files inside it alone (an absolute path without links); threads and memory have no file
- *   SIEGE_ABOVE=BYTES   memory: allocations of at least so many
- *   SIEGE_PROGRAM=NAME  processes of that name alone
+ *   INJECT_COUNTS=FILE   a line "class count" for every class, appended when the process ends by itself
+ *   INJECT_CALL=write    the class to strike in: open read write sync rename truncate map close folder unlink thread memory
+ *   INJECT_AT=17         which of its calls, from 1
+ *   INJECT_FAULT=kill    SIGKILL before the call; tear: half of a write, then SIGKILL; short: half of a read or write; a number: the
+ *                        call fails with that errno
+ *   INJECT_STAY=1        every later call of the class fails too: a disk stays full
+ *   INJECT_UNDER=FOLDER  calls on files inside it alone (an absolute path without links); threads and memory have no file
+ *   INJECT_ABOVE=BYTES   memory: allocations of at least this size
+ *   INJECT_PROGRAM=NAME  processes of that name alone
  *
  * What the C library calls inside itself is not seen: fopen, fread, fwrite and fclose stand for it. */
 #define _GNU_SOURCE
@@ -48,27 +48,27 @@ static int is_on;
 static void* next(const char* name) { return dlsym(RTLD_NEXT, name); }
 
 __attribute__((constructor)) static void begin(void) {
-  const char* const program = getenv("SIEGE_PROGRAM");
-  const char* const call = getenv("SIEGE_CALL");
-  const char* const what = getenv("SIEGE_FAULT");
+  const char* const program = getenv("INJECT_PROGRAM");
+  const char* const call = getenv("INJECT_CALL");
+  const char* const what = getenv("INJECT_FAULT");
   if (program != NULL && strncmp(program, program_invocation_short_name, strlen(program)) != 0) return;
-  if (getenv("SIEGE_UNDER") != NULL) snprintf(under, sizeof under, "%s", getenv("SIEGE_UNDER"));
-  if (getenv("SIEGE_ABOVE") != NULL) above = strtoull(getenv("SIEGE_ABOVE"), NULL, 10);
-  if (call != NULL && what != NULL && getenv("SIEGE_AT") != NULL) {
+  if (getenv("INJECT_UNDER") != NULL) snprintf(under, sizeof under, "%s", getenv("INJECT_UNDER"));
+  if (getenv("INJECT_ABOVE") != NULL) above = strtoull(getenv("INJECT_ABOVE"), NULL, 10);
+  if (call != NULL && what != NULL && getenv("INJECT_AT") != NULL) {
     for (int c = 0; c < kClassCount; ++c) {
       if (strcmp(call, kNames[c]) == 0) struck = c;
     }
-    struck_at = atol(getenv("SIEGE_AT"));
+    struck_at = atol(getenv("INJECT_AT"));
     kills = strcmp(what, "kill") == 0;
     tears = strcmp(what, "tear") == 0;
     fault = strcmp(what, "short") == 0 ? kShort : atoi(what);
-    stays = getenv("SIEGE_STAY") != NULL;
+    stays = getenv("INJECT_STAY") != NULL;
   }
   is_on = 1;
 }
 
 __attribute__((destructor)) static void end(void) {
-  const char* const path = getenv("SIEGE_COUNTS");
+  const char* const path = getenv("INJECT_COUNTS");
   if (!is_on || path == NULL) return;
   is_on = 0;
   FILE* const file = fopen(path, "a");

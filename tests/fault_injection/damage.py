@@ -123,9 +123,9 @@ class Reading:
         return self.file.endswith(TEXTS)
 
 
-def readings(siege):
+def readings(injection):
     """Every file that a stage reads, with each of its readers; where there are several the quick ones are drawn more often."""
-    read = lambda kind, file, reader, weight=1.0: Reading(kind, file, [siege.reader, reader, file], weight=weight)
+    read = lambda kind, file, reader, weight=1.0: Reading(kind, file, [injection.reader, reader, file], weight=weight)
     found = [
         read("weights", "tent_mlp.safetensors", "weights", 6), read("weights", "tent_mlp.safetensors", "weights-c", 3),
         read("light grids", "grid.safetensors", "grid", 6), read("light grids", "grid.safetensors", "grid-c", 3),
@@ -134,25 +134,25 @@ def readings(siege):
     # each tool describes and verifies what it writes
     for program, kind, file in (("nlg-datagen", "shards", "training.h5"), ("nlg-pca", "bases", "basis.h5"), ("nlg-cache", "function caches", "functions.cache"),
                                 ("nlg-train", "checkpoints", "tent_mlp.ckpt"), ("nlg-export", "weights", "tent_mlp.safetensors"), ("nlg-bake", "light grids", "grid.safetensors")):
-        found.append(Reading(kind, file, [os.path.join(siege.binaries, program), "info", "--quiet", file], weight=6))
+        found.append(Reading(kind, file, [os.path.join(injection.binaries, program), "info", "--quiet", file], weight=6))
     kinds = {".safetensors": "weights", ".h5": "shards", ".cache": "function caches", ".ckpt": "checkpoints", ".yaml": "configurations", ".json": "JSON", ".csv": "CSV"}
-    for tool in siege.tools:
+    for tool in injection.tools:
         for name in tool.inputs:
-            for path in [os.path.join(name, below) for below in chain.files_in(os.path.join(siege.store, name))] if os.path.isdir(os.path.join(siege.store, name)) else [name]:
+            for path in [os.path.join(name, below) for below in chain.files_in(os.path.join(injection.store, name))] if os.path.isdir(os.path.join(injection.store, name)) else [name]:
                 kind = {"grid.safetensors": "light grids", "basis.h5": "bases"}.get(path, kinds.get(os.path.splitext(path)[1]))
                 if kind and path in " ".join(tool.command):
-                    found.append(Reading(kind, path, tool.argv(siege), tool.inputs, min(2.0, 0.4 / siege.made[tool.name].seconds)))
+                    found.append(Reading(kind, path, tool.argv(injection), tool.inputs, min(2.0, 0.4 / injection.made[tool.name].seconds)))
     return found
 
 
-def read_damaged(siege, reading, how, random):
+def read_damaged(injection, reading, how, random):
     def run(folder, faults):
         inputs = reading.inputs or (reading.file.split("/")[0],)
-        chain.lay_out(siege.store, chain.Tool("", [], list(inputs), []), folder)
+        chain.lay_out(injection.store, chain.Tool("", [], list(inputs), []), folder)
         is_damaged = damage(os.path.join(folder, reading.file), how, random)
         before = set(chain.files_in(folder))
-        ending = trial.run(reading.argv, folder, siege.environment, siege.limits)
-        trial.judge(ending, siege.limits, faults, REFUSED_TEXT if reading.is_text() else REFUSED, is_quiet=ending.code != 0)
+        ending = trial.run(reading.argv, folder, injection.environment, injection.limits)
+        trial.judge(ending, injection.limits, faults, REFUSED_TEXT if reading.is_text() else REFUSED, is_quiet=ending.code != 0)
         if ending.code == 0 and is_damaged and (not reading.is_text() or how in IN_PLACE):
             faults.add(trial.SILENT, f"{reading.file} was accepted")
         if ending.code != 0:
@@ -168,17 +168,17 @@ def read_damaged(siege, reading, how, random):
 class Runs:
     """A few finished runs that are damaged and mended in turn, one for each case at work."""
 
-    def __init__(self, siege):
-        self.siege, self.free, self.lock = siege, [], threading.Lock()
+    def __init__(self, injection):
+        self.injection, self.free, self.lock = injection, [], threading.Lock()
 
     def take(self):
         with self.lock:
             if self.free:
                 return self.free.pop()
-            number = sum(name.startswith("damaged") for name in os.listdir(os.path.join(self.siege.out, "pipeline"))) + 1
-            folder = os.path.join(self.siege.out, "pipeline", f"damaged{number}")
+            number = sum(name.startswith("damaged") for name in os.listdir(os.path.join(self.injection.out, "pipeline"))) + 1
+            folder = os.path.join(self.injection.out, "pipeline", f"damaged{number}")
             os.makedirs(folder)
-        pipeline = Pipeline(self.siege, folder)
+        pipeline = Pipeline(self.injection, folder)
         pipeline.run()
         return pipeline
 
@@ -187,7 +187,7 @@ class Runs:
             self.free.append(pipeline)
 
 
-def damage_artefact(siege, runs, path, how, random):
+def damage_artefact(injection, runs, path, how, random):
     def run(folder, faults):
         os.makedirs(folder)
         pipeline = runs.take()
@@ -197,10 +197,10 @@ def damage_artefact(siege, runs, path, how, random):
         os.utime(place, ns=(times.st_atime_ns, times.st_mtime_ns))
         damaged = chain.read(place)
         ending = pipeline.run()
-        trial.judge(ending, siege.pipeline_limits, faults, is_quiet=False)
+        trial.judge(ending, injection.pipeline_limits, faults, is_quiet=False)
         if ending.code == 0 and (not os.path.exists(place) or chain.read(place) == damaged):
             faults.add(trial.SILENT, f"{path} is still damaged after a run")
-        elif ending.code == 0 and not siege.pipeline.is_final(pipeline.results, path):
+        elif ending.code == 0 and not injection.pipeline.is_final(pipeline.results, path):
             faults.add(trial.TORN, f"{path} was not made again as it was")
         if faults.found:
             shutil.rmtree(pipeline.folder)
@@ -210,28 +210,28 @@ def damage_artefact(siege, runs, path, how, random):
     return run
 
 
-def artefacts(siege):
+def artefacts(injection):
     """One of each kind that a run leaves and that later stages read."""
     wanted = ("dataset/training/house_0.0.h5", "basis.h5", "basis.json", "training/tent_mlp.ckpt", "training/tent_mlp.csv", "weights/tent_mlp.safetensors",
               "validation/summary.json", "validation/functions.csv", "validation/frontier.json", "stability.json", "light/two_rooms_0.json", "report.html")
-    return [path for path in wanted if path in siege.pipeline.listing]
+    return [path for path in wanted if path in injection.pipeline.listing]
 
 
-def cases(siege, count):
-    if siege.pipeline:
-        runs = Runs(siege)
-        for path in artefacts(siege):
+def cases(injection, count):
+    if injection.pipeline:
+        runs = Runs(injection)
+        for path in artefacts(injection):
             for how in ("flipped bits", "cut short"):
                 row = "artefacts of a run, their times kept"
                 name = f"damage/run/{path}/{how}".replace(" ", "_")
-                yield Case(name, row, damage_artefact(siege, runs, path, how, random_of(siege, name))), 1
-    known = readings(siege)
+                yield Case(name, row, damage_artefact(injection, runs, path, how, random_of(injection, name))), 1
+    known = readings(injection)
     kinds = sorted({reading.kind for reading in known})
     for number in range(count):
-        random = random_of(siege, "damage", number)
+        random = random_of(injection, "damage", number)
         # every kind as often, whoever reads it
         kind = kinds[number % len(kinds)]
         some = [reading for reading in known if reading.kind == kind]
         reading = random.choices(some, [reading.weight for reading in some])[0]
         how = random.choice(DRAWS if reading.opens else [*BYTES])
-        yield Case(f"damage/{kind}/{number}".replace(" ", "_"), f"damaged: {kind}", read_damaged(siege, reading, how, random)), 1
+        yield Case(f"damage/{kind}/{number}".replace(" ", "_"), f"damaged: {kind}", read_damaged(injection, reading, how, random)), 1

@@ -14,13 +14,13 @@ ABOVE_BYTES = 1 << 16
 
 
 def clean(environment):
-    return {key: value for key, value in environment.items() if not key.startswith("SIEGE_") and key != "LD_PRELOAD"}
+    return {key: value for key, value in environment.items() if not key.startswith("INJECT_") and key != "LD_PRELOAD"}
 
 
-def injecting(siege, folder, program, **settings):
+def injecting(injection, folder, program, **settings):
     """The environment of a process that the injector sits in; settings: call, at, fault, stay, counts."""
-    words = {f"SIEGE_{key.upper()}": str(value) for key, value in settings.items() if value}
-    return {**siege.environment, "LD_PRELOAD": siege.injector, "SIEGE_UNDER": os.path.realpath(folder), "SIEGE_ABOVE": str(ABOVE_BYTES), "SIEGE_PROGRAM": program, **words}
+    words = {f"INJECT_{key.upper()}": str(value) for key, value in settings.items() if value}
+    return {**injection.environment, "LD_PRELOAD": injection.injector, "INJECT_UNDER": os.path.realpath(folder), "INJECT_ABOVE": str(ABOVE_BYTES), "INJECT_PROGRAM": program, **words}
 
 
 def read_counts(path):

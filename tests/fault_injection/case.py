@@ -1,4 +1,4 @@
-"""A case of the siege: a name, the row of the table that it counts in, and what it does in a folder of its own."""
+"""A case of fault injection: a name, the row of the table that it counts in, and what it does in a folder of its own."""
 from dataclasses import dataclass
 from random import Random
 from typing import Callable
@@ -11,6 +11,6 @@ class Case:
     run: Callable  # (folder, faults) → words for the record, or nothing
 
 
-def random_of(siege, *names):
+def random_of(injection, *names):
     """Random numbers of a case's own: the same whatever ran before it, and in whichever thread."""
-    return Random("/".join(map(str, (siege.seed, *names))))
+    return Random("/".join(map(str, (injection.seed, *names))))

@@ -11,16 +11,16 @@ from case import Case, random_of
 WITHOUT_MEMORY = (trial.INTERNAL_ERROR, *trial.DOCUMENTED)
 
 
-def fail_call(siege, tool, made, random):
+def fail_call(injection, tool, made, random):
     def run(folder, faults):
-        chain.lay_out(siege.store, tool, folder)
-        counts = siege.counts[tool.name]
+        chain.lay_out(injection.store, tool, folder)
+        counts = injection.counts[tool.name]
         if tool.is_script:  # Python itself has no answer to these
             counts = {name: count for name, count in counts.items() if name not in ("memory", "thread")}
         settings, word = injector.draw_error(random, counts)
-        ending = trial.run(tool.argv(siege), folder, injector.injecting(siege, folder, tool.program(), **settings), siege.limits)
+        ending = trial.run(tool.argv(injection), folder, injector.injecting(injection, folder, tool.program(), **settings), injection.limits)
         codes = WITHOUT_MEMORY if settings["call"] in ("memory", "thread", "map") else trial.DOCUMENTED
-        trial.judge(ending, siege.limits, faults, codes, is_quiet=not made.stderr)
+        trial.judge(ending, injection.limits, faults, codes, is_quiet=not made.stderr)
         left = chain.outputs_in(tool, folder)
         for path in left:
             if chain.is_temporary(path):
@@ -34,8 +34,8 @@ def fail_call(siege, tool, made, random):
     return run
 
 
-def cases(siege, count):
+def cases(injection, count):
     for number in range(count):
-        random = random_of(siege, "errors", number)
-        tool = siege.draw_tool(random, siege.tools)
-        yield Case(f"errors/{number}", "injected errors", fail_call(siege, tool, siege.made[tool.name], random)), 1
+        random = random_of(injection, "errors", number)
+        tool = injection.draw_tool(random, injection.tools)
+        yield Case(f"errors/{number}", "injected errors", fail_call(injection, tool, injection.made[tool.name], random)), 1

@@ -1,4 +1,4 @@
-"""What the first siege found, each finding as cases of its name: D1 to D16."""
+"""What the first run found, each finding as cases of its name: D1 to D16."""
 import json
 import os
 import re
@@ -25,79 +25,79 @@ LONG_NUMBER, SURROGATE = "9" * 400, "\\ud800"
 
 # ---- D1, D6, D10, D12: files that are not what they were
 
-def damaged(siege, kinds, hows, count, name):
+def damaged(injection, kinds, hows, count, name):
     """Cases (words, run) of damaged files of some kinds, the readers in turn."""
-    some = [reading for reading in damage.readings(siege) if reading.kind in kinds and (reading.opens or hows[0] in damage.BYTES)]
+    some = [reading for reading in damage.readings(injection) if reading.kind in kinds and (reading.opens or hows[0] in damage.BYTES)]
     for number in range(count or len(some) * len(hows)):
         reading, how = some[number % len(some)], hows[number // len(some) % len(hows)]
-        yield damage.read_damaged(siege, reading, how, random_of(siege, name, number))
+        yield damage.read_damaged(injection, reading, how, random_of(injection, name, number))
 
 
-def binary_kinds(siege):
-    return {reading.kind for reading in damage.readings(siege) if not reading.is_text()}
+def binary_kinds(injection):
+    return {reading.kind for reading in damage.readings(injection) if not reading.is_text()}
 
 
-def d1(siege):
-    yield from damaged(siege, {"weights", "light grids"}, ["flipped bits"], 120, "D1")
+def d1(injection):
+    yield from damaged(injection, {"weights", "light grids"}, ["flipped bits"], 120, "D1")
 
 
-def d6(siege):
-    yield from damaged(siege, {"function caches"}, ["0000 to ffff"], 16, "D6")
+def d6(injection):
+    yield from damaged(injection, {"function caches"}, ["0000 to ffff"], 16, "D6")
 
 
-def d10(siege):
-    yield from damaged(siege, {reading.kind for reading in damage.readings(siege)}, ["a FIFO"], 0, "D10")
+def d10(injection):
+    yield from damaged(injection, {reading.kind for reading in damage.readings(injection)}, ["a FIFO"], 0, "D10")
     for file, _, _ in {entry[0]: entry for entry in scenes.KINDS.values()}.values():
-        yield scene_in_place(siege, file, "a FIFO")
-    if siege.pipeline:
-        yield fifo_in_run(siege)
+        yield scene_in_place(injection, file, "a FIFO")
+    if injection.pipeline:
+        yield fifo_in_run(injection)
 
 
-def fifo_in_run(siege):
+def fifo_in_run(injection):
     def run(folder, faults):
-        checkout = pipeline.Pipeline(siege, folder)
+        checkout = pipeline.Pipeline(injection, folder)
         os.makedirs(os.path.join(checkout.results, "dataset", "training"))
         os.mkfifo(os.path.join(checkout.results, "dataset", "training", "house_0.0.h5"))
         ending = checkout.run()
-        trial.judge(ending, siege.pipeline_limits, faults, is_quiet=False)
+        trial.judge(ending, injection.pipeline_limits, faults, is_quiet=False)
         return f"a FIFO for a shard: {ending.words()}"
     return run
 
 
-def scene_in_place(siege, file, how):
+def scene_in_place(injection, file, how):
     """Something that is no file, by the name of a scene."""
     def run(folder, faults):
         os.makedirs(folder)
         with open(os.path.join(folder, file), "wb") as stream:
             stream.write(b"x")
         damage.damage(os.path.join(folder, file), how, None)
-        ending = trial.run([os.path.join(siege.binaries, "nlg-datagen"), "--scene", scenes.scene_name(file), "--out", "shard.h5"], folder, siege.environment, siege.limits)
-        trial.judge(ending, siege.limits, faults)
+        ending = trial.run([os.path.join(injection.binaries, "nlg-datagen"), "--scene", scenes.scene_name(file), "--out", "shard.h5"], folder, injection.environment, injection.limits)
+        trial.judge(ending, injection.limits, faults)
         if ending.code == 0:
             faults.add(trial.SILENT, f"{how} was a scene")
         return f"{file}: {how}: {ending.words()}"
     return run
 
 
-def d12(siege):
-    yield from damaged(siege, binary_kinds(siege), ["a link to itself", "/dev/zero"], 0, "D12")
+def d12(injection):
+    yield from damaged(injection, binary_kinds(injection), ["a link to itself", "/dev/zero"], 0, "D12")
     for how in ("a link to itself", "/dev/zero"):
         for file in ("scene.gltf", "scene.obj", "scene.bsp", "scene.pk3"):
-            yield scene_in_place(siege, file, how)
-    yield long_path(siege)
-    yield large_buffers(siege)
+            yield scene_in_place(injection, file, how)
+    yield long_path(injection)
+    yield large_buffers(injection)
 
 
-def long_path(siege):
+def long_path(injection):
     def run(folder, faults):
         os.makedirs(folder)
-        ending = trial.run([os.path.join(siege.binaries, "nlg-datagen"), "--scene", "a" * 5000 + ".gltf", "--out", "shard.h5"], folder, siege.environment, siege.limits)
-        trial.judge(ending, siege.limits, faults)
+        ending = trial.run([os.path.join(injection.binaries, "nlg-datagen"), "--scene", "a" * 5000 + ".gltf", "--out", "shard.h5"], folder, injection.environment, injection.limits)
+        trial.judge(ending, injection.limits, faults)
         return f"a name of 5,000 letters: {ending.words()[:200]}"
     return run
 
 
-def large_buffers(siege):
+def large_buffers(injection):
     def run(folder, faults):
         os.makedirs(folder)
         names = [f"{i}.bin" for i in range(4)]
@@ -106,8 +106,8 @@ def large_buffers(siege):
                 file.truncate(3 << 30)
         with open(os.path.join(folder, "scene.gltf"), "wb") as file:
             file.write(hostile.large_buffers(names))
-        limits = trial.Limits(siege.limits.seconds, SCENE_MB, siege.limits.address_space)
-        ending = trial.run([os.path.join(siege.binaries, "nlg-datagen"), "--scene", "scene.gltf", "--out", "shard.h5"], folder, siege.environment, limits)
+        limits = trial.Limits(injection.limits.seconds, SCENE_MB, injection.limits.address_space)
+        ending = trial.run([os.path.join(injection.binaries, "nlg-datagen"), "--scene", "scene.gltf", "--out", "shard.h5"], folder, injection.environment, limits)
         trial.judge(ending, limits, faults)
         return f"four buffers of 3 GB: {ending.words()}"
     return run
@@ -115,17 +115,17 @@ def large_buffers(siege):
 
 # ---- D2, D7, D8: what lies in folders afterwards
 
-def d2(siege):
-    for tool in siege.tools:
+def d2(injection):
+    for tool in injection.tools:
         if tool.outputs:
-            yield foreign_files(siege, tool)
+            yield foreign_files(injection, tool)
 
 
-def foreign_files(siege, tool):
+def foreign_files(injection, tool):
     """Files of others beside a tool's outputs, and in its folders, by names that look like its own."""
     def run(folder, faults):
-        chain.lay_out(siege.store, tool, folder)
-        made, names = siege.made[tool.name], ["notes.txt"]
+        chain.lay_out(injection.store, tool, folder)
+        made, names = injection.made[tool.name], ["notes.txt"]
         for output in tool.outputs:
             if os.path.isdir(os.path.join(made.folder, output)):
                 names += [f"{output}/notes.txt", f"{output}/notes.tmp", f"{output}/step-old.ckpt.bak", f"{output}/other.safetensors.bak"]
@@ -135,8 +135,8 @@ def foreign_files(siege, tool):
             os.makedirs(os.path.dirname(os.path.join(folder, name)), exist_ok=True)
             with open(os.path.join(folder, name), "w") as file:
                 file.write(name)
-        ending = trial.run(tool.argv(siege), folder, siege.environment, siege.limits)
-        trial.judge(ending, siege.limits, faults, is_quiet=False)
+        ending = trial.run(tool.argv(injection), folder, injection.environment, injection.limits)
+        trial.judge(ending, injection.limits, faults, is_quiet=False)
         for name in names:
             path = os.path.join(folder, name)
             if not os.path.exists(path) or chain.read(path).decode() != name:
@@ -145,52 +145,52 @@ def foreign_files(siege, tool):
     return run
 
 
-def killed_at(siege, name, call, at):
+def killed_at(injection, name, call, at):
     def run(folder, faults):
-        tool, made = next(tool for tool in siege.tools if tool.name == name), siege.made[name]
-        chain.lay_out(siege.store, tool, folder)
+        tool, made = next(tool for tool in injection.tools if tool.name == name), injection.made[name]
+        chain.lay_out(injection.store, tool, folder)
         settings = {"call": call, "at": at, "fault": "kill"}
-        trial.run(tool.argv(siege), folder, injector.injecting(siege, folder, tool.program(), **settings), siege.limits)
+        trial.run(tool.argv(injection), folder, injector.injecting(injection, folder, tool.program(), **settings), injection.limits)
         kills.check_whole(tool, made, folder, faults, f"{call} {at}")
-        ending = trial.run(tool.argv(siege), folder, siege.environment, siege.limits)
-        trial.judge(ending, siege.limits, faults, is_quiet=False)
+        ending = trial.run(tool.argv(injection), folder, injection.environment, injection.limits)
+        trial.judge(ending, injection.limits, faults, is_quiet=False)
         kills.check_ended(tool, made, folder, faults)
         return f"{name}, killed at {call} {at}: {ending.words()}"
     return run
 
 
-def d7(siege):
+def d7(injection):
     """At every step between a checkpoint and what names it."""
-    for at in range(1, siege.counts["train"]["rename"] + 1):
-        yield killed_at(siege, "train", "rename", at)
+    for at in range(1, injection.counts["train"]["rename"] + 1):
+        yield killed_at(injection, "train", "rename", at)
 
 
-def d8(siege):
-    for name in {"report", "curve"} & {tool.name for tool in siege.tools}:
+def d8(injection):
+    for name in {"report", "curve"} & {tool.name for tool in injection.tools}:
         for call in ("sync", "rename"):
-            for at in range(1, siege.counts[name][call] + 1):
-                yield killed_at(siege, name, call, at)
+            for at in range(1, injection.counts[name][call] + 1):
+                yield killed_at(injection, name, call, at)
 
 
 # ---- D3, D4, D5: small files that ask for much
 
-def small_scene(siege, file, make, reader="render"):
+def small_scene(injection, file, make, reader="render"):
     def run(folder, faults):
-        return scenes.read_scene(siege, file, make(), reader, folder, faults, seconds=SCENE_SECONDS, peak_mb=SCENE_MB)
+        return scenes.read_scene(injection, file, make(), reader, folder, faults, seconds=SCENE_SECONDS, peak_mb=SCENE_MB)
     return run
 
 
-def d3(siege):
-    yield small_scene(siege, "scene.pk3", hostile.many_scans)
+def d3(injection):
+    yield small_scene(injection, "scene.pk3", hostile.many_scans)
 
 
-def d4(siege):
-    yield small_scene(siege, "scene.pk3", hostile.one_texture_often)
+def d4(injection):
+    yield small_scene(injection, "scene.pk3", hostile.one_texture_often)
 
 
-def d5(siege):
+def d5(injection):
     for count, length in ((24, (1 << 24) - 1), (100, (1 << 24) - 1), (1000, (1 << 22) - 1)):
-        yield small_scene(siege, "scene.gltf", lambda count=count, length=length: hostile.accessors_of_zeros(count, length), "datagen")
+        yield small_scene(injection, "scene.gltf", lambda count=count, length=length: hostile.accessors_of_zeros(count, length), "datagen")
 
 
 # ---- D9: no threads
@@ -198,20 +198,20 @@ def d5(siege):
 MOST_THREADS = 8  # no tool starts more at once
 
 
-def d9(siege):
+def d9(injection):
     """None at all, of every tool; then all but the first, all but the first two, …"""
     for first in range(1, MOST_THREADS + 1):
-        for tool in siege.tools:
-            if not tool.is_script and siege.counts[tool.name].get("thread", 0) >= first:
-                yield without_threads(siege, tool, first)
+        for tool in injection.tools:
+            if not tool.is_script and injection.counts[tool.name].get("thread", 0) >= first:
+                yield without_threads(injection, tool, first)
 
 
-def without_threads(siege, tool, first):
+def without_threads(injection, tool, first):
     def run(folder, faults):
-        chain.lay_out(siege.store, tool, folder)
-        environment = injector.injecting(siege, folder, tool.program(), call="thread", at=first, fault="11", stay=True)
-        ending = trial.run(tool.argv(siege), folder, environment, siege.limits)
-        trial.judge(ending, siege.limits, faults, (trial.INTERNAL_ERROR, *trial.DOCUMENTED), is_quiet=not siege.made[tool.name].stderr)
+        chain.lay_out(injection.store, tool, folder)
+        environment = injector.injecting(injection, folder, tool.program(), call="thread", at=first, fault="11", stay=True)
+        ending = trial.run(tool.argv(injection), folder, environment, injection.limits)
+        trial.judge(ending, injection.limits, faults, (trial.INTERNAL_ERROR, *trial.DOCUMENTED), is_quiet=not injection.made[tool.name].stderr)
         # a training run's own folder stays: the next attempt goes on from there
         for path in chain.outputs_in(tool, folder) if ending.code != 0 else ():
             if chain.is_temporary(path) or not path.startswith("run"):
@@ -222,25 +222,25 @@ def without_threads(siege, tool, first):
 
 # ---- D11: JSON that Python's reader trips over
 
-def d11(siege):
-    report = next((tool for tool in siege.tools if tool.name == "report"), None)
+def d11(injection):
+    report = next((tool for tool in injection.tools if tool.name == "report"), None)
     if report is None:
         return
     for path in sorted({word for word in report.command if word.endswith(".json")}):
         for what in ("number", "surrogate", "nesting"):
-            yield strange_json(siege, report, path, what)
+            yield strange_json(injection, report, path, what)
 
 
-def strange_json(siege, report, path, what):
+def strange_json(injection, report, path, what):
     def run(folder, faults):
-        chain.lay_out(siege.store, report, folder)
+        chain.lay_out(injection.store, report, folder)
         place = os.path.join(folder, path)
         document = chain.read(place).decode()
         os.remove(place)
         with open(place, "w") as file:
             file.write(strange(document, what))
-        ending = trial.run(report.argv(siege), folder, siege.environment, siege.limits)
-        trial.judge(ending, siege.limits, faults)
+        ending = trial.run(report.argv(injection), folder, injection.environment, injection.limits)
+        trial.judge(ending, injection.limits, faults)
         return f"{path}: {what}: {ending.words()}"
     return run
 
@@ -265,67 +265,67 @@ def strange(text, what):
 CONFIGURATIONS = {"empty": "", "broken": "name: [", "nameless": "scenes: {families: [house], per_family: 1}\n", "a list": "- a\n", "a number": "3\n", "bytes": "\0\1\2", "tabs": "name:\tx\n\ty: 1\n"}
 
 
-def d13(siege):
+def d13(injection):
     for words, text in CONFIGURATIONS.items():
-        yield configuration(siege, words, text)
+        yield configuration(injection, words, text)
     for flag in ("-x", "--nonsense", "--plan="):
-        yield flagged(siege, flag)
+        yield flagged(injection, flag)
 
 
-def configuration(siege, words, text):
+def configuration(injection, words, text):
     def run(folder, faults):
-        checkout = pipeline.Pipeline(siege, folder)
+        checkout = pipeline.Pipeline(injection, folder)
         with open(checkout.config, "w") as file:
             file.write(text)
         ending = checkout.run()
-        trial.judge(ending, siege.limits, faults, (trial.USAGE_ERROR,))
+        trial.judge(ending, injection.limits, faults, (trial.USAGE_ERROR,))
         if ending.code == 0:
             faults.add(trial.SILENT, f"a configuration that is {words} was taken")
         return f"{words}: {ending.words()}"
     return run
 
 
-def flagged(siege, flag):
+def flagged(injection, flag):
     def run(folder, faults):
-        checkout = pipeline.Pipeline(siege, folder)
-        ending = trial.run([os.path.join(checkout.checkout, "pipeline.sh"), flag], folder, checkout.environment, siege.limits)
-        trial.judge(ending, siege.limits, faults, (trial.USAGE_ERROR,))
+        checkout = pipeline.Pipeline(injection, folder)
+        ending = trial.run([os.path.join(checkout.checkout, "pipeline.sh"), flag], folder, checkout.environment, injection.limits)
+        trial.judge(ending, injection.limits, faults, (trial.USAGE_ERROR,))
         if ending.code == 0:
             faults.add(trial.SILENT, f"pipeline.sh {flag!r} was taken")
         return f"pipeline.sh {flag!r}: {ending.words()}"
     return run
 
 
-def d14(siege):
-    if siege.pipeline:
-        yield two_checkouts(siege)
+def d14(injection):
+    if injection.pipeline:
+        yield two_checkouts(injection)
         for seconds in (6.0, 14.0):
-            yield orphaned_tools(siege, seconds)
+            yield orphaned_tools(injection, seconds)
 
 
-def two_checkouts(siege):
+def two_checkouts(injection):
     """Two checkouts with one folder of results, at the same time: one is at work, the other says so, or waits."""
     def run(folder, faults):
-        first = pipeline.Pipeline(siege, os.path.join(folder, "one"))
-        second = pipeline.Pipeline(siege, os.path.join(folder, "two"))
+        first = pipeline.Pipeline(injection, os.path.join(folder, "one"))
+        second = pipeline.Pipeline(injection, os.path.join(folder, "two"))
         second.environment["NLG_OUT"] = first.environment["NLG_OUT"]
         started = subprocess.Popen([os.path.join(first.checkout, "pipeline.sh"), first.config], cwd=first.folder, env=first.environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
         time.sleep(3.0)
         ending = second.run()
-        _, errors = started.communicate(timeout=siege.pipeline_limits.seconds)
-        trial.judge(ending, siege.pipeline_limits, faults, (trial.USAGE_ERROR,), is_quiet=False)
+        _, errors = started.communicate(timeout=injection.pipeline_limits.seconds)
+        trial.judge(ending, injection.pipeline_limits, faults, (trial.USAGE_ERROR,), is_quiet=False)
         if started.returncode != 0:
             faults.add(trial.ENDING, f"the first run: code {started.returncode}: {errors[-300:]}")
-        first.finish(siege.pipeline, faults)
+        first.finish(injection.pipeline, faults)
         return f"the second: {ending.words()}"
     return run
 
 
-def orphaned_tools(siege, seconds):
+def orphaned_tools(injection, seconds):
     """pipeline.sh and snakemake are killed and a tool lives on: no other run begins beside it."""
     def run(folder, faults):
-        checkout = pipeline.Pipeline(siege, folder)
+        checkout = pipeline.Pipeline(injection, folder)
         started = subprocess.Popen([os.path.join(checkout.checkout, "pipeline.sh"), checkout.config], cwd=folder, env=checkout.environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
         time.sleep(seconds)
@@ -338,9 +338,9 @@ def orphaned_tools(siege, seconds):
         started.wait()
         alive = [process for process, name in trial.session_of(started.pid) if name.startswith("nlg-")]
         ending = checkout.run()
-        trial.judge(ending, siege.pipeline_limits, faults, (trial.USAGE_ERROR,), is_quiet=False)
+        trial.judge(ending, injection.pipeline_limits, faults, (trial.USAGE_ERROR,), is_quiet=False)
         trial.wait_for(lambda: any(process in alive for process, _ in trial.session_of(started.pid)))
-        checkout.finish(siege.pipeline, faults)
+        checkout.finish(injection.pipeline, faults)
         return f"{len(alive)} tools lived on: {ending.words()}"
     return run
 
@@ -356,18 +356,18 @@ def policy_options(of_type):
 WHOLE, NUMBERS = policy_options("int"), policy_options("double")
 
 
-def d15(siege):
+def d15(injection):
     for names, values in ((WHOLE, ("-1", "-100000", "-2147483648", "2147483647")), (NUMBERS, ("-1", "nan", "inf", "-inf", "1e300"))):
         for name in names:
             for value in values:
-                yield policy(siege, name, value)
+                yield policy(injection, name, value)
 
 
-def policy(siege, name, value):
+def policy(injection, name, value):
     def run(folder, faults):
         os.makedirs(folder)
-        limits = trial.Limits(POLICY_SECONDS * siege.factor, siege.limits.peak_mb, siege.limits.address_space)
-        ending = trial.run([siege.reader, "policy", os.path.join(siege.store, "tent_mlp.safetensors"), name, value], folder, siege.environment, limits)
+        limits = trial.Limits(POLICY_SECONDS * injection.factor, injection.limits.peak_mb, injection.limits.address_space)
+        ending = trial.run([injection.reader, "policy", os.path.join(injection.store, "tent_mlp.safetensors"), name, value], folder, injection.environment, limits)
         trial.judge(ending, limits, faults, (trial.INPUT_ERROR,))
         return f"{name} = {value}: {ending.words()}"
     return run
@@ -375,34 +375,34 @@ def policy(siege, name, value):
 
 # ---- D16: words
 
-def d16(siege):
+def d16(injection):
     for reader in ("datagen", "render", "bake"):
-        yield named_scene(siege, "scene.bsp", hostile.control_characters, reader, must_fail=False)
-    yield named_scene(siege, "scene.gltf", hostile.draco_not_required, "datagen", must_fail=True)
-    for tool in siege.tools:
+        yield named_scene(injection, "scene.bsp", hostile.control_characters, reader, must_fail=False)
+    yield named_scene(injection, "scene.gltf", hostile.draco_not_required, "datagen", must_fail=True)
+    for tool in injection.tools:
         if tool.outputs and not tool.is_script:
-            yield names_the_output(siege, tool)
+            yield names_the_output(injection, tool)
     # a block of the cache that is found to be damaged while another thread waits for it
-    yield from damaged(siege, {"function caches"}, ["other bytes", "zeroed words"], 4, "D16")
+    yield from damaged(injection, {"function caches"}, ["other bytes", "zeroed words"], 4, "D16")
 
 
-def named_scene(siege, file, make, reader, must_fail):
+def named_scene(injection, file, make, reader, must_fail):
     def run(folder, faults):
-        return scenes.read_scene(siege, file, make(), reader, folder, faults, must_fail=must_fail)
+        return scenes.read_scene(injection, file, make(), reader, folder, faults, must_fail=must_fail)
     return run
 
 
-def names_the_output(siege, tool):
+def names_the_output(injection, tool):
     """What cannot be written is called by the name that the user gave."""
     def run(folder, faults):
-        chain.lay_out(siege.store, tool, folder)
-        counts = siege.counts[tool.name]
+        chain.lay_out(injection.store, tool, folder)
+        counts = injection.counts[tool.name]
         words = []
         for call, fault in (("write", "28"), ("truncate", "28"), ("sync", "5"), ("rename", "28")):
             if not counts.get(call):
                 continue
-            ending = trial.run(tool.argv(siege), folder, injector.injecting(siege, folder, tool.program(), call=call, at=1, fault=fault, stay=True), siege.limits)
-            trial.judge(ending, siege.limits, faults, is_quiet=not siege.made[tool.name].stderr)
+            ending = trial.run(tool.argv(injection), folder, injector.injecting(injection, folder, tool.program(), call=call, at=1, fault=fault, stay=True), injection.limits)
+            trial.judge(ending, injection.limits, faults, is_quiet=not injection.made[tool.name].stderr)
             if ".tmp" in ending.stderr:
                 faults.add(trial.ENDING, f"names a temporary file: {ending.words()}")
             words.append(ending.words())
@@ -419,9 +419,9 @@ FINDINGS = {
 }
 
 
-def cases(siege, count):
+def cases(injection, count):
     """All of them; count is not asked."""
     for title, make in FINDINGS.items():
-        name, runs = title.split(":")[0], list(enumerate(make(siege)))
-        for number, run in runs[::max(1, len(runs) // SHORT_CASES)] if siege.arguments.short else runs:
+        name, runs = title.split(":")[0], list(enumerate(make(injection)))
+        for number, run in runs[::max(1, len(runs) // SHORT_CASES)] if injection.arguments.short else runs:
             yield Case(f"findings/{name}/{number}", title, run), 1

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""The siege: kills, injected errors, damaged files and hostile scenes against every tool and the whole pipeline.
+"""Fault injection: kills, injected errors, damaged files and hostile scenes against every tool and the whole pipeline.
 
-    tests/siege/run.py --seed 1 --kills 300 --errors 500 --damage 3000 --scenes 400 --jobs 2 --out build/siege [PART ...]
-    tests/siege/run.py --short                                   the test siege_short: every part, a few cases of each
-    tests/siege/run.py --only damage/grid/17                     one case again, its folder kept
-    workflow/results.py collect-siege build/siege                its table → docs/results/reliability.json and docs: reliability
+    tests/fault_injection/run.py --seed 1 --kills 300 --errors 500 --damage 3000 --scenes 400 --jobs 2 --out build/fault_injection [PART ...]
+    tests/fault_injection/run.py --short                         the test fault_injection_short: every part, a few cases of each
+    tests/fault_injection/run.py --only damage/grid/17           one case again, its folder kept
+    workflow/results.py collect-fault-injection build/fault_injection   its table → docs/results/reliability.json and docs: reliability
 
-Parts: findings (every finding of the first siege by name), kills, errors, damage, scenes; all of them when none is named. The same seed
-gives the same cases. A case is written down when it is over, in OUT/PART.jsonl: a siege that was stopped goes on where it was, and
+Parts: findings (every finding of the first run by name), kills, errors, damage, scenes; all of them when none is named. The same seed
+gives the same cases. A case is written down when it is over, in OUT/PART.jsonl: a run that was stopped continues, and
 parts may be run one after the other. OUT/table.md and table.json sum up what is there. Exit code 6 when something stands in a bad column.
 What a case that failed was made of stays in OUT/failed/.
 """
@@ -44,7 +44,7 @@ PIPELINE_SECONDS = 600.0
 ENVIRONMENT = {"NLG_PROGRESS": "off", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "2", "OMP_WAIT_POLICY": "passive", "MPLCONFIGDIR": "/tmp", "LC_ALL": "C.UTF-8"}
 
 
-class Siege:
+class FaultInjection:
     """What every case is given."""
 
     def __init__(self, arguments):
@@ -52,8 +52,8 @@ class Siege:
         self.here = str(Path(__file__).resolve().parent)
         self.sources = str(Path(self.here).parents[1])
         build = os.path.abspath(arguments.build)
-        self.binaries, self.reader = os.path.join(build, "bin"), os.path.join(build, "tests", "siege", "siege_read")
-        self.injector = os.path.join(build, "tests", "siege", "siege_inject.so")
+        self.binaries, self.reader = os.path.join(build, "bin"), os.path.join(build, "tests", "fault_injection", "fault_injection_read")
+        self.injector = os.path.join(build, "tests", "fault_injection", "fault_injector.so")
         self.out = os.path.abspath(arguments.out)
         self.store = os.path.join(self.out, "store")  # one of every file that a stage reads
         self.environment = {**injector.clean(os.environ), **ENVIRONMENT}
@@ -80,7 +80,7 @@ class Siege:
             chain.lay_out(self.store, tool, folder)
             ending = trial.run(tool.argv(self), folder, injector.injecting(self, folder, tool.program(), counts=path + ".new"), self.limits)
             if ending.code != 0 or not os.path.exists(path + ".new"):
-                raise SystemExit(f"siege: {tool.name}: counting its calls must disturb nothing: {ending.words()}")
+                raise SystemExit(f"fault injection: {tool.name}: counting its calls must disturb nothing: {ending.words()}")
             os.rename(path + ".new", path)
             shutil.rmtree(folder)
         return injector.read_counts(path)
@@ -90,22 +90,22 @@ class Siege:
         return random.choices(tools, [min(1.0, 1.0 / self.made[tool.name].seconds) for tool in tools])[0]
 
 
-def revision(siege):
-    return subprocess.run([os.path.join(siege.binaries, "nlg-datagen"), "--version"], capture_output=True, text=True, check=True).stdout.strip()
+def revision(injection):
+    return subprocess.run([os.path.join(injection.binaries, "nlg-datagen"), "--version"], capture_output=True, text=True, check=True).stdout.strip()
 
 
-def begin(siege):
+def begin(injection):
     """A folder of this seed and these tools, or a fresh one."""
-    origin = {"seed": siege.seed, "revision": revision(siege)}
-    path = os.path.join(siege.out, "origin.json")
-    if siege.arguments.fresh and os.path.exists(path):
-        shutil.rmtree(siege.out)
+    origin = {"seed": injection.seed, "revision": revision(injection)}
+    path = os.path.join(injection.out, "origin.json")
+    if injection.arguments.fresh and os.path.exists(path):
+        shutil.rmtree(injection.out)
     if os.path.exists(path):
         with open(path) as file:
             found = json.load(file)
         if found != origin:
-            raise SystemExit(f"siege: {siege.out}: made with {found}, expected {origin}; --fresh begins anew")
-    os.makedirs(siege.out, exist_ok=True)
+            raise SystemExit(f"fault injection: {injection.out}: made with {found}, expected {origin}; --fresh begins anew")
+    os.makedirs(injection.out, exist_ok=True)
     with open(path, "w") as file:
         json.dump(origin, file)
     return origin
@@ -118,21 +118,21 @@ def done_names(path):
         return {json.loads(line)["name"] for line in file}
 
 
-def run_case(siege, part, case, cases):
-    folder = os.path.join(siege.out, "work", case.name.replace("/", "_"))
+def run_case(injection, part, case, cases):
+    folder = os.path.join(injection.out, "work", case.name.replace("/", "_"))
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     faults = trial.Faults()
     place = os.path.join(folder, "case")
     words = case.run(place, faults)
     record = {"name": case.name, "row": case.row, "cases": cases, "words": words, "faults": faults.found}
-    with siege.lock:
-        with open(os.path.join(siege.out, f"{part}.jsonl"), "a") as file:
+    with injection.lock:
+        with open(os.path.join(injection.out, f"{part}.jsonl"), "a") as file:
             file.write(json.dumps(record) + "\n")
     for column, why in faults.found:
         print(f"{case.name}: {column}: {why}\n    {words}", flush=True)
-    if faults.found or siege.arguments.only:
-        kept = os.path.join(siege.out, "failed", case.name.replace("/", "_"))
+    if faults.found or injection.arguments.only:
+        kept = os.path.join(injection.out, "failed", case.name.replace("/", "_"))
         shutil.rmtree(kept, ignore_errors=True)
         os.makedirs(os.path.dirname(kept), exist_ok=True)
         shutil.move(folder, kept)
@@ -140,14 +140,14 @@ def run_case(siege, part, case, cases):
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def run_parts(siege, parts, counts):
-    with ThreadPoolExecutor(siege.arguments.jobs) as pool:
+def run_parts(injection, parts, counts):
+    with ThreadPoolExecutor(injection.arguments.jobs) as pool:
         waiting = []
         for part in parts:
-            known = done_names(os.path.join(siege.out, f"{part}.jsonl"))
-            for case, cases in MODULES[part].cases(siege, counts.get(part, 0)):
-                if (case.name == siege.arguments.only) if siege.arguments.only else case.name not in known:
-                    waiting.append(pool.submit(run_case, siege, part, case, cases))
+            known = done_names(os.path.join(injection.out, f"{part}.jsonl"))
+            for case, cases in MODULES[part].cases(injection, counts.get(part, 0)):
+                if (case.name == injection.arguments.only) if injection.arguments.only else case.name not in known:
+                    waiting.append(pool.submit(run_case, injection, part, case, cases))
         for future in waiting:
             future.result()
 
@@ -164,20 +164,20 @@ def main():
     parser.add_argument("--sanitized", action="store_true", help="the tools are built with a sanitizer: longer, larger, and nothing is injected")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--build", default="build/release")
-    parser.add_argument("--out", default="build/siege")
+    parser.add_argument("--out", default="build/fault_injection")
     parser.add_argument("--fresh", action="store_true", help="begin anew where another seed or revision was at work")
     parser.add_argument("--only", metavar="CASE", help="one case, even if it was run before; its folder stays in OUT/failed")
     arguments = parser.parse_args()
     if unknown := set(arguments.parts) - set(PARTS):
         parser.error(f"unknown part {', '.join(sorted(unknown))}: expected some of {', '.join(PARTS)}")
     parts = [arguments.only.split("/")[0]] if arguments.only else arguments.parts or list(PARTS)
-    siege = Siege(arguments)
-    origin = begin(siege)
+    injection = FaultInjection(arguments)
+    origin = begin(injection)
     counts = SHORT if arguments.short else {part: getattr(arguments, part) for part in SHORT}
-    siege.make(parts, with_pipeline=not arguments.short and bool({"kills", "damage", "findings"} & set(parts)))
-    run_parts(siege, parts, counts)
-    found = table.collect(siege.out, PARTS, origin)
-    table.write(siege.out, found)
+    injection.make(parts, with_pipeline=not arguments.short and bool({"kills", "damage", "findings"} & set(parts)))
+    run_parts(injection, parts, counts)
+    found = table.collect(injection.out, PARTS, origin)
+    table.write(injection.out, found)
     print(table.markdown(found))
     return 6 if table.is_bad(found) else 0
 

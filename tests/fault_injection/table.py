@@ -1,4 +1,4 @@
-"""The siege's table, out of what its cases left: a row for every kind of case, a column for everything that must not happen."""
+"""The table of fault injection, out of what its cases left: a row for every kind of case, a column for everything that must not happen."""
 import json
 import os
 
@@ -26,7 +26,7 @@ def collect(folder, parts, origin):
                 entry = finding_rows.setdefault(record["row"], {"cases": 0, "failed": 0})
                 entry["cases"] += 1
                 entry["failed"] += bool(bad)
-            row = rows.setdefault("findings of the first siege" if part == "findings" else record["row"], {"cases": 0, **{column: 0 for column in COLUMNS}})
+            row = rows.setdefault("findings of the first run" if part == "findings" else record["row"], {"cases": 0, **{column: 0 for column in COLUMNS}})
             row["cases"] += record["cases"]
             for column in bad:
                 row[column] += 1

@@ -1,5 +1,5 @@
-// Reads one file as an engine would: siege_read READER FILE. Readers that no tool has: the C++ library's, the C library's, and the header
-// that is all of a program in C. Exit code 0: it was accepted; 3: refused, with one line on stderr.
+// Reads one file as an engine would: fault_injection_read READER FILE. The readers that no tool has: of the C++ library, of
+// the C library, and the header that is a whole reader in C. Exit code 0: it was accepted; 3: refused, with one line on stderr.
 //
 //   weights, weights-c       a generator
 //   grid, grid-c             a light grid
@@ -25,7 +25,7 @@ namespace {
 constexpr int kAccepted = 0, kUsage = 2, kRefused = 3;
 
 int refused(const std::string& detail) {
-  std::cerr << "siege_read: error: " << detail << '\n';
+  std::cerr << "fault_injection_read: error: " << detail << '\n';
   return kRefused;
 }
 
@@ -109,6 +109,7 @@ int main(int argc, char** argv) {
   if (argc == 3 && reader == "grid-c") return readGridInC(argv[2]);
   if (argc == 3 && reader == "grid-header") return readGridByHeader(argv[2]);
   if (argc == 5 && reader == "policy") return usePolicy(argv[2], argv[3], argv[4]);
-  std::cerr << "usage: siege_read weights|weights-c|grid|grid-c|grid-header FILE, siege_read policy WEIGHTS OPTION VALUE\n";
+  std::cerr << "usage: fault_injection_read weights|weights-c|grid|grid-c|grid-header FILE, fault_injection_read policy WEIGHTS "
+               "OPTION VALUE\n";
   return kUsage;
 }

@@ -1,11 +1,11 @@
-"""A whole pipeline in a folder: pipeline.sh of this checkout, without what installs and builds, on tests/siege/siege.yaml."""
+"""A whole pipeline in a folder: pipeline.sh of this checkout, without what installs and builds, on tests/fault_injection/fault_injection.yaml."""
 import os
 import shutil
 
 import chain
 import trial
 
-NAME = "siege"
+NAME = "fault_injection"
 # pipeline.sh sources it; packages and binaries are there
 SETUP = "install_packages() { :; }\nbuild() { :; }\n"
 
@@ -13,16 +13,16 @@ SETUP = "install_packages() { :; }\nbuild() { :; }\n"
 class Pipeline:
     """A checkout of links, so that locks and snakemake's own records are this run's alone."""
 
-    def __init__(self, siege, folder):
-        self.siege, self.folder = siege, folder
+    def __init__(self, injection, folder):
+        self.injection, self.folder = injection, folder
         self.checkout, self.results = os.path.join(folder, "checkout"), os.path.join(folder, "out", NAME)
-        self.environment = {**siege.environment, "NLG_BIN": siege.binaries, "NLG_OUT": os.path.join(folder, "out")}
-        lay_out_checkout(siege.sources, self.checkout)
+        self.environment = {**injection.environment, "NLG_BIN": injection.binaries, "NLG_OUT": os.path.join(folder, "out")}
+        lay_out_checkout(injection.sources, self.checkout)
         self.config = os.path.join(self.checkout, chain.CONFIG)
-        shutil.copyfile(os.path.join(siege.here, chain.CONFIG), self.config)
+        shutil.copyfile(os.path.join(injection.here, chain.CONFIG), self.config)
 
     def run(self, kill_after=None, *arguments):
-        return trial.run([os.path.join(self.checkout, "pipeline.sh"), *arguments, self.config], self.folder, self.environment, self.siege.pipeline_limits, kill_after)
+        return trial.run([os.path.join(self.checkout, "pipeline.sh"), *arguments, self.config], self.folder, self.environment, self.injection.pipeline_limits, kill_after)
 
     def clear(self):
         shutil.rmtree(os.path.dirname(self.results), ignore_errors=True)
@@ -39,7 +39,7 @@ class Pipeline:
     def finish(self, made, faults):
         """Runs to the end: the files of an undisturbed run."""
         ending = self.run()
-        trial.judge(ending, self.siege.pipeline_limits, faults, is_quiet=False)
+        trial.judge(ending, self.injection.pipeline_limits, faults, is_quiet=False)
         if ending.code != 0:
             faults.add(trial.ENDING, f"restart: {ending.words()}")
             return ending
@@ -76,15 +76,15 @@ class MadePipeline(chain.Made):
         super().__init__(first.results, again.results, [path for path in first.files() if path in set(again.files())], "", 0.0)
 
 
-def make(siege):
+def make(injection):
     """Two undisturbed runs; what an earlier call made it takes."""
-    runs = [Pipeline(siege, os.path.join(siege.out, "pipeline", name)) for name in ("first", "again")]
+    runs = [Pipeline(injection, os.path.join(injection.out, "pipeline", name)) for name in ("first", "again")]
     for pipeline in runs:
         done = os.path.join(pipeline.folder, "done")
         if not os.path.exists(done):
             pipeline.clear()
             ending = pipeline.run()
             if ending.code != 0:
-                raise SystemExit(f"siege: an undisturbed pipeline must succeed: {ending.words()}")
+                raise SystemExit(f"fault injection: an undisturbed pipeline must succeed: {ending.words()}")
             open(done, "w").close()
     return MadePipeline(*runs)

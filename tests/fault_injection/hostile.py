@@ -116,7 +116,7 @@ def jpeg(width=16, height=16, components=1, scans=1, frame=0xC0):
     return data + b"\xff\xd9"
 
 
-# ---- those that the first siege found
+# ---- those that the first run found
 
 def many_scans():
     """D3: a picture that is decoded 20,000 times over."""

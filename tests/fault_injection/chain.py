@@ -1,4 +1,4 @@
-"""The chain's tools on tests/siege/siege.yaml: what each is called with, what it reads and what it leaves."""
+"""The chain's tools on tests/fault_injection/fault_injection.yaml: what each is called with, what it reads and what it leaves."""
 import filecmp
 import json
 import os
@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import trial
 
-CONFIG = "siege.yaml"
-# those whose files all others read, and no more: what the short form besieges
+CONFIG = "fault_injection.yaml"
+# those whose files all others read, and no more: what the short form tests
 SHORT = ("datagen", "datagen held out", "datagen info", "pca", "cache", "train", "curve", "export", "bake", "shader")
 # how much work there is, where a damaged configuration no longer says it: half of one asks for minutes of training
 TRAIN = ["--steps", "12", "--batch", "4", "--start-candidates", "1", "--width", "16", "--layers", "2"]
@@ -30,10 +30,10 @@ class Tool:
     def program(self):
         return "python3" if self.is_script else self.command[0]
 
-    def argv(self, siege):
+    def argv(self, injection):
         if self.is_script:
-            return ["/usr/bin/python3", os.path.join(siege.sources, self.command[0]), *self.command[1:]]
-        return [os.path.join(siege.binaries, self.command[0]), *self.command[1:]]
+            return ["/usr/bin/python3", os.path.join(injection.sources, self.command[0]), *self.command[1:]]
+        return [os.path.join(injection.binaries, self.command[0]), *self.command[1:]]
 
 
 def tools():
@@ -143,28 +143,28 @@ def outputs_in(tool, folder):
     return [path for path in files_in(folder) if path.split(os.sep)[0] not in tool.inputs and path != "stdout"]
 
 
-def run_in(siege, tool, folder):
-    lay_out(siege.store, tool, folder)
-    return trial.run(tool.argv(siege), folder, siege.environment, siege.limits)
+def run_in(injection, tool, folder):
+    lay_out(injection.store, tool, folder)
+    return trial.run(tool.argv(injection), folder, injection.environment, injection.limits)
 
 
-def make(siege):
+def make(injection):
     """Runs every tool twice: name → Made. What it finds made by an earlier call it takes."""
     made = {}
-    for tool in siege.tools:
-        first, again = (os.path.join(siege.out, "chain", tool.name.replace(" ", "_"), run) for run in ("first", "again"))
+    for tool in injection.tools:
+        first, again = (os.path.join(injection.out, "chain", tool.name.replace(" ", "_"), run) for run in ("first", "again"))
         record = os.path.join(os.path.dirname(first), "made.json")
         if not os.path.exists(record):
             shutil.rmtree(os.path.dirname(first), ignore_errors=True)
             with ThreadPoolExecutor(2) as pool:
-                endings = list(pool.map(lambda folder: run_in(siege, tool, folder), (first, again)))
+                endings = list(pool.map(lambda folder: run_in(injection, tool, folder), (first, again)))
             for ending in endings:
                 if ending.code != 0:
-                    raise SystemExit(f"siege: {tool.name}: an undisturbed run must succeed: {ending.words()}")
+                    raise SystemExit(f"fault injection: {tool.name}: an undisturbed run must succeed: {ending.words()}")
             if tool.result:
-                shutil.copyfile(os.path.join(first, "stdout"), os.path.join(siege.store, tool.result))
+                shutil.copyfile(os.path.join(first, "stdout"), os.path.join(injection.store, tool.result))
             for name in tool.outputs:
-                place = os.path.join(siege.store, name)
+                place = os.path.join(injection.store, name)
                 if os.path.isdir(os.path.join(first, name)):
                     shutil.copytree(os.path.join(first, name), place, copy_function=os.link, symlinks=True, dirs_exist_ok=True)
                 elif not os.path.exists(place):

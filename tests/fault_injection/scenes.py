@@ -1,4 +1,4 @@
-"""Hostile scenes: variants of sound ones by mutation, and those that the first siege wrote by hand (findings.py).
+"""Hostile scenes: variants of sound ones by mutation, and those that the first run wrote by hand (findings.py).
 
 Each ends within the limits of time and memory: with success, or with a documented exit code and one line.
 """
@@ -104,12 +104,12 @@ KINDS = {
 ENTITIES = b'{ "classname" "worldspawn" "gridsize" "64 64 128" } { "classname" "light" "origin" "64 64 64" "light" "300" "_color" "1 0 0" } { "classname" "info_player_start" "origin" "1 2 3" }'
 
 
-def readers(siege):
+def readers(injection):
     """Programs that read a scene: geometry alone, and with its light."""
     return {
-        "datagen": lambda scene: ["nlg-datagen", "--config", "siege.yaml", "--scene", scene, "--out", "shard.h5"],
+        "datagen": lambda scene: ["nlg-datagen", "--config", "fault_injection.yaml", "--scene", scene, "--out", "shard.h5"],
         "render": lambda scene: ["nlg-render", scene, "--eye", "2,1.5,2", "--look", "3,1,3", "--width", "8", "--height", "8", "--truth-rays", "8", "--out", "picture.png"],
-        "bake": lambda scene: ["nlg-bake", scene, "--config", "siege.yaml", "--weights", "tent_mlp.safetensors", "--out", "grid.safetensors"],
+        "bake": lambda scene: ["nlg-bake", scene, "--config", "fault_injection.yaml", "--weights", "tent_mlp.safetensors", "--out", "grid.safetensors"],
     }
 
 
@@ -117,19 +117,19 @@ def scene_name(file):
     return f"{file}:room" if file.endswith(".pk3") else file
 
 
-def read_scene(siege, file, data, reader, folder, faults, must_fail=False, seconds=SECONDS, peak_mb=PEAK_MB, **others):
+def read_scene(injection, file, data, reader, folder, faults, must_fail=False, seconds=SECONDS, peak_mb=PEAK_MB, **others):
     """Writes a scene and lets a program read it."""
     os.makedirs(folder)
-    for name in ("siege.yaml", "tent_mlp.safetensors"):
-        os.link(os.path.join(siege.store, name), os.path.join(folder, name))
+    for name in ("fault_injection.yaml", "tent_mlp.safetensors"):
+        os.link(os.path.join(injection.store, name), os.path.join(folder, name))
     for name, content in {file: data, **others}.items():
         with open(os.path.join(folder, name), "wb") as stream:
             stream.write(content)
-    program, *arguments = readers(siege)[reader](scene_name(file))
-    factor = siege.factor
-    limits = trial.Limits(seconds * factor, peak_mb * (1 if factor == 1 else 3), siege.limits.address_space)
+    program, *arguments = readers(injection)[reader](scene_name(file))
+    factor = injection.factor
+    limits = trial.Limits(seconds * factor, peak_mb * (1 if factor == 1 else 3), injection.limits.address_space)
     before = set(os.listdir(folder))
-    ending = trial.run([os.path.join(siege.binaries, program), *arguments], folder, siege.environment, limits)
+    ending = trial.run([os.path.join(injection.binaries, program), *arguments], folder, injection.environment, limits)
     trial.judge(ending, limits, faults, is_quiet=ending.code != 0 and reader != "bake")
     if ending.code == 0 and must_fail:
         faults.add(trial.SILENT, f"{file} was accepted: {ending.words()}")
@@ -138,18 +138,18 @@ def read_scene(siege, file, data, reader, folder, faults, must_fail=False, secon
     return f"{file} of {len(data)} bytes, read by {reader}: {ending.words()}"
 
 
-def mutated_scene(siege, kind, random):
+def mutated_scene(injection, kind, random):
     def run(folder, faults):
         file, sound, mutate = KINDS[kind]
         data = mutate(sound(), random)
         others = {"room.mtl": mutate_words(hostile.MTL, random) if kind == "materials of OBJ" else hostile.MTL} if file == "scene.obj" else {}
         reader = random.choices(("datagen", "render", "bake"), (4, 4, 1))[0]
-        return read_scene(siege, file, data, reader, folder, faults, **others)
+        return read_scene(injection, file, data, reader, folder, faults, **others)
     return run
 
 
-def cases(siege, count):
+def cases(injection, count):
     kinds = list(KINDS)
     for number in range(count):
         kind = kinds[number % len(kinds)]
-        yield Case(f"scenes/{number}", "hostile scenes", mutated_scene(siege, kind, random_of(siege, "scenes", number))), 1
+        yield Case(f"scenes/{number}", "hostile scenes", mutated_scene(injection, kind, random_of(injection, "scenes", number))), 1
