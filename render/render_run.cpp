@@ -351,7 +351,7 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--weights", r.weights, "weights for --bake; none: those that ship");
   app.add_option(
          "--method", r.method,
-         "truth, grid, or a rival: trilinear, valid-trilinear, exact-visibility, apv, ddgi, tetrahedra; with :solved, light "
+         "truth, grid, or a baseline: trilinear, valid-trilinear, exact-visibility, apv, ddgi, tetrahedra; with :solved, light "
          "that is solved for")
       ->capture_default_str();
   app.add_option("--panel", r.panel, "several methods side by side, with titles, and errors when truth is among them")

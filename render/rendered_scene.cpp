@@ -42,32 +42,32 @@ bool isLit(LightStatus status, const glm::vec3& irradiance) {
   return status == LightStatus::lit || status == LightStatus::faint || irradiance != glm::vec3(0.0f);
 }
 
-constexpr uint64_t kTruthStream = 0x7472757468, kRivalStream = 0x726976616c;
+constexpr uint64_t kTruthStream = 0x7472757468, kBaselineStream = 0x726976616c;
 constexpr std::pair<const char*, const char*> kShortNames[] = {{"ddgi", "ddgi-as-shipped"}};
 
-// Rivals that are made together, and what their names begin with.
-struct RivalGroup {
+// Baselines that are made together, and what their names begin with.
+struct BaselineGroup {
   const char* stem;
   void (MethodSet::*add)();
 };
-constexpr RivalGroup kRivalGroups[] = {{"trilinear", &MethodSet::addTrilinear},
-                                       {"valid-trilinear", &MethodSet::addTrilinear},
-                                       {"exact-visibility", &MethodSet::addTrilinear},
-                                       {"apv", &MethodSet::addApv},
-                                       {"ddgi", &MethodSet::addDdgi},
-                                       {"tetrahedra", &MethodSet::addTetrahedra}};
+constexpr BaselineGroup kBaselineGroups[] = {{"trilinear", &MethodSet::addTrilinear},
+                                             {"valid-trilinear", &MethodSet::addTrilinear},
+                                             {"exact-visibility", &MethodSet::addTrilinear},
+                                             {"apv", &MethodSet::addApv},
+                                             {"ddgi", &MethodSet::addDdgi},
+                                             {"tetrahedra", &MethodSet::addTetrahedra}};
 
-constexpr RivalGroup kShippedDdgi = {"ddgi", &MethodSet::addShippedDdgi};
+constexpr BaselineGroup kShippedDdgi = {"ddgi", &MethodSet::addShippedDdgi};
 
-const RivalGroup* groupOf(const std::string& name) {
+const BaselineGroup* groupOf(const std::string& name) {
   if (name == "ddgi" || name == "ddgi-as-shipped") return &kShippedDdgi;
-  for (const RivalGroup& group : kRivalGroups) {
+  for (const BaselineGroup& group : kBaselineGroups) {
     if (name.rfind(group.stem, 0) == 0) return &group;
   }
   return nullptr;
 }
 
-bool isRival(const std::string& name) { return groupOf(name) != nullptr; }
+bool isBaseline(const std::string& name) { return groupOf(name) != nullptr; }
 
 LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
   LightGrid grid;
@@ -98,7 +98,7 @@ BakedAs bakedAs(const GridMetadata& metadata) {
 }
 
 // A picture of a grid beside a truth that it was not baked for is not wrong, but seldom what was meant.
-std::vector<std::string> differencesOf(const std::string& path, const BakedAs& baked, const BakedAs& asked, bool has_rivals) {
+std::vector<std::string> differencesOf(const std::string& path, const BakedAs& baked, const BakedAs& asked, bool has_baselines) {
   std::vector<std::string> differences;
   const auto warn = [&](const std::string& what) { differences.push_back(path + ": " + what); };
   const auto isOther = [](const std::string& a, const std::string& b) { return !a.empty() && a != b; };
@@ -107,8 +107,8 @@ std::vector<std::string> differencesOf(const std::string& path, const BakedAs& b
     warn("baked with other light of the scene than it has here; --sky, --sun, --light-groups and --light-set say which");
   if (isOther(baked.light_direct, asked.light_direct))
     warn("baked with light_direct " + baked.light_direct + ", and drawn with " + asked.light_direct);
-  if (has_rivals && baked.spacing_m > 0.0 && static_cast<float>(baked.spacing_m) != static_cast<float>(asked.spacing_m))
-    warn(fmt::format("baked with probes {} m apart, and the rivals' are {} m apart", baked.spacing_m, asked.spacing_m));
+  if (has_baselines && baked.spacing_m > 0.0 && static_cast<float>(baked.spacing_m) != static_cast<float>(asked.spacing_m))
+    warn(fmt::format("baked with probes {} m apart, and the baselines' are {} m apart", baked.spacing_m, asked.spacing_m));
   return differences;
 }
 
@@ -166,13 +166,13 @@ Lighting measuredLighting(const std::string& name, const LightMethod& method) {
 }
 
 void checkMethodName(const std::string& place, const std::string& name) {
-  if (name == "truth" || name == "grid" || isRival(name)) return;
+  if (name == "truth" || name == "grid" || isBaseline(name)) return;
   std::string stems;
-  for (const RivalGroup& group : kRivalGroups) stems += std::string(", ") + group.stem;
+  for (const BaselineGroup& group : kBaselineGroups) stems += std::string(", ") + group.stem;
   throw UsageError(place, "truth, grid" + stems + " and their kin", "'" + name + "'");
 }
 
-std::string rivalName(const LightMethod& method) {
+std::string baselineName(const LightMethod& method) {
   std::string name;
   for (const char sign : method.weights) {
     if (std::isalnum(static_cast<unsigned char>(sign))) {
@@ -187,8 +187,8 @@ std::string rivalName(const LightMethod& method) {
 RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& options)
     : request_(request), options_(options), threads_(options.threads > 0 ? options.threads : machineThreadCount()) {
   const std::vector<std::string> names = methodNames(request);
-  const bool has_rivals = std::any_of(names.begin(), names.end(), isRival);
-  if (request.bake || has_rivals) {
+  const bool has_baselines = std::any_of(names.begin(), names.end(), isBaseline);
+  if (request.bake || has_baselines) {
     baked_scene_.emplace(request.scene, options);
   } else {
     source_ = loadLitScene(request.scene, options);
@@ -196,11 +196,11 @@ RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& op
   }
   tellNotes(request.program, source());
   transport_ = std::make_unique<LightTransport>(scene(), baked_scene_ ? baked_scene_->rays : *rays_);
-  makeGrid(has_rivals);
-  if (has_rivals) makeRivals();
+  makeGrid(has_baselines);
+  if (has_baselines) makeBaselines();
 }
 
-void RenderedScene::makeGrid(bool has_rivals) {
+void RenderedScene::makeGrid(bool has_baselines) {
   if (request_.bake) {
     const std::vector<std::string> weights =
         request_.weights.empty() ? shippedWeights(options_.representation, weightsFolders()) : request_.weights;
@@ -209,7 +209,7 @@ void RenderedScene::makeGrid(bool has_rivals) {
     GridMetadata metadata;
     grid_ = readGrid(request_.grid, &metadata);
     const BakedAs baked = bakedAs(metadata), asked{source().id, options_.light_direct, lightSha256(source()), options_.spacing_m};
-    warnings_ = differencesOf(request_.grid, baked, asked, has_rivals);
+    warnings_ = differencesOf(request_.grid, baked, asked, has_baselines);
     for (const std::string& warning : warnings_) std::cerr << request_.program << ": " << warning << '\n';
   }
   if (!grid_ || !grid_->light.empty() || request_.show == "weights") return;
@@ -217,21 +217,21 @@ void RenderedScene::makeGrid(bool has_rivals) {
   throw InputError(request_.grid, "light", "a light grid that holds light", "none");
 }
 
-void RenderedScene::makeRivals() {
+void RenderedScene::makeBaselines() {
   MethodSetOptions options;
   options.solve = probeLightOptions(options_);
   options.probe = options.solve.probe;
   options.thread_count = threads_;
-  options.seed = mixSeed(options_.seed, kRivalStream);
-  rivals_ =
+  options.seed = mixSeed(options_.seed, kBaselineStream);
+  baselines_ =
       std::make_unique<MethodSet>(MethodScene{*transport_, baked_scene_->links, baked_scene_->tree, baked_scene_->air}, options);
   // each once, however many of its methods are asked for
   std::vector<void (MethodSet::*)()> added;
   for (const std::string& name : methodNames(request_)) {
-    const RivalGroup* group = groupOf(name);
+    const BaselineGroup* group = groupOf(name);
     if (group == nullptr || std::find(added.begin(), added.end(), group->add) != added.end()) continue;
     added.push_back(group->add);
-    (rivals_.get()->*group->add)();
+    (baselines_.get()->*group->add)();
   }
 }
 
@@ -243,18 +243,18 @@ Lighting RenderedScene::lighting(const std::string& name) const {
     options.direct = directLightFromName(options_.light_direct);
     return truthLighting(*transport_, options, mixSeed(options_.seed, kTruthStream));
   }
-  return measuredLighting(name, rival(name));
+  return measuredLighting(name, baseline(name));
 }
 
-const LightMethod& RenderedScene::rival(const std::string& name) const {
+const LightMethod& RenderedScene::baseline(const std::string& name) const {
   std::string whole = name;
   for (const auto& [short_name, long_name] : kShortNames) {
     if (name == short_name) whole = long_name;
   }
   std::string known;
-  for (const LightMethod& rival : rivals_->methods()) {
-    if (rivalName(rival) == whole) return rival;
-    known += (known.empty() ? "" : ", ") + rivalName(rival);
+  for (const LightMethod& baseline : baselines_->methods()) {
+    if (baselineName(baseline) == whole) return baseline;
+    known += (known.empty() ? "" : ", ") + baselineName(baseline);
   }
   throw UsageError(request_.panel.empty() ? "--method" : request_.panel_flag,
                    known.empty() ? "a method that this scene has" : "truth, grid or one of " + known, "'" + name + "'");

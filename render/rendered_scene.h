@@ -51,13 +51,13 @@ Lighting measuredLighting(const std::string& name, const LightMethod& method);
 // throws    UsageError on a name that no method has
 void checkMethodName(const std::string& place, const std::string& name);
 
-// A rival's name on the command line: "DDGI as shipped, relocated" is ddgi-as-shipped-relocated; behind a colon how its probes are
-// lit, when that is not as rivals do (trilinear:solved).
-std::string rivalName(const LightMethod& method);
+// A baseline's name on the command line: "DDGI as shipped, relocated" is ddgi-as-shipped-relocated; behind a colon how its probes are
+// lit, when that is not as baselines do (trilinear:solved).
+std::string baselineName(const LightMethod& method);
 
 class RenderedScene {
  public:
-  // Loads the scene, loads or bakes the grid, and makes the rivals that the request names. Both must outlive this object.
+  // Loads the scene, loads or bakes the grid, and makes the baselines that the request names. Both must outlive this object.
   // throws   UsageError, InputError
   RenderedScene(const RenderRequest& request, const BakeOptions& options);
 
@@ -71,24 +71,24 @@ class RenderedScene {
 
   Lighting lighting(const std::string& name) const;
   // throws   UsageError when the scene has none of that name
-  const LightMethod& rival(const std::string& name) const;
+  const LightMethod& baseline(const std::string& name) const;
   // What of a grid's file says that it is not of this scene, or not of its light here; told on stderr as well.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  const MethodSet* rivals() const { return rivals_.get(); }  // null when none was asked for
+  const MethodSet* baselines() const { return baselines_.get(); }  // null when none was asked for
 
  private:
-  void makeGrid(bool has_rivals);
-  void makeRivals();
+  void makeGrid(bool has_baselines);
+  void makeBaselines();
 
   const RenderRequest& request_;
   const BakeOptions& options_;
   const int threads_;
   SceneSource source_;
   std::unique_ptr<RayScene> rays_;
-  std::optional<BakeScene> baked_scene_;  // in place of both: with what a bake and rivals need beside
+  std::optional<BakeScene> baked_scene_;  // in place of both: with what a bake and baselines need beside
   std::unique_ptr<LightTransport> transport_;
   std::optional<LightGrid> grid_;
-  std::unique_ptr<MethodSet> rivals_;
+  std::unique_ptr<MethodSet> baselines_;
   std::vector<std::string> warnings_;
 };
 

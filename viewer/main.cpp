@@ -27,13 +27,13 @@ int main(int argc, char** argv) {
   OptionTable table("bake");
   describe(bake, table);
   table.addNote(stagesHelp({}));
-  table.common({"out", "grid", "watch", "weights", "rivals", "unit", "spacing_m", "sky", "sun"});
+  table.common({"out", "grid", "watch", "weights", "baselines", "unit", "spacing_m", "sky", "sun"});
   describe(request, app);
   return runTool(argc, argv, app, table, [&] {
     takeThetaPrecision(&bake);
     if (request.is_watched) {
       // what takes longer than the bake only where it is asked for
-      if (app.get_option("--rivals")->count() == 0) request.rivals = {"none"};
+      if (app.get_option("--baselines")->count() == 0) request.baselines = {"none"};
       if (app.get_option("--truth-views")->count() == 0) request.truth_views = 0;
       if (app.get_option("--places")->count() == 0) request.places = 0;
       return watchScene(request, bake, table);

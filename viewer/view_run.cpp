@@ -43,8 +43,8 @@ constexpr int kPlaceRays = 256;  // of truth at a place
 constexpr int kFewestPlaces = 16;
 constexpr int kExposureWidth = 160, kExposureHeight = 90;
 constexpr float kBrightestStored = 1000.0f;  // of a truth picture; RGB9E5 ends at 65,408
-const std::vector<std::string> kShownRivals = {"trilinear", "trilinear:solved", "valid-trilinear", "valid-trilinear:solved",
-                                               "ddgi"};
+const std::vector<std::string> kShownBaselines = {"trilinear", "trilinear:solved", "valid-trilinear", "valid-trilinear:solved",
+                                                  "ddgi"};
 
 Json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
@@ -98,7 +98,7 @@ class ViewFolder {
     const glm::dvec3& origin_m = scene_.scene().origin_m;
     grid_.tree.moveBy({-origin_m.x, -origin_m.y, -origin_m.z});
     said_ = {{"schema_version", 1}, {"scene", scene_.id()}, {"out", request.out}};
-    for (const std::string& name : request.rivals) rivals_.emplace_back(name, &scene_.rival(name));
+    for (const std::string& name : request.baselines) baselines_.emplace_back(name, &scene_.baseline(name));
   }
 
   Json write() {
@@ -312,8 +312,8 @@ class ViewFolder {
       entry["error"] = worst.error;
       script->facts["worst"].push_back(entry);
     }
-    for (const auto& [name, rival] : rivals_)
-      add(name, titleOf(name), rivalScript(name, *rival), rival->bytes.total(), rival->probes);
+    for (const auto& [name, baseline] : baselines_)
+      add(name, titleOf(name), baselineScript(name, *baseline), baseline->bytes.total(), baseline->probes);
   }
 
   static std::string titleOf(const std::string& name) {
@@ -322,11 +322,11 @@ class ViewFolder {
     return (name.starts_with("valid") ? "trilinear, probes in air" : "trilinear, all probes") + solved;
   }
 
-  DataScript rivalScript(const std::string& name, const LightMethod& rival) const {
+  DataScript baselineScript(const std::string& name, const LightMethod& baseline) const {
     DataScript script =
         name == "ddgi"
-            ? ddgiScript(scene_.rivals()->probes(), *scene_.rivals()->shippedDdgi())
-            : gridScript(name, trilinearGrid(scene_.rivals()->probes(), *rival.probe_light, !name.starts_with("valid")));
+            ? ddgiScript(scene_.baselines()->probes(), *scene_.baselines()->shippedDdgi())
+            : gridScript(name, trilinearGrid(scene_.baselines()->probes(), *baseline.probe_light, !name.starts_with("valid")));
     script.rename("method-" + scriptName(name));
     return script;
   }
@@ -335,7 +335,7 @@ class ViewFolder {
   const BakeOptions& options_;
   const RenderedScene scene_;
   LightGrid grid_;  // in the scene's coordinates
-  std::vector<std::pair<std::string, const LightMethod*>> rivals_;
+  std::vector<std::pair<std::string, const LightMethod*>> baselines_;
   Json said_;
 };
 
@@ -355,7 +355,7 @@ void refuseToReplaceOthersOf(const ViewRequest& request) {
   const fs::path folder(request.out);
   for (const PageFile& file : pageFiles()) refuseToReplaceOthers((folder / file.name).string(), kPages);
   std::vector<std::string> scripts = {"scene", "probes", "method-grid"};
-  for (const std::string& rival : request.rivals) scripts.push_back("method-" + scriptName(rival));
+  for (const std::string& baseline : request.baselines) scripts.push_back("method-" + scriptName(baseline));
   for (int view = 0; view < request.truth_views; ++view) scripts.push_back(fmt::format("truth-{}", view));
   for (const std::string& script : scripts) refuseToReplaceOthers((folder / (script + ".js")).string(), kScripts);
 }
@@ -365,7 +365,7 @@ void describe(ViewRequest& r, CLI::App& app) {
   app.add_option("--out", r.out, "the folder to write, in which index.html is the page. None: here, by the name of the scene");
   app.add_option("--grid", r.grid, "a light grid that holds light, as nlg-bake writes it; none: it is baked here");
   app.add_option("--weights", r.weights, "weights for that bake; none: those that ship");
-  app.add_option("--rivals", r.rivals,
+  app.add_option("--baselines", r.baselines,
                  "methods beside the grid, with probes as far apart as its own: trilinear, valid-trilinear, ddgi; with :solved, "
                  "the first two with light that is solved for; none")
       ->delimiter(',')
@@ -386,7 +386,7 @@ void describe(ViewRequest& r, CLI::App& app) {
   app.add_flag(
       "--watch", r.is_watched,
       "keep running: bake again whenever the scene's files are saved, and show it in the page without its being opened "
-      "again. A server on this machine alone has the page. --grid names the grid that is kept up to date; rivals, ground "
+      "again. A server on this machine alone has the page. --grid names the grid that is kept up to date; baselines, ground "
       "truth and places are left out unless they are asked for");
   app.add_option("--port", r.port, "of that server; 0: any that is free")->check(CLI::Range(0, 65535))->capture_default_str();
 }
@@ -394,12 +394,12 @@ void describe(ViewRequest& r, CLI::App& app) {
 Json makeView(ViewRequest request, BakeOptions options) {
   if (request.out.empty()) request.out = folderOfView(request.scene);
   requireOutputFolder(request.out);
-  if (request.rivals == std::vector<std::string>{"none"}) request.rivals.clear();
-  for (const std::string& name : request.rivals) {
-    if (std::count(request.rivals.begin(), request.rivals.end(), name) > 1)
-      throw UsageError("--rivals", "each once", "'" + name + "' twice");
-    if (std::find(kShownRivals.begin(), kShownRivals.end(), name) == kShownRivals.end())
-      throw UsageError("--rivals", fmt::format("{}, or none", fmt::join(kShownRivals, ", ")), "'" + name + "'");
+  if (request.baselines == std::vector<std::string>{"none"}) request.baselines.clear();
+  for (const std::string& name : request.baselines) {
+    if (std::count(request.baselines.begin(), request.baselines.end(), name) > 1)
+      throw UsageError("--baselines", "each once", "'" + name + "' twice");
+    if (std::find(kShownBaselines.begin(), kShownBaselines.end(), name) == kShownBaselines.end())
+      throw UsageError("--baselines", fmt::format("{}, or none", fmt::join(kShownBaselines, ", ")), "'" + name + "'");
   }
   if (request.places > 0 && request.places < kFewestPlaces)
     throw UsageError("--places", fmt::format("0, or {} or more", kFewestPlaces), std::to_string(request.places));
@@ -423,13 +423,13 @@ Json makeView(ViewRequest request, BakeOptions options) {
   }
   RenderRequest render;
   render.program = "nlg-view";
-  render.panel_flag = "--rivals";
+  render.panel_flag = "--baselines";
   render.scene = request.scene;
   render.grid = request.grid;
   render.bake = request.grid.empty();
   render.weights = request.weights;
   render.truth_rays = request.truth_rays;
-  render.panel = request.rivals;
+  render.panel = request.baselines;
   render.panel.insert(render.panel.begin(), {"truth", "grid"});
   return ViewFolder(request, options, render).write();
 }

@@ -22,7 +22,7 @@ struct ViewRequest {
   std::string scene, grid;
   std::string out;                   // empty: by the name of the scene
   std::vector<std::string> weights;  // without a grid: to bake one
-  std::vector<std::string> rivals = {"valid-trilinear", "ddgi"};
+  std::vector<std::string> baselines = {"valid-trilinear", "ddgi"};
   int truth_views = 3;      // 0: none
   int truth_width = 640;    // pixels of such a view; its height is 9/16 of it
   int truth_rays = 64;      // of a pixel

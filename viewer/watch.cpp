@@ -185,9 +185,10 @@ class Watch {
   End show(const std::string& grid, bool is_last) {
     const auto number = [](int n) { return std::to_string(n); };
     Words words = {"--grid", grid, "--out", request_.out};
-    words.insert(words.end(), {"--rivals", is_last ? fmt::format("{}", fmt::join(request_.rivals, ",")) : "none", "--truth-views",
-                               number(is_last ? request_.truth_views : 0), "--places", number(is_last ? request_.places : 0),
-                               "--truth-width", number(request_.truth_width), "--truth-rays", number(request_.truth_rays)});
+    words.insert(words.end(),
+                 {"--baselines", is_last ? fmt::format("{}", fmt::join(request_.baselines, ",")) : "none", "--truth-views",
+                  number(is_last ? request_.truth_views : 0), "--places", number(is_last ? request_.places : 0), "--truth-width",
+                  number(request_.truth_width), "--truth-rays", number(request_.truth_rays)});
     const Ran ran = runTool("nlg-view", words);
     const End end = judge(ran, "nlg-view");
     if (end != End::done) return end;

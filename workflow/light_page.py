@@ -52,9 +52,9 @@ def missed_text(front):
     if not front["missed"]:
         return "none"
     largest = max(entry["largest_bytes"] for entry in front["missed_in"].values())
-    rivals = "; ".join(f"{name} {count}" for name, count in front["missed"].items())
+    baselines = "; ".join(f"{name} {count}" for name, count in front["missed"].items())
     scenes = ", ".join(f"{scene} {entry['points']}" for scene, entry in front["missed_in"].items())
-    return f"{rivals} ({scenes}; the largest has {bytes_text(largest)})"
+    return f"{baselines} ({scenes}; the largest has {bytes_text(largest)})"
 
 
 def reached(holds):
@@ -133,7 +133,7 @@ def targets_section(results):
              ["air that nothing lights, and air outside the tree: largest of all scenes", "≤ .05 %; 0", f"{percent(unlit)}; {percent(outside)}", reached(unlit <= .0005 and outside == 0)],
              ["bytes a live probe, everything (talk 236 to 339, DDGI 1,056)", "≤ 60", f"{most['least']:.0f} to {most['most']:.0f}", reached(most["most"] <= 60)]]
     rows += [[what, "≤ 1 MB", bytes_text(size), reached(size <= 1e6)] for what, size in (("kaos2 at the error of our own probes with point light 1 m apart", found["level_bytes"]),
-             ("kaos2 with less error than every baseline 1 m apart", found["bytes_below_rivals"])) if size is not None]
+             ("kaos2 with less error than every baseline 1 m apart", found["bytes_below_baselines"])) if size is not None]
     return (f"\n## All light\nOurs is `{results['ours']}` with solved light, through the engine's own look-up.\n" + by_spacing_section(found) + thinning_section(results.get("thinning", {}), explained="thinning" not in results.get("indirect", {}))
             + "\n### Bytes and times\n" + table(["", "target", "measured", "reached"], rows + speed_rows(results)) + methods_section(results["methods"]))
 
@@ -185,12 +185,12 @@ def indirect_ratios(entry, limits=None):
 
 
 def indirect_rows(found):
-    spacings = sorted({spacing for kinds in found["to_best_rival"].values() for spacing in kinds["own"]}, key=lambda key: float(spacing_text(key).removesuffix(" m")))
+    spacings = sorted({spacing for kinds in found["to_best_baseline"].values() for spacing in kinds["own"]}, key=lambda key: float(spacing_text(key).removesuffix(" m")))
     least = lambda limits: "; ".join(f"≤ {number(limit, 1)}" for limit in limits) if limits else ""
     rows = []
     for kind, limits in INDIRECT_TARGETS.items():
         for way, words in (("own", "over the best baseline"), ("solved", "over the best baseline with solved light")):
-            of_way, held_to = found["to_best_rival"][kind][way], limits if way == "own" else None
+            of_way, held_to = found["to_best_baseline"][kind][way], limits if way == "own" else None
             if of_way:
                 rows.append([f"{KIND_TITLES[kind].lower()}, {words}", least(held_to), *(indirect_ratios(of_way.get(spacing, {}), held_to) for spacing in spacings)])
     for key, words in (("by_room", "over the best baseline"), ("by_room_solved", "over the best baseline with solved light")):
@@ -205,10 +205,10 @@ def indirect_rows(found):
 def behind(found):
     """Where, over the scenes of a kind, the best baseline has less error than ours: a text each."""
     texts = []
-    for kind, ways in found["to_best_rival"].items():
+    for kind, ways in found["to_best_baseline"].items():
         entries = [(spacing, group, entry[group]) for of_way in ways.values() for spacing, entry in of_way.items() for group in GROUPS if group in entry]
         entries += [(spacing, "relative error in air", entry) for spacing, entry in found["smape_in_air"][kind].items()]
-        texts += [f"{KIND_TITLES[kind].lower()} at {spacing_text(spacing)}, {what}: {number(entry['value'], 2)} × {entry['rival']}" for spacing, what, entry in entries if entry["value"] > 1]
+        texts += [f"{KIND_TITLES[kind].lower()} at {spacing_text(spacing)}, {what}: {number(entry['value'], 2)} × {entry['baseline']}" for spacing, what, entry in entries if entry["value"] > 1]
     return texts
 
 
@@ -238,7 +238,7 @@ def kind_heads(by_kind, kinds):
 def behind_by_scene(by_scene, scenes):
     """Where ours has more error than the best baseline of a scene: a text each."""
     titles = {"air": "air", "surface": "surface", "turned": "turned", "smape_in_air": "relative error in air"}
-    texts = [f"{scenes[scene]['name']} {title} {number(entry[key]['value'], 2)} × {entry[key]['rival']}" for scene, entry in by_scene.items() for key, title in titles.items() if entry[key]["value"] > 1]
+    texts = [f"{scenes[scene]['name']} {title} {number(entry[key]['value'], 2)} × {entry[key]['baseline']}" for scene, entry in by_scene.items() for key, title in titles.items() if entry[key]["value"] > 1]
     return "; ".join(texts) or "nowhere"
 
 
@@ -288,9 +288,9 @@ def seen_targets(found, ours):
         rows.append(["rooms beside daylight, pixels off by 2 ×: ours; exact visibility; DDGI", "≤ 1 %; no more than the second; a fifth of the third", "; ".join(map(percent, (mine, exact, ddgi))),
                      reached(mine <= .01 and mine <= exact and 5 * mine <= ddgi)])
     for key, title, limit in (("levels", "levels", .6), ("rooms", "furnished scenes and rooms beside daylight", .5)):
-        if key in found["hyab_over_best_rival"]:
-            ratio = found["hyab_over_best_rival"][key]
-            rows.append([f"{title}: ΔE over that of the best baseline, {ratio['rival']}", f"≤ {number(limit, 1)}", estimate(ratio, 2), reached(ratio["value"] <= limit)])
+        if key in found["hyab_over_best_baseline"]:
+            ratio = found["hyab_over_best_baseline"][key]
+            rows.append([f"{title}: ΔE over that of the best baseline, {ratio['baseline']}", f"≤ {number(limit, 1)}", estimate(ratio, 2), reached(ratio["value"] <= limit)])
     largest = found["ringing_largest"]
     rows.append(["rings, the scene that has most: of all pixels; in shadow", "≤ .1 %", "; ".join(percent(value) for value in largest.values()), reached(largest["all"] <= .001)])
     return table(["", "target", "measured", "reached"], rows)

@@ -27,10 +27,10 @@ from light_figures import GROUPS, SCENE_KINDS
 
 TODAY = ("point", 1.0)  # light gathered at probes 1 m apart: whose error is to be had for fewer bytes
 BYTES_BEFORE = 39  # a probe, of a light grid when the targets of bytes at equal error were set
-RIVALS = ("valid trilinear", "APV", "DDGI as shipped", "DDGI as shipped, relocated")
-SOLVED_RIVALS = ("valid trilinear", "tetrahedra", "APV", "DDGI's weights")
-NOT_RIVALS = (figures.NOT_STORED, "exact visibility")  # what nobody could ship
-DARK_RIVALS = {"valid_trilinear": ("valid trilinear", "point"), "exact_visibility": ("exact visibility", "point")}
+BASELINES = ("valid trilinear", "APV", "DDGI as shipped", "DDGI as shipped, relocated")
+SOLVED_BASELINES = ("valid trilinear", "tetrahedra", "APV", "DDGI's weights")
+NOT_BASELINES = (figures.NOT_STORED, "exact visibility")  # what nobody could ship
+DARK_BASELINES = {"valid_trilinear": ("valid trilinear", "point"), "exact_visibility": ("exact visibility", "point")}
 DDGI = "DDGI as shipped"
 LEVEL = "kaos2"
 INDIRECT = "reflected"  # the light_direct of what is indirect: nothing comes straight from lamps, suns and shining surfaces
@@ -72,8 +72,8 @@ def by_room(point, group):
     return point.leaks.get(figures.BY_ROOM[group], 0.0)  # 0: no error to hold against another
 
 
-def to_best_rival(points, ours, rivals, solved, error=lambda point, group: point.rmse[group]):
-    """Ours over the rival that does best over the scenes, both at one spacing: by spacing and group. None where there is none."""
+def to_best_baseline(points, ours, baselines, solved, error=lambda point, group: point.rmse[group]):
+    """Ours over the baseline that does best over the scenes, both at one spacing: by spacing and group. None where there is none."""
     out = {}
     for spacing_m in figures.spacings_of(points):
         of_spacing = [point for point in points if point.spacing_m == spacing_m]
@@ -82,10 +82,10 @@ def to_best_rival(points, ours, rivals, solved, error=lambda point, group: point
         for group in GROUPS:
             found = []
             for method in figures.methods_of(of_spacing):
-                if method[0] in rivals and (method[1] == "solved") == solved:
+                if method[0] in baselines and (method[1] == "solved") == solved:
                     ratios = figures.ratios_to(mine, {point.scene: point for point in figures.of_method(of_spacing, method)}, group, error)
                     if ratios and len(ratios) == len(mine):
-                        found.append({**estimate(figures.figure(ratios, figures.geometric_mean)), "rival": f"{method[0]} ({method[1]})"})
+                        found.append({**estimate(figures.figure(ratios, figures.geometric_mean)), "baseline": f"{method[0]} ({method[1]})"})
             if found:
                 entry[group] = max(found, key=lambda some: some["value"])
         if entry:
@@ -94,23 +94,23 @@ def to_best_rival(points, ours, rivals, solved, error=lambda point, group: point
 
 
 def front(points, ours):
-    """How many of the rivals' points, scene by scene and group by group, some point of ours is neither larger nor worse than.
+    """How many of the baselines' points, scene by scene and group by group, some point of ours is neither larger nor worse than.
 
-    missed: by rival; missed_in: by scene, and what the largest of them takes.
+    missed: by baseline; missed_in: by scene, and what the largest of them takes.
     """
     met, of, missed, missed_in = 0, 0, {}, {}
     for scene in sorted({point.scene for point in points}):
         mine = [point for point in points if point.scene == scene and is_ours(point, ours)]
-        rivals = [point for point in points if point.scene == scene and point.method[0] in {*RIVALS, *SOLVED_RIVALS} and point.method[1] != "solved"]
-        for rival in rivals:
+        baselines = [point for point in points if point.scene == scene and point.method[0] in {*BASELINES, *SOLVED_BASELINES} and point.method[1] != "solved"]
+        for baseline in baselines:
             for group in GROUPS:
                 of += 1
-                if any(point.bytes <= rival.bytes and point.rmse[group] <= rival.rmse[group] for point in mine):
+                if any(point.bytes <= baseline.bytes and point.rmse[group] <= baseline.rmse[group] for point in mine):
                     met += 1
                 else:
-                    missed[rival.method[0]] = missed.get(rival.method[0], 0) + 1
+                    missed[baseline.method[0]] = missed.get(baseline.method[0], 0) + 1
                     entry = missed_in.setdefault(slug(scene), {"points": 0, "largest_bytes": 0})
-                    missed_in[slug(scene)] = {"points": entry["points"] + 1, "largest_bytes": max(entry["largest_bytes"], rival.bytes)}
+                    missed_in[slug(scene)] = {"points": entry["points"] + 1, "largest_bytes": max(entry["largest_bytes"], baseline.bytes)}
     return {"met": met, "of": of, "share": met / of if of else None, "missed": missed, "missed_in": missed_in}
 
 
@@ -121,10 +121,10 @@ def tenth_of_ddgi(points, ours):
         entry = {}
         for group in GROUPS:
             ratios = []
-            for rival in figures.of_method([point for point in points if point.spacing_m == spacing_m], (DDGI, "own")):
-                mine = [point.rmse[group] for point in points if point.scene == rival.scene and is_ours(point, ours) and point.bytes <= rival.bytes / 10]
-                if mine and rival.rmse[group] > 0:
-                    ratios.append(min(mine) / rival.rmse[group])
+            for baseline in figures.of_method([point for point in points if point.spacing_m == spacing_m], (DDGI, "own")):
+                mine = [point.rmse[group] for point in points if point.scene == baseline.scene and is_ours(point, ours) and point.bytes <= baseline.bytes / 10]
+                if mine and baseline.rmse[group] > 0:
+                    ratios.append(min(mine) / baseline.rmse[group])
             if ratios:
                 entry[group] = {**estimate(figures.figure(ratios, figures.geometric_mean)), "scenes": len(ratios)}
         if entry:
@@ -137,7 +137,7 @@ def dark(points, ours):
     out = {}
     for spacing_m in figures.spacings_of(points):
         of_spacing = [point for point in points if point.spacing_m == spacing_m]
-        named = {"ours": (ours, "solved"), **DARK_RIVALS}
+        named = {"ours": (ours, "solved"), **DARK_BASELINES}
         found = {name: figures.of_method(of_spacing, method) for name, method in named.items()}
         if all(found.values()):
             out[spacing_key(spacing_m)] = {name: estimate(figures.figure(figures.in_the_dark(some))) for name, some in found.items()}
@@ -183,7 +183,7 @@ def against_bytes(points, ours):
     """What docs/images/light_against_bytes.png draws: geometric means over scenes of every method that can be stored, at every spacing."""
     out = []
     for spacing_m in figures.spacings_of(points):
-        of_spacing = [point for point in points if point.spacing_m == spacing_m and point.method[0] not in NOT_RIVALS]
+        of_spacing = [point for point in points if point.spacing_m == spacing_m and point.method[0] not in NOT_BASELINES]
         for method in figures.methods_of(of_spacing):
             some = figures.of_method(of_spacing, method)
             out.append({"weights": method[0], "light": method[1], "is_ours": is_ours(some[0], ours), "spacing_m": spacing_m, "bytes": float(figures.geometric_mean([point.bytes for point in some])),
@@ -200,26 +200,26 @@ def level_bytes(points, ours):
     return min(point.bytes for point in good) if good else None
 
 
-def bytes_below_rivals(points, ours):
-    """The fewest bytes for which ours, of this level, has less error everywhere than each rival, not solved for, with probes as far apart as today's; None where it was not measured so."""
+def bytes_below_baselines(points, ours):
+    """The fewest bytes for which ours, of this level, has less error everywhere than each baseline, not solved for, with probes as far apart as today's; None where it was not measured so."""
     of_level = [point for point in points if point.scene.endswith(LEVEL)]
-    rivals = [point for point in of_level if point.spacing_m == TODAY[1] and point.method[0] in RIVALS and point.method[1] != "solved"]
-    good = [point.bytes for point in of_level if is_ours(point, ours) and all(point.rmse[group] < rival.rmse[group] for rival in rivals for group in GROUPS)]
-    return min(good) if rivals and good else None
+    baselines = [point for point in of_level if point.spacing_m == TODAY[1] and point.method[0] in BASELINES and point.method[1] != "solved"]
+    good = [point.bytes for point in of_level if is_ours(point, ours) and all(point.rmse[group] < baseline.rmse[group] for baseline in baselines for group in GROUPS)]
+    return min(good) if baselines and good else None
 
 
 def targets(points, ours):
     of_kind = {kind: [point for point in points if point.kind == kind] for kind in SCENE_KINDS}
     mine = [point for point in points if point.method == (ours, "solved") and point.spacing_m == TODAY[1]]
     largest = lambda key: max(getattr(point, key) for point in mine)
-    return {"box": box(points, ours), "levels": to_best_rival(of_kind["levels"], ours, RIVALS, solved=False),
-            "furnished": to_best_rival(of_kind["furnished"], ours, RIVALS, solved=False),
-            "levels_solved": to_best_rival(of_kind["levels"], ours, SOLVED_RIVALS, solved=True),
-            "furnished_solved": to_best_rival(of_kind["furnished"], ours, SOLVED_RIVALS, solved=True),
-            "by_room": to_best_rival(points, ours, RIVALS, solved=False, error=by_room), "by_room_solved": to_best_rival(points, ours, SOLVED_RIVALS, solved=True, error=by_room),
+    return {"box": box(points, ours), "levels": to_best_baseline(of_kind["levels"], ours, BASELINES, solved=False),
+            "furnished": to_best_baseline(of_kind["furnished"], ours, BASELINES, solved=False),
+            "levels_solved": to_best_baseline(of_kind["levels"], ours, SOLVED_BASELINES, solved=True),
+            "furnished_solved": to_best_baseline(of_kind["furnished"], ours, SOLVED_BASELINES, solved=True),
+            "by_room": to_best_baseline(points, ours, BASELINES, solved=False, error=by_room), "by_room_solved": to_best_baseline(points, ours, SOLVED_BASELINES, solved=True, error=by_room),
             "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours), "dark": dark(points, ours), "unlit_largest": largest("unlit"),
             "outside_largest": largest("outside"), "per_probe": {key: reduce([point.per_probe for point in mine]) for key, reduce in (("least", min), ("most", max))},
-            "level_bytes": level_bytes(points, ours), "bytes_below_rivals": bytes_below_rivals(points, ours)}
+            "level_bytes": level_bytes(points, ours), "bytes_below_baselines": bytes_below_baselines(points, ours)}
 
 
 def bake(path):
@@ -260,9 +260,9 @@ def measured(folder, files, ours, light_direct):
     points = figures.read_all([str(path) for path in files])
     if not any(point.method == (ours, "solved") for point in points):
         fail(folder, f"a method {ours} with solved light", ", ".join(sorted({point.method[0] for point in points})))
-    alone = sorted({point.scene for point in points} - {point.scene for point in points if point.method[0] in RIVALS})
+    alone = sorted({point.scene for point in points} - {point.scene for point in points if point.method[0] in BASELINES})
     if alone:
-        fail(folder, "rivals in the results of every scene", f"grids alone (--grids-only) of {', '.join(alone)}")
+        fail(folder, "baselines in the results of every scene", f"grids alone (--grids-only) of {', '.join(alone)}")
     documents = [held_to(lambda path: read_scene(path, ours, light_direct), path) for path in files]
     whole = {(point.scene, point.spacing_m): point for point in points if point.method == (ours, "solved")}
     for point in points:
@@ -273,16 +273,16 @@ def measured(folder, files, ours, light_direct):
 
 
 def by_scene(points, ours):
-    """Ours over the rival that does best in each scene by itself, with probes as far apart as today's: scene → group."""
+    """Ours over the baseline that does best in each scene by itself, with probes as far apart as today's: scene → group."""
     out = {}
     for mine in points:
         if mine.method == (ours, "solved") and mine.spacing_m == TODAY[1]:
-            rivals = [point for point in points if point.scene == mine.scene and point.spacing_m == mine.spacing_m and not is_ours(point, ours) and point.method[0] not in NOT_RIVALS]
-            best = {group: min(rivals, key=lambda point: point.rmse[group]) for group in GROUPS}
-            out[slug(mine.scene)] = {group: {"value": mine.rmse[group] / best[group].rmse[group], "rmse": mine.rmse[group], "rival": f"{best[group].method[0]} ({best[group].method[1]})"}
+            baselines = [point for point in points if point.scene == mine.scene and point.spacing_m == mine.spacing_m and not is_ours(point, ours) and point.method[0] not in NOT_BASELINES]
+            best = {group: min(baselines, key=lambda point: point.rmse[group]) for group in GROUPS}
+            out[slug(mine.scene)] = {group: {"value": mine.rmse[group] / best[group].rmse[group], "rmse": mine.rmse[group], "baseline": f"{best[group].method[0]} ({best[group].method[1]})"}
                                      for group in GROUPS}
-            relative = min(rivals, key=lambda point: point.smape)
-            out[slug(mine.scene)]["smape_in_air"] = {"value": mine.smape / relative.smape, "rival": f"{relative.method[0]} ({relative.method[1]})"}
+            relative = min(baselines, key=lambda point: point.smape)
+            out[slug(mine.scene)]["smape_in_air"] = {"value": mine.smape / relative.smape, "baseline": f"{relative.method[0]} ({relative.method[1]})"}
     return out
 
 
@@ -290,11 +290,11 @@ def indirect(folder, ours):
     """The section `indirect`: all methods without light that comes straight from lamps, suns and shining surfaces."""
     points, scenes, revisions = measured(folder, sorted(folder.glob("*.json")), ours, INDIRECT)
     of_kind = {kind: [point for point in points if point.kind == kind] for kind in SCENE_KINDS}
-    best = {kind: {way: to_best_rival(of_kind[kind], ours, rivals, solved=way == "solved") for way, rivals in (("own", RIVALS), ("solved", SOLVED_RIVALS))}
+    best = {kind: {way: to_best_baseline(of_kind[kind], ours, baselines, solved=way == "solved") for way, baselines in (("own", BASELINES), ("solved", SOLVED_BASELINES))}
             for kind in ("levels", "furnished", "daylight")}
-    relative = {kind: {spacing: entry["air"] for spacing, entry in to_best_rival(of_kind[kind], ours, RIVALS, solved=False, error=lambda point, _: point.smape).items()} for kind in best}
+    relative = {kind: {spacing: entry["air"] for spacing, entry in to_best_baseline(of_kind[kind], ours, BASELINES, solved=False, error=lambda point, _: point.smape).items()} for kind in best}
     kept = {key: {"name": entry["name"], "places": entry["truth"]["places"]} for key, entry in scenes.items()}
-    return {"revisions": revisions, "scenes": kept, "to_best_rival": best, "smape_in_air": relative, "by_room": to_best_rival(points, ours, RIVALS, solved=False, error=by_room), "by_room_solved": to_best_rival(points, ours, SOLVED_RIVALS, solved=True, error=by_room),
+    return {"revisions": revisions, "scenes": kept, "to_best_baseline": best, "smape_in_air": relative, "by_room": to_best_baseline(points, ours, BASELINES, solved=False, error=by_room), "by_room_solved": to_best_baseline(points, ours, SOLVED_BASELINES, solved=True, error=by_room),
             "by_scene": by_scene(points, ours), "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours),
             "thinning": {kind: thinning(of_kind[kind], ours) for kind in best if of_kind[kind]}, "against_bytes": {kind: against_bytes(of_kind[kind], ours) for kind in best if of_kind[kind]},
             "methods": {kind: methods(some) for kind, some in of_kind.items() if some}}
@@ -318,7 +318,7 @@ def collect(folder, ours=OURS):
     if any((folder / "indirect").glob("*.json")):
         out["indirect"] = indirect(folder / "indirect", ours)
     if found := sorted((folder / "views").glob("*.json")):
-        out["views"] = view_results.collect(found, kinds, ours, RIVALS)
+        out["views"] = view_results.collect(found, kinds, ours, BASELINES)
     for section, read in (("noise", noise), ("bakes", bake)):
         if found := sorted((folder / section).glob("*.json")):
             out[section] = {slug(path.stem): held_to(read, path) for path in found}

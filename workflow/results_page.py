@@ -150,8 +150,8 @@ def speed_section(front):
     for name, words in front["speed_at_equal_error"].items():
         for word in ("network", "fitted"):
             speed = words[word]
-            rows.append([f"`{name}`" if word == "network" else "", word, microseconds(speed["time_us"]), number(speed["blend_rmse_mean"]), percent(speed["share_failing_check"]["value"]), speed["rival"] or speed["reason"],
-                         percent(speed["rival_share_failing_check"]["value"]) if speed["rival"] else "", times_as_long(speed)])
+            rows.append([f"`{name}`" if word == "network" else "", word, microseconds(speed["time_us"]), number(speed["blend_rmse_mean"]), percent(speed["share_failing_check"]["value"]), speed["baseline"] or speed["reason"],
+                         percent(speed["baseline_share_failing_check"]["value"]) if speed["baseline"] else "", times_as_long(speed)])
     return text + table(["", "", "µs, mean", "mean blend RMSE", "fails the check", "fastest fit without it", "fails the check", "times as long"], rows)
 
 

@@ -43,21 +43,21 @@ def methods(scenes):
     return {slug(" ".join(method)): method_entry(*method, [scene["methods"][method] for scene in scenes if method in scene["methods"]]) for method in names}
 
 
-def over_best_rival(scenes, ours, rivals):
+def over_best_baseline(scenes, ours, baselines):
     """Ours over the baseline whose pictures differ least, by the geometric mean over scenes of the ratios of mean HyAB."""
     found = []
-    for rival in dict.fromkeys(method for scene in scenes for method in scene["methods"] if method[0] in rivals and method[1] != "solved"):
-        pairs = [(scene["methods"][ours]["all"]["hyab"], scene["methods"][rival]["all"]["hyab"]) for scene in scenes if rival in scene["methods"]]
+    for baseline in dict.fromkeys(method for scene in scenes for method in scene["methods"] if method[0] in baselines and method[1] != "solved"):
+        pairs = [(scene["methods"][ours]["all"]["hyab"], scene["methods"][baseline]["all"]["hyab"]) for scene in scenes if baseline in scene["methods"]]
         if len(pairs) == len(scenes):
-            found.append((figures.figure([mine / theirs for mine, theirs in pairs], figures.geometric_mean), rival[0]))
+            found.append((figures.figure([mine / theirs for mine, theirs in pairs], figures.geometric_mean), baseline[0]))
     if not found:
         return None
-    best, rival = max(found, key=lambda some: some[0]["mean"])
+    best, baseline = max(found, key=lambda some: some[0]["mean"])
     low, high = best["interval"] or (None, None)
-    return {"value": best["mean"], "low": low, "high": high, "rival": rival}
+    return {"value": best["mean"], "low": low, "high": high, "baseline": baseline}
 
 
-def collect(files, kinds, ours, rivals):
+def collect(files, kinds, ours, baselines):
     """files: one a scene; kinds: scene → kind, of scenes whose light was measured at places, too."""
     scenes = [held_to(lambda path: read_scene(path, kinds), path) for path in files]
     for scene, path in zip(scenes, files):
@@ -65,9 +65,9 @@ def collect(files, kinds, ours, rivals):
             fail(path, f"a method {ours} with solved light", ", ".join(sorted({name for name, _ in scene["methods"]})))
     of_kind = {kind: [scene for scene in scenes if scene["kind"] == kind] for kind in figures.SCENE_KINDS}
     rooms = of_kind["furnished"] + of_kind["daylight"]
-    ratios = {name: over_best_rival(some, (ours, "solved"), rivals) for name, some in (("levels", of_kind["levels"]), ("rooms", rooms)) if some}
+    ratios = {name: over_best_baseline(some, (ours, "solved"), baselines) for name, some in (("levels", of_kind["levels"]), ("rooms", rooms)) if some}
     return {"revisions": sorted({scene["revision"] for scene in scenes}),
-            "hyab_over_best_rival": {name: ratio for name, ratio in ratios.items() if ratio},
+            "hyab_over_best_baseline": {name: ratio for name, ratio in ratios.items() if ratio},
             "ringing_largest": {name: max(scene["methods"][(ours, "solved")][name]["ringing"] for scene in scenes if name in scene["methods"][(ours, "solved")])
                                 for name in ("all", "shadow") if any(name in scene["methods"][(ours, "solved")] for scene in scenes)},
             "methods": {kind: methods(some) for kind, some in of_kind.items() if some}}

@@ -80,7 +80,7 @@ class Outputs(unittest.TestCase):
         self.assert_baked(self.run_tool("nlg-bake", "room.obj", *QUICK, "--inputs", "inputs", "--json", "report", "--out", "grid"))
 
     def test_a_view_replaces_its_own_and_nobody_elses(self):
-        view = lambda rivals="none": self.run_tool("nlg-view", "cornell:0", "--grid", "grid", "--rivals", rivals, "--truth-views", "0", "--places", "0", "--out", "page")
+        view = lambda baselines="none": self.run_tool("nlg-view", "cornell:0", "--grid", "grid", "--baselines", baselines, "--truth-views", "0", "--places", "0", "--out", "page")
         self.assert_baked(self.bake("--out", "grid"))
         page = self.folder / "page"
         page.mkdir()

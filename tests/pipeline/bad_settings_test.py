@@ -22,7 +22,7 @@ FLAGS = {
     "nlg-bake": "--spacing-m=0 --threads=-1 --refine-seconds=nan --simd=sse9",
     "nlg-validate": "--tau-rmse=2 --direct-functions=0 --threads=1.5",
     "nlg-render": "--method=magic --panel=truth,magic --show=smell --width=0 --samples=-1 --exposure=nan --eye=1,2 --eye=1,2,x --slice-y=1e6",
-    "nlg-view": "--rivals=magic --rivals=none,ddgi --truth-views=-1 --truth-width=1 --truth-rays=many --places=-1 --places=3 --port=70000 --port=8371",
+    "nlg-view": "--baselines=magic --baselines=none,ddgi --truth-views=-1 --truth-width=1 --truth-rays=many --places=-1 --places=3 --port=70000 --port=8371",
 }
 # what else a good call may be given: tool, words added, words of the refusal
 ADDED = [
@@ -35,7 +35,7 @@ ADDED = [
     ("nlg-bake", "--extent-m=1,2,3", "extent_m"), ("nlg-bake", "--spacing-m 0.0001", ["1000000 probes", "finest spacing"]), ("nlg-bake", "--max-probes 100", "at most 100 probes"), ("nlg-bake", "--theta-precision float8", "float8"),
     ("nlg-bake", "--light-error 0.6", "0.6"), ("nlg-bake", "--light-error none", "none"), ("nlg-render", "--camera=none", "--camera"),
     ("nlg-render", "--method grid", "--grid"), ("nlg-render", "--show weights --grid weights.safetensors", "--probe"), ("nlg-render", "--look 1,2,3", "--eye"),
-    ("nlg-render", "--bake --grid weights.safetensors", "--bake"), ("nlg-view", "--rivals unity", "unity"), ("nlg-view", "--light none", "--light"),
+    ("nlg-render", "--bake --grid weights.safetensors", "--bake"), ("nlg-view", "--baselines unity", "unity"), ("nlg-view", "--light none", "--light"),
 ]
 # whole calls
 CALLS_REFUSED = [

@@ -31,7 +31,7 @@ KEYS = {part: set(keys) for part, keys in {
     "figures": [*TIMES, *ERRORS, "leak_p99", "share_failing_check", "share_fitted", "on_front"],
     "by_scene": [*TIMES, *ERRORS],
     "bare_tent": "figures by_scene".split(),
-    "speed": "time_us blend_rmse_mean share_failing_check rival rival_us_at_equal_error rival_share_failing_check ratio longest_us reason".split(),
+    "speed": "time_us blend_rmse_mean share_failing_check baseline baseline_us_at_equal_error baseline_share_failing_check ratio longest_us reason".split(),
 }.items()}
 
 
@@ -83,10 +83,10 @@ def check_speeds(result, key, population, keys):
             point = next(p for p in result["points"] if p["representation"] == name and word in p["words"])
             expect(math.isclose(speed["blend_rmse_mean"], point["figures"][population]["blend_rmse_mean"], rel_tol=1e-9), f"{key}, {name}, {word}: {speed}")
             expect(math.isclose(speed["share_failing_check"]["value"], point["figures"][population]["share_failing_check"], abs_tol=1e-9), f"{key}, {name}, {word}: {speed}")
-            expect((speed["ratio"] is None) == (speed["rival_share_failing_check"] is None) and (speed["longest_us"] is None or speed["ratio"] is None), f"{key}, {name}, {word}: {speed}")
-            expect((speed["ratio"] is None) == (speed["rival"] is None) == (speed["reason"] is not None), f"{key}, {name}, {word}: {speed}")
+            expect((speed["ratio"] is None) == (speed["baseline_share_failing_check"] is None) and (speed["longest_us"] is None or speed["ratio"] is None), f"{key}, {name}, {word}: {speed}")
+            expect((speed["ratio"] is None) == (speed["baseline"] is None) == (speed["reason"] is not None), f"{key}, {name}, {word}: {speed}")
             if speed["ratio"]:
-                expect(math.isclose(speed["ratio"]["value"], speed["rival_us_at_equal_error"] / speed["time_us"], rel_tol=1e-9), f"{key}: {speed}")
+                expect(math.isclose(speed["ratio"]["value"], speed["baseline_us_at_equal_error"] / speed["time_us"], rel_tol=1e-9), f"{key}: {speed}")
                 expect(set(speed["ratio"]) == {"value", "low", "high"}, f"{key}: {speed}")
 
 

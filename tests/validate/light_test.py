@@ -67,7 +67,7 @@ class Light(unittest.TestCase):
             for name in ("DDGI as shipped", "DDGI as shipped, relocated"):
                 self.assertEqual(lights[name], ["own"], name)
 
-    def test_grids_are_the_same_without_rivals_and_beside_thinned_ones(self):
+    def test_grids_are_the_same_without_baselines_and_beside_thinned_ones(self):
         out = os.path.join(self.folder.name, "thinned.json")
         run = light(*HOUSE, *weights("tent_mlp4", "pf3 pf5"), "--spacings", "1.5", "--grid-spacings", "3", "--thin-errors", ".02", ".2", "--words", "--out", out)
         self.assertEqual(run.returncode, 0, run.stderr)

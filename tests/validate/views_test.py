@@ -50,7 +50,7 @@ class Views(unittest.TestCase):
         self.assertEqual(self.result["truth"]["views"], sum(view["truth"]["is_known"] for view in self.result["views"]))
         self.assertTrue(all(view["has_roof"] for view in self.result["views"]))
 
-    def test_has_the_grid_its_yardsticks_and_rivals(self):
+    def test_has_the_grid_its_yardsticks_and_baselines(self):
         names = [(method["weights"], method["light"]) for method in self.result["methods"]]
         self.assertEqual(names, [("tent_mlp4", "solved"), ("target functions", "solved"), ("exact visibility", "solved"), ("trilinear", "point"),
                                  ("valid trilinear", "point"), ("APV", "point"), ("DDGI as shipped", "own"), ("DDGI as shipped, relocated", "own")])

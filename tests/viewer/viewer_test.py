@@ -22,7 +22,7 @@ LEVELS = "/usr/share/games/openarena/baseoa"
 SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
 WIDTH, HEIGHT = 320, 180  # of pictures that are compared
 SETTINGS = {"cornell": ["--spacing-m", "0.5"], "level": []}
-RIVALS = {"cornell": ["valid-trilinear", "ddgi"], "level": ["valid-trilinear"]}
+BASELINES = {"cornell": ["valid-trilinear", "ddgi"], "level": ["valid-trilinear"]}
 # Edges are drawn by four samples here and there, at other places; a surface stands at the same offset before what is near. What lies
 # between is the same light to a step of 255.
 MOST_MEDIAN, MOST_MEAN, MOST_BEYOND_EDGES = 1.0, 2.5, 0.04  # steps of 255; the last: share of pixels off by more than 16
@@ -111,7 +111,7 @@ def check_keys(page, view_count):
 def check_sets(browser, tool, folder, out):
     """A grid of two light sets is shown by its first; the other one is a slider away, and what shines is drawn as its set has it."""
     view, sets = os.path.join(folder, "sets"), ["--light-set", "day", "--light-set", "night light_groups=kind intensity=.05"]
-    run(tool("nlg-view"), "cornell:0", "--spacing-m", "0.5", *sets, "--out", view, "--rivals", "none", "--truth-views", "0", "--places", "0")
+    run(tool("nlg-view"), "cornell:0", "--spacing-m", "0.5", *sets, "--out", view, "--baselines", "none", "--truth-views", "0", "--places", "0")
     page, failures = Page(browser, "file://" + os.path.join(view, "index.html")), []
     rows = """JSON.stringify([...document.querySelectorAll('#groups label')].map(row => [row.textContent.trim(), row.querySelector('input').value]))"""
     brightest = {}
@@ -155,7 +155,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         grid, view = os.path.join(folder, "grid.safetensors"), os.path.join(folder, "view")
         run(tool("nlg-bake"), scene, *SETTINGS[which], "--out", grid)
-        run(tool("nlg-view"), scene, "--grid", grid, "--out", view, "--rivals", ",".join(RIVALS[which]), "--truth-views", "5", "--truth-width", "64",
+        run(tool("nlg-view"), scene, "--grid", grid, "--out", view, "--baselines", ",".join(BASELINES[which]), "--truth-views", "5", "--truth-width", "64",
             "--truth-rays", "8", "--places", "100")
         page_bytes = sum(os.path.getsize(os.path.join(view, name)) for name in ("index.html", "viewer.js"))
         if page_bytes > 2e6:
@@ -175,7 +175,7 @@ def main():
             place = len(facts["views"]) + len(facts["starts"]) if show == "worst" else 0
             page.open(640, 360, ui=0, place=place, **({"show": show} if show in ("leaks", "share", "difference") else {}), **query)
             browser.picture(os.path.join(out, f"{which}_{show}.png"), 640, 360)
-        pairs = [(view_idx, "grid") for view_idx in range(len(facts["views"]))] + [(0, rival) for rival in RIVALS[which]]
+        pairs = [(view_idx, "grid") for view_idx in range(len(facts["views"]))] + [(0, baseline) for baseline in BASELINES[which]]
         for view_idx, method in pairs:
             camera = facts["views"][view_idx]
             eye = [a + b for a, b in zip(camera["eye"], facts["origin_m"])]

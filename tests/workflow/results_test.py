@@ -60,9 +60,9 @@ def frontier():
     point = {"representation": "tent_mlp", "family": "lm_from_theta0", "budget": 16, "label": "16 LM from theta0", "words": [],
              "figures": {"all": found, "theta": found, "hard": {**found, "on_front": False}}, "by_scene": {"kaos2": {}}}
     stage = {**point, "family": "stages", "budget": None, "label": "Adam", "words": ["fitted"]}
-    speed = {"time_us": 600.0, "blend_rmse_mean": 0.0048, "share_failing_check": interval(0.01), "rival": "Adam from theta0", "rival_us_at_equal_error": 3960.0,
-             "rival_share_failing_check": interval(0.02), "ratio": {"value": 6.6, "low": 5.1, "high": None}, "longest_us": None, "reason": None}
-    none = {**speed, "rival": None, "rival_us_at_equal_error": None, "rival_share_failing_check": None, "ratio": None, "longest_us": 9000.0, "reason": "no direct fit reaches the error"}
+    speed = {"time_us": 600.0, "blend_rmse_mean": 0.0048, "share_failing_check": interval(0.01), "baseline": "Adam from theta0", "baseline_us_at_equal_error": 3960.0,
+             "baseline_share_failing_check": interval(0.02), "ratio": {"value": 6.6, "low": 5.1, "high": None}, "longest_us": None, "reason": None}
+    none = {**speed, "baseline": None, "baseline_us_at_equal_error": None, "baseline_share_failing_check": None, "ratio": None, "longest_us": 9000.0, "reason": "no direct fit reaches the error"}
     return {"schema_version": 2, "provenance": {"revision": "0123abc", "inputs": {"held_out": "cd" * 32}},
             "functions": {"all": 500, "theta": 246, "hard": 50, "bare_tents_at_time_0": 254}, "scenes": ["kaos2"],
             "points": [point, stage, {**stage, "label": "refinement"}], "bare_tent": {"figures": {"all": errors, "theta": errors, "hard": errors}, "by_scene": {}},
@@ -106,9 +106,9 @@ def views(scene, **hyab):
             "methods": [{"weights": name, "light": lights[name], "all": of_class(value), "edge": of_class(2 * value)} for name, value in hyab.items()]}
 
 
-def light(scene, rival, ours, direct="all"):
+def light(scene, baseline, ours, direct="all"):
     """Of a level: DDGI's error, and that of ours, whole; a validity mask is half as wrong again as DDGI. Relative errors are the same of all."""
-    methods = [light_method("valid trilinear", "point", 1.5 * rival, 400), light_method("exact visibility", "point", ours, 400), light_method("DDGI as shipped", "own", rival, 10000),
+    methods = [light_method("valid trilinear", "point", 1.5 * baseline, 400), light_method("exact visibility", "point", ours, 400), light_method("DDGI as shipped", "own", baseline, 10000),
                light_method("tent_mlp4", "point", 2 * ours, 480), light_method("tent_mlp4", "solved", ours, 480),
                light_method("tent_mlp4, thinned 0.03", "solved", 2 * ours, 360), light_method("tent_mlp4, thinned 0.2", "solved", 9 * ours, 320)]
     return {"schema_version": 1, "scene": scene, "provenance": {"revision": "0123abc", "options": {"light_direct": direct}}, "floor": light_method("harmonics at the place", "point", 0.01, 1),
@@ -285,12 +285,12 @@ class Results(unittest.TestCase):
         return self.run_results("collect-light", "out/light", "--no-pictures", *arguments)
 
     def write_light(self):
-        for scene, rival, ours in (("kaos2", 0.4, 0.1), ("am_thornish", 0.2, 0.1), ("aggressor", 0.1, 0.1)):
-            self.write(f"out/light/{scene}.json", light(scene, rival, ours))
+        for scene, baseline, ours in (("kaos2", 0.4, 0.1), ("am_thornish", 0.2, 0.1), ("aggressor", 0.1, 0.1)):
+            self.write(f"out/light/{scene}.json", light(scene, baseline, ours))
 
     def test_light_is_collected_quoted_and_tabled(self):
         expected = {
-            "light@targets.levels.1m.air:.2": ".50",  # geometric mean of 1/4, 1/2 and 1, over DDGI, the better of the rivals
+            "light@targets.levels.1m.air:.2": ".50",  # geometric mean of 1/4, 1/2 and 1, over DDGI, the better of the baselines
             "light@targets.by_room.1m.air:.2": ".25",  # squares of those
             "light@methods.levels.1m.DDGI_as_shipped.own.edge:.2": ".12",  # the mean of .4, .2 and .1, halved
             "light@targets.front.share:%": "83 %",  # in aggressor the validity mask has fewer bytes than the whole grid, and less error than the thinned one
@@ -303,7 +303,7 @@ class Results(unittest.TestCase):
             "light@methods.levels.1m.tent_mlp4_thinned_0_03.solved.per_probe:int": "45",
             "light@targets.dark.1m.ours:.3": ".010",
             "light@targets.level_bytes:int": "360",
-            "light@targets.bytes_below_rivals:int": "360",
+            "light@targets.bytes_below_baselines:int": "360",
             "light@methods.levels.1m.tent_mlp4.solved.surface:.3": ".100",
             "light@methods.levels.1m.DDGI_as_shipped.own.per_probe:int": "1,250",
             "light@bakes.kaos2.wall_s:.1": "7.6",
@@ -346,12 +346,12 @@ class Results(unittest.TestCase):
         self.assertIn("| scene | air | 0 to 2 cm | 2 to 8 cm |", page)
         self.assertIn("| kaos2 | .00; 1.40; 10.00 | 2.00; 1.40; 10.00 | 3.57; 1.40; 10.00 |", page)
 
-    def test_indirect_light_comes_first_and_says_where_a_rival_is_ahead(self):
+    def test_indirect_light_comes_first_and_says_where_a_baseline_is_ahead(self):
         self.write_light()
-        for scene, rival, ours in (("kaos2", 0.4, 0.1), ("am_thornish", 0.2, 0.1), ("aggressor", 0.1, 0.2)):
-            self.write(f"out/light/indirect/{scene}.json", light(scene, rival, ours, "reflected"))
+        for scene, baseline, ours in (("kaos2", 0.4, 0.1), ("am_thornish", 0.2, 0.1), ("aggressor", 0.1, 0.2)):
+            self.write(f"out/light/indirect/{scene}.json", light(scene, baseline, ours, "reflected"))
         expected = {
-            "light@indirect.to_best_rival.levels.own.1m.air:.2": ".63",  # geometric mean of 1/4, 1/2 and 2
+            "light@indirect.to_best_baseline.levels.own.1m.air:.2": ".63",  # geometric mean of 1/4, 1/2 and 2
             "light@indirect.by_scene.aggressor.surface:.2": "2.00",
             "light@indirect.methods.levels.1m.tent_mlp4.solved.air:.3": ".133",
         }
@@ -379,8 +379,8 @@ class Results(unittest.TestCase):
         expected = {
             "light@views.methods.daylight.tent_mlp4_solved.all.off_2:%": "2 %",  # brighter and darker, the mean over scenes
             "light@views.methods.daylight.tent_mlp4_solved.edge.hyab:.1": "4.0",
-            "light@views.hyab_over_best_rival.rooms:.2": ".22",  # geometric mean of 1/8 and 3/8, over DDGI, the better of the rivals
-            "light@views.hyab_over_best_rival.levels:.2": ".50",
+            "light@views.hyab_over_best_baseline.rooms:.2": ".22",  # geometric mean of 1/8 and 3/8, over DDGI, the better of the baselines
+            "light@views.hyab_over_best_baseline.levels:.2": ".50",
         }
         self.quote(expected)
         result = self.collect_light()

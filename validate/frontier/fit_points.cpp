@@ -37,7 +37,7 @@ struct Fits {
 
   const Representation& representation() const { return generator->representation(); }
 
-  // With the policy's own loss: what a rival minimises too.
+  // With the policy's own loss: what a baseline minimises too.
   WeightingFunction decoded(const StoredFunction& stored) const {
     return decodeFunction(stored, pointOrder(representation()), options.check().loss());
   }

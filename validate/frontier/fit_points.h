@@ -16,7 +16,7 @@ struct FitBudgets {
 std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                      const FitBudgets& budgets);
 
-// The rivals of a generator, which minimise the policy's own loss. Families lm_from_theta0, adam_from_theta0 and adam_from_random fit
+// The baselines of a generator, which minimise the policy's own loss. Families lm_from_theta0, adam_from_theta0 and adam_from_random fit
 // every function, each budget from the start; of codes, whose theta0 is the mean code, lm_from_random does too. Beside each stands a
 // family …_gated, under the policy's own gate: rounds of the same budgets, each from where the one before ended, for functions that
 // fail the check or whose blend RMSE is above the one above which the policy takes its last fit before the refinement.

@@ -44,12 +44,12 @@ struct Mean {
 // When a family reaches an error.
 struct Reach {
   double us = kNever;
-  size_t before = 0, at = 0;     // the budgets between which it does, as indices into all rivals; equal: the first is below it
+  size_t before = 0, at = 0;     // the budgets between which it does, as indices into all baselines; equal: the first is below it
   double share = 0.0;            // of the way from one to the other, in logarithms of the error
   bool is_only_a_bound = false;  // the first budget that counts is already below the error
 };
 
-// means   of all rivals
+// means   of all baselines
 // begin, end   of one family
 Reach reachOf(const std::vector<Mean>& means, size_t begin, size_t end, double error) {
   std::vector<size_t> order;
@@ -74,18 +74,18 @@ Reach reachOf(const std::vector<Mean>& means, size_t begin, size_t end, double e
 
 struct Comparison {
   Mean own;
-  Reach rival;
+  Reach baseline;
 };
 
-// means   of time and error in turn: own, then all rivals
-Comparison compare(const std::vector<double>& means, const std::vector<TimedPoint>& rivals) {
+// means   of time and error in turn: own, then all baselines
+Comparison compare(const std::vector<double>& means, const std::vector<TimedPoint>& baselines) {
   Comparison comparison{{means[0], means[1]}, {}};
-  std::vector<Mean> of_rivals;
-  for (size_t i = 2; i < means.size(); i += 2) of_rivals.push_back({means[i], means[i + 1]});
-  for (size_t begin = 0, end = 0; begin < rivals.size(); begin = end) {
-    while (end < rivals.size() && rivals[end].family == rivals[begin].family) ++end;
-    const Reach reach = reachOf(of_rivals, begin, end, comparison.own.error);
-    if (reach.us < comparison.rival.us) comparison.rival = reach;
+  std::vector<Mean> of_baselines;
+  for (size_t i = 2; i < means.size(); i += 2) of_baselines.push_back({means[i], means[i + 1]});
+  for (size_t begin = 0, end = 0; begin < baselines.size(); begin = end) {
+    while (end < baselines.size() && baselines[end].family == baselines[begin].family) ++end;
+    const Reach reach = reachOf(of_baselines, begin, end, comparison.own.error);
+    if (reach.us < comparison.baseline.us) comparison.baseline = reach;
   }
   return comparison;
 }
@@ -135,33 +135,34 @@ std::string frontSentence(const std::string& population, const std::vector<Front
   return begin + "from " + text(order.front(), "mean blend RMSE ") + " to " + text(order.back(), "") + '.';
 }
 
-EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoint>& rivals, const SceneBootstrap& bootstrap) {
+EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoint>& baselines, const SceneBootstrap& bootstrap) {
   std::vector<const std::vector<double>*> lists = {&own.us, &own.blend_rmse};
-  for (const TimedPoint& rival : rivals) lists.insert(lists.end(), {&rival.us, &rival.blend_rmse});
+  for (const TimedPoint& baseline : baselines) lists.insert(lists.end(), {&baseline.us, &baseline.blend_rmse});
   std::vector<double> means;
   for (const std::vector<double>* list : lists) means.push_back(mean(*list));
-  const Comparison comparison = compare(means, rivals);
-  const Reach& rival = comparison.rival;
+  const Comparison comparison = compare(means, baselines);
+  const Reach& baseline = comparison.baseline;
   EqualError equal;
   equal.time_us = comparison.own.us;
   equal.blend_rmse_mean = comparison.own.error;
   equal.share_failing = bootstrap.mean(own.fails_check);
-  if (rival.us == kNever) {
+  if (baseline.us == kNever) {
     equal.reason = "no direct fit reaches this error";
-    for (const TimedPoint& one : rivals) equal.longest_us = std::max(equal.longest_us.value_or(0.0), mean(one.us));
+    for (const TimedPoint& one : baselines) equal.longest_us = std::max(equal.longest_us.value_or(0.0), mean(one.us));
     return equal;
   }
-  if (rival.is_only_a_bound) {
-    equal.reason = "the error of the shortest fit, " + rivals[rival.at].label + ", is already below this one";
+  if (baseline.is_only_a_bound) {
+    equal.reason = "the error of the shortest fit, " + baselines[baseline.at].label + ", is already below this one";
     return equal;
   }
-  equal.rival = rival.before == rival.at ? rivals[rival.at].label
-                                         : "between " + rivals[rival.before].label + " and " + rivals[rival.at].label;
-  equal.rival_us = rival.us;
-  equal.rival_share_failing = bootstrap.mean(failsBetween(rivals[rival.before], rivals[rival.at], rival.share));
+  equal.baseline = baseline.before == baseline.at
+                       ? baselines[baseline.at].label
+                       : "between " + baselines[baseline.before].label + " and " + baselines[baseline.at].label;
+  equal.baseline_us = baseline.us;
+  equal.baseline_share_failing = bootstrap.mean(failsBetween(baselines[baseline.before], baselines[baseline.at], baseline.share));
   const Interval ratio = bootstrap.ofMeans(lists, [&](const std::vector<double>& resampled) {
-    const Comparison one = compare(resampled, rivals);
-    return one.rival.us / one.own.us;
+    const Comparison one = compare(resampled, baselines);
+    return one.baseline.us / one.own.us;
   });
   equal.ratio = Ratio{ratio.value, std::isfinite(ratio.low) ? ratio.low : ratio.value, std::nullopt};
   if (std::isfinite(ratio.high)) equal.ratio->high = ratio.high;

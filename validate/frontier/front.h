@@ -37,7 +37,7 @@ std::string frontSentence(const std::string& population, const std::vector<Front
 // blend RMSEs: both sides minimise the one loss.
 //
 // Of a family of fits, a budget counts where no other budget of the family beats it in both mean time and mean error. Between two
-// budgets that count, time follows error on a straight line in logarithms. The rival is the family that is the fastest at the error.
+// budgets that count, time follows error on a straight line in logarithms. The baseline is the family that is the fastest at the error.
 
 // A point on the same functions as all others.
 struct TimedPoint {
@@ -55,17 +55,17 @@ struct Ratio {
 struct EqualError {
   double time_us = 0.0, blend_rmse_mean = 0.0;  // means over functions
   Interval share_failing;                       // of the functions
-  std::string rival;                            // in words; empty when there is no ratio
-  double rival_us = 0.0;                        // at exactly blend_rmse_mean
-  // of the rival's at the same error: between two budgets as far from either as the error is, in logarithms
-  Interval rival_share_failing;
-  std::optional<Ratio> ratio;        // rival_us over time_us, with a 95 % interval
+  std::string baseline;                         // in words; empty when there is no ratio
+  double baseline_us = 0.0;                     // at exactly blend_rmse_mean
+  // of the baseline's at the same error: between two budgets as far from either as the error is, in logarithms
+  Interval baseline_share_failing;
+  std::optional<Ratio> ratio;        // baseline_us over time_us, with a 95 % interval
   std::string reason;                // why there is none
   std::optional<double> longest_us;  // mean time of the longest fit, where none reaches the error
 };
 
-// rivals      points of a family next to each other
+// baselines   points of a family next to each other
 // bootstrap   over the scenes of the functions
-EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoint>& rivals, const SceneBootstrap& bootstrap);
+EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoint>& baselines, const SceneBootstrap& bootstrap);
 
 }  // namespace nlg

@@ -90,14 +90,14 @@ std::vector<WordSpeed> speedsOver(const std::vector<bool>& counts, const Frontie
     }
     return point;
   };
-  std::map<std::string, std::vector<TimedPoint>> rivals;
+  std::map<std::string, std::vector<TimedPoint>> baselines;
   for (size_t p = 0; p < measured.size(); ++p) {
-    if (result.points[p].is_direct) rivals[result.points[p].representation].push_back(timed(p));
+    if (result.points[p].is_direct) baselines[result.points[p].representation].push_back(timed(p));
   }
   for (size_t p = 0; p < measured.size(); ++p) {
     const std::string& name = result.points[p].representation;
     if (result.points[p].words.empty()) continue;
-    const EqualError equal = compareAtEqualError(timed(p), rivals[name], bootstrap);
+    const EqualError equal = compareAtEqualError(timed(p), baselines[name], bootstrap);
     for (const ThetaWord word : result.points[p].words) speeds.push_back({name, word, equal});
   }
   return speeds;

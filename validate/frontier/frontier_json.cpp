@@ -76,16 +76,17 @@ Json speedJson(const EqualError& equal) {
   Json json = {{"time_us", equal.time_us},
                {"blend_rmse_mean", equal.blend_rmse_mean},
                {"share_failing_check", intervalJson(equal.share_failing)}};
-  for (const char* key : {"rival", "rival_us_at_equal_error", "rival_share_failing_check", "ratio", "longest_us", "reason"})
+  for (const char* key :
+       {"baseline", "baseline_us_at_equal_error", "baseline_share_failing_check", "ratio", "longest_us", "reason"})
     json[key] = nullptr;
   if (!equal.ratio) {
     json["reason"] = equal.reason;
     if (equal.longest_us) json["longest_us"] = *equal.longest_us;
     return json;
   }
-  json["rival"] = equal.rival;
-  json["rival_us_at_equal_error"] = equal.rival_us;
-  json["rival_share_failing_check"] = intervalJson(equal.rival_share_failing);
+  json["baseline"] = equal.baseline;
+  json["baseline_us_at_equal_error"] = equal.baseline_us;
+  json["baseline_share_failing_check"] = intervalJson(equal.baseline_share_failing);
   json["ratio"] = {{"value", equal.ratio->value}, {"low", equal.ratio->low}, {"high", nullptr}};
   if (equal.ratio->high) json["ratio"]["high"] = *equal.ratio->high;
   return json;

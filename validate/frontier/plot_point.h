@@ -48,7 +48,7 @@ struct PlotPoint {
   std::optional<int> budget;     // what grows along the family: steps, coefficients, bits
   std::string label;             // "4 LM from theta0"
   std::vector<ThetaWord> words;  // what its theta is called; most points have none
-  bool is_direct = false;        // a fit that sees no generator: a rival at equal error
+  bool is_direct = false;        // a fit that sees no generator: a baseline at equal error
 };
 
 // By point of a run, then by function of a block.

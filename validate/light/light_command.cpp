@@ -45,7 +45,7 @@ struct Request {
   int air_places = 2000, surface_places = 1600, walks = 40, edge_places = 400;
   LightPlaceOptions places;  // these numbers from those above
   GatherOptions truth{1024, 64}, probe{1024, 64};
-  bool grids_only = false;  // no rivals: a fraction of the time
+  bool grids_only = false;  // no baselines: a fraction of the time
   bool words = false;       // what functions are before they are stored, too
   bool neural = false;      // methods that learn, too
   int neural_places = 4, neural_steps = 3000;
@@ -185,7 +185,7 @@ class LightMeasurement {
   }
 
  private:
-  // Rivals that learn from more places than the bake has.
+  // Baselines that learn from more places than the bake has.
   void addLearned(const MethodScene& scene, const BakeOptions& options, MethodSet* methods, Json* json) const {
     const ProbeLightOptions solve = methodSetOptions(options, request_.probe, threads_).solve;
     const LitPlaces lit =
@@ -379,7 +379,7 @@ int lightMain(int argc, char** argv) {
                  "what grids are thinned to, each a method of its own. None: the bake's thin_error")
       ->check(CLI::Range(1e-6, kMostThinError));
   app.add_flag("--grids-only", request.grids_only,
-               "leave out rivals: measure grids and target functions alone, in a fraction of the time");
+               "leave out baselines: measure grids and target functions alone, in a fraction of the time");
   app.add_flag(
       "--words", request.words,
       "measure also what network, corrections and fits make of each of the weights before it is stored. Light is solved for, "

@@ -23,14 +23,14 @@ from tool.atomic_file import write_files
 from tool.errors import run
 from tool.input_file import as_documented, read_json
 
-RIVALS = (("valid trilinear", "point"), ("trilinear", "solved"), ("APV", "point"), ("APV", "solved"), ("DDGI as shipped, relocated", "own"), ("DDGI's weights", "solved"), ("tetrahedra", "solved"))
+BASELINES = (("valid trilinear", "point"), ("trilinear", "solved"), ("APV", "point"), ("APV", "solved"), ("DDGI as shipped, relocated", "own"), ("DDGI's weights", "solved"), ("tetrahedra", "solved"))
 KINDS = ("levels", "furnished", "daylight")
 PANEL = (3.9, 2.9)  # inches
 
 
 def draw_panel(axes, lines, ours, group):
-    """Rivals: a line each through its spacings. Ours: a point a grid, filled where it is whole, and the front of them."""
-    for colour, method in zip(COLOURS[2:], RIVALS):
+    """Baselines: a line each through its spacings. Ours: a point a grid, filled where it is whole, and the front of them."""
+    for colour, method in zip(COLOURS[2:], BASELINES):
         line = sorted((point["bytes"], point[group]) for point in lines if (point["weights"], point["light"]) == method)
         if line:
             axes.plot(*zip(*line), color=colour, linestyle=LIGHT_STYLES[method[1]], marker="o", markersize=3.5, linewidth=1.1, label=f"{method[0]}, {method[1]}", zorder=2)

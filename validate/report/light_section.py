@@ -15,7 +15,7 @@ from light_figures import FLOOR, GROUP_NAMES, GROUPS, LIGHTS, NOT_STORED, TARGET
 from tool.errors import InputError
 from tool.input_file import read_bytes
 
-COLOURS = ("#7a828a", "#1d232a", "#0072B2", "#E69F00", "#CC79A7", "#D55E00", "#009E73", "#56B4E9", "#9b6a8f", "#6b2d0f", "#7a3fb0", "#c08a00", "#2f6b3a", "#b3261e")  # of rivals
+COLOURS = ("#7a828a", "#1d232a", "#0072B2", "#E69F00", "#CC79A7", "#D55E00", "#009E73", "#56B4E9", "#9b6a8f", "#6b2d0f", "#7a3fb0", "#c08a00", "#2f6b3a", "#b3261e")  # of baselines
 SENTENCE_NAMES = {"air": "in air", "surface": "before surfaces", "turned": "there with any normal"}
 LIGHT_STYLES = {"point": (0, (1.5, 1.5)), "own": (0, (4, 1.5)), "solved": "-"}
 LIGHT_WORDS = {"point": "gathered at the probe", "own": "in the method’s own form", "solved": "solved for"}
@@ -51,8 +51,8 @@ class LightSection:
         self.steps = steps
         self.points, self.scenes, self.spacings, self.methods = points, sorted({point.scene for point in points}), spacings_of(points), methods_of(points)
         names = list(dict.fromkeys(name for name, _ in self.methods))
-        rivals = [name for name in names if name not in plots.REPRESENTATIONS]
-        self.colours = {name: plots.representation_colour(name) if name in plots.REPRESENTATIONS else COLOURS[rivals.index(name) % len(COLOURS)] for name in names}
+        baselines = [name for name in names if name not in plots.REPRESENTATIONS]
+        self.colours = {name: plots.representation_colour(name) if name in plots.REPRESENTATIONS else COLOURS[baselines.index(name) % len(COLOURS)] for name in names}
         self.ours = (leader if leader in names else names[-1], "solved")
         if self.ours not in self.methods:
             self.ours = next(method for method in reversed(self.methods) if method[0] == self.ours[0])

@@ -67,9 +67,9 @@ class Speed:
     """How much longer the fastest direct fit takes to the mean blend RMSE of one word, over the functions that take a theta."""
     time_us: float
     failing: tuple         # share of the word's functions that fail the check: value, low, high (95 %)
-    rival: object          # which fit; None: there is no ratio, and the reason says why
-    rival_us: object
-    rival_failing: object  # as failing, of that fit; None likewise
+    baseline: object          # which fit; None: there is no ratio, and the reason says why
+    baseline_us: object
+    baseline_failing: object  # as failing, of that fit; None likewise
     ratio: object
     low: object            # 95 %
     high: object           # None: no bound
@@ -108,8 +108,8 @@ def read_speed(node):
     ratio = [optional(node["ratio"], lambda n: optional(n[key], number)) for key in ("value", "low", "high")]
     if ratio[0] is None and node["reason"].value is None:
         node["ratio"].refuse("a ratio, or a reason why there is none", "neither")
-    return Speed(node["time_us"].number(), read_share(node["share_failing_check"]), optional(node["rival"], lambda n: n.text()), optional(node["rival_us_at_equal_error"], number),
-                 optional(node["rival_share_failing_check"], read_share), *ratio, optional(node["longest_us"], number), optional(node["reason"], lambda n: n.text()))
+    return Speed(node["time_us"].number(), read_share(node["share_failing_check"]), optional(node["baseline"], lambda n: n.text()), optional(node["baseline_us_at_equal_error"], number),
+                 optional(node["baseline_share_failing_check"], read_share), *ratio, optional(node["longest_us"], number), optional(node["reason"], lambda n: n.text()))
 
 
 def at_equal_error(speed):
@@ -118,7 +118,7 @@ def at_equal_error(speed):
         return None
     failing = speed.failing[0]
     if speed.ratio is not None:
-        return EqualError(speed.time_us, speed.rival_us, speed.rival, speed.ratio, (speed.low, speed.high), None, failing, speed.rival_failing and speed.rival_failing[0])
+        return EqualError(speed.time_us, speed.baseline_us, speed.baseline, speed.ratio, (speed.low, speed.high), None, failing, speed.baseline_failing and speed.baseline_failing[0])
     if speed.longest_us is not None:  # it takes at least so long
         return EqualError(speed.time_us, speed.longest_us, None, speed.longest_us / speed.time_us, None, speed.reason, failing, None)
     return EqualError(speed.time_us, None, None, None, None, speed.reason, failing, None)

@@ -187,7 +187,7 @@ class ViewsMeasurement {
     return places;
   }
 
-  // Truth, exact visibility, all grids, target functions where they were asked for, and of rivals what a reader knows best.
+  // Truth, exact visibility, all grids, target functions where they were asked for, and of baselines what a reader knows best.
   std::vector<ShownMethod> shown(size_t view) {
     std::vector<ShownMethod> row = {{pictureOf(ready_[view].surfaces.sights, "truth", ready_[view].truth.at), {}}};
     std::vector<std::string> wanted = {"exact visibility"};
@@ -330,7 +330,7 @@ int viewsMain(int argc, char** argv) {
                  "exported generators, each a bake of its own. Several with commas between them: a bake that chooses");
   app.add_option("--grid", request.grids, "light grids of this scene, as nlg-bake wrote them, beside those that are baked here");
   app.add_flag("--cameras", request.cameras, "look from the scene's own cameras; none: from where views are found");
-  app.add_flag("--grids-only", request.grids_only, "leave out rivals; exact visibility stays");
+  app.add_flag("--grids-only", request.grids_only, "leave out baselines; exact visibility stays");
   app.add_flag("--target-functions", request.target_functions,
                "add a yardstick: the functions that theta approximate, made at every pixel, which takes minutes");
   app.add_option("--pictures", request.pictures,
@@ -353,7 +353,7 @@ int viewsMain(int argc, char** argv) {
          "views whose truth is noisier get up to eight times the rays: standard deviation over light, the median of pixels")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
-  whole("--probe-rays", &request.probe_rays, "rays of every probe of rivals", 8, 1 << 24);
+  whole("--probe-rays", &request.probe_rays, "rays of every probe of baselines", 8, 1 << 24);
   whole("--picture-scale", &request.picture_scale,
         "pixels of a row's pictures are so many pixels wide; a sheet's are half as many", 1, 8);
   return runTool(argc, argv, app, table, [&] { measureViews(request, options, table); });

@@ -14,8 +14,8 @@ PREVIEW = [
     "--lm-iterations", "0", "--lm-theta0-iterations", "0", "--adam-steps", "0", "--code-iterations", "0", "--refine-rounds", "0",
     "--light-noise", "0", "--light-rays", "16", "--light-places", "4",
 ]
-# The page is for walking through: no rivals, and no ground truth.
-PAGE = ["--rivals", "none", "--truth-views", "0", "--places", "0"]
+# The page is for walking through: no baselines, and no ground truth.
+PAGE = ["--baselines", "none", "--truth-views", "0", "--places", "0"]
 
 
 def tool(context, name):

@@ -16,15 +16,15 @@ TimedPoint even(const std::string& family, const std::string& label, double us, 
   return {family, label, all(us), all(error), all(fails)};
 }
 
-EqualError compare(const TimedPoint& own, const std::vector<TimedPoint>& rivals) {
-  return compareAtEqualError(own, rivals, SceneBootstrap(kScene));
+EqualError compare(const TimedPoint& own, const std::vector<TimedPoint>& baselines) {
+  return compareAtEqualError(own, baselines, SceneBootstrap(kScene));
 }
 
 TEST(EqualError, LiesOnALineInLogarithmsBetweenTwoBudgets) {
   // error falls as 1 / sqrt(time), so that it is .01 after 400 µs
   const EqualError equal = compare(even("", "own", 10, 0.01), {even("lm", "short", 100, 0.02), even("lm", "long", 10000, 0.002)});
-  EXPECT_NEAR(equal.rival_us, 400, 1e-9 * 400);
-  EXPECT_EQ(equal.rival, "between short and long");
+  EXPECT_NEAR(equal.baseline_us, 400, 1e-9 * 400);
+  EXPECT_EQ(equal.baseline, "between short and long");
   ASSERT_TRUE(equal.ratio);
   EXPECT_NEAR(equal.ratio->value, 40, 1e-9 * 40);
   // all scenes alike: no draw moves it
@@ -37,16 +37,16 @@ TEST(EqualError, TakesTheFastestFamily) {
   const EqualError equal =
       compare(even("", "own", 10, 0.01), {even("lm", "lm 1", 100, 0.02), even("lm", "lm 2", 10000, 0.002),
                                           even("adam", "adam 1", 50, 0.02), even("adam", "adam 2", 200, 0.01)});
-  EXPECT_NEAR(equal.rival_us, 200, 1e-9 * 200);
-  EXPECT_NE(equal.rival.find("adam 2"), std::string::npos) << equal.rival;
+  EXPECT_NEAR(equal.baseline_us, 200, 1e-9 * 200);
+  EXPECT_NE(equal.baseline.find("adam 2"), std::string::npos) << equal.baseline;
 }
 
 TEST(EqualError, PassesOverBudgetsThatAnotherOfTheirFamilyBeats) {
   // the middle one is slower and worse than the first: were it on the line, 500 µs would be the answer
   const EqualError equal =
       compare(even("", "own", 10, 0.01), {even("lm", "1", 100, 0.02), even("lm", "2", 500, 0.03), even("lm", "4", 10000, 0.002)});
-  EXPECT_NEAR(equal.rival_us, 400, 1e-9 * 400);
-  EXPECT_EQ(equal.rival, "between 1 and 4");
+  EXPECT_NEAR(equal.baseline_us, 400, 1e-9 * 400);
+  EXPECT_EQ(equal.baseline, "between 1 and 4");
 }
 
 TEST(EqualError, SaysWhyThereIsNoRatio) {
@@ -84,8 +84,8 @@ TEST(EqualError, SaysHowManyFailOnBothSides) {
   EXPECT_EQ(equal.share_failing.low, 0.0);
   EXPECT_EQ(equal.share_failing.high, 1.0);
   // half of the way, in logarithms, from all that fail to none
-  EXPECT_NEAR(equal.rival_share_failing.value, 0.5, 1e-9);
-  EXPECT_NEAR(equal.rival_share_failing.high, 0.5, 1e-9) << "all scenes alike";
+  EXPECT_NEAR(equal.baseline_share_failing.value, 0.5, 1e-9);
+  EXPECT_NEAR(equal.baseline_share_failing.high, 0.5, 1e-9) << "all scenes alike";
 }
 
 TEST(EqualError, HasNoUpperBoundWhenManyDrawsNeverReachIt) {

@@ -148,9 +148,9 @@ def frontier():
         for point in sorted(points, key=lambda p: (p["figures"][population]["us_median"], p["figures"][population]["blend_rmse_mean"])):
             if point["figures"][population]["blend_rmse_mean"] < best:
                 point["figures"][population]["on_front"], best = True, point["figures"][population]["blend_rmse_mean"]
-    speed = {"time_us": 500.0, "blend_rmse_mean": .005, "share_failing_check": share(1, 100), "rival": "LM from theta0, gated", "rival_us_at_equal_error": 3000.0,
-             "rival_share_failing_check": share(3, 100), "ratio": {"value": 6.0, "low": 4.5, "high": 8.1}, "longest_us": None, "reason": None}
-    unreached = {**speed, "rival": None, "rival_us_at_equal_error": None, "rival_share_failing_check": None, "ratio": None, "longest_us": 9000.0, "reason": "no direct fit reaches this error"}
+    speed = {"time_us": 500.0, "blend_rmse_mean": .005, "share_failing_check": share(1, 100), "baseline": "LM from theta0, gated", "baseline_us_at_equal_error": 3000.0,
+             "baseline_share_failing_check": share(3, 100), "ratio": {"value": 6.0, "low": 4.5, "high": 8.1}, "longest_us": None, "reason": None}
+    unreached = {**speed, "baseline": None, "baseline_us_at_equal_error": None, "baseline_share_failing_check": None, "ratio": None, "longest_us": 9000.0, "reason": "no direct fit reaches this error"}
     speeds = {representation: {word: speed for word in WORDS} for representation in REPRESENTATIONS}
     speeds["mlp"]["fitted"] = {**speed, "ratio": {"value": 4.0, "low": 3.0, "high": None}}
     tent = lambda c: {f"{error}_{key}": by * value for error, by in (("blend_rmse", BLEND), ("rmse", 1))

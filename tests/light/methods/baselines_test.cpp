@@ -45,7 +45,7 @@ TEST(Delaunay, HasNothingForFlatOrFewPoints) {
   EXPECT_TRUE(delaunay({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.3, 0.4, 0}, {0.7, 0.1, 0}}).empty());
 }
 
-class RivalsTest : public testing::Test {
+class BaselinesTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     lit_ = new LitScene(brightAndDarkRoom());
@@ -58,10 +58,10 @@ class RivalsTest : public testing::Test {
   static LitScene* lit_;
   static ProbeSet* probes_;
 };
-LitScene* RivalsTest::lit_ = nullptr;
-ProbeSet* RivalsTest::probes_ = nullptr;
+LitScene* BaselinesTest::lit_ = nullptr;
+ProbeSet* BaselinesTest::probes_ = nullptr;
 
-TEST_F(RivalsTest, TetrahedraBlendPositionsToThePlaceItself) {
+TEST_F(BaselinesTest, TetrahedraBlendPositionsToThePlaceItself) {
   const std::unique_ptr<Tetrahedra> tetrahedra = Tetrahedra::make(*probes_);
   ASSERT_NE(tetrahedra, nullptr);
   int inside = 0;
@@ -85,7 +85,7 @@ TEST_F(RivalsTest, TetrahedraBlendPositionsToThePlaceItself) {
   EXPECT_GT(inside, 100);
 }
 
-TEST_F(RivalsTest, ApvCapturesLightOutsideOfAWall) {
+TEST_F(BaselinesTest, ApvCapturesLightOutsideOfAWall) {
   ProbeSet probes = *probes_;
   const auto nearest = [&](const glm::dvec3& to) {
     size_t best = 0;
@@ -126,7 +126,7 @@ TEST(Apv, TakesLightForProbesDeepInSolidFromThoseAround) {
 }
 
 // What a place's probes weigh in all is lost in shares, and decides how much a solve trusts the place.
-TEST_F(RivalsTest, TargetFunctionsHandOverWhatTheirWeightsAddUpTo) {
+TEST_F(BaselinesTest, TargetFunctionsHandOverWhatTheirWeightsAddUpTo) {
   std::vector<glm::dvec3> places;
   for (const LightPlace& place : lit_->places().places) places.push_back(place.position_m);
   const TargetFunctions functions(places, *probes_, lit_->rays, lit_->links, {}, 1);
