@@ -78,7 +78,7 @@ int sceneInfoMain(int argc, char** argv) {
   bool json = false;
   OptionTable table("datagen");
   describe(reading, table);
-  table.common({"unit", "veil_cover", "cavity_m"});
+  table.common({"unit", "transmissive_cover", "cavity_m"});
   app.add_option("scenes", scenes, sceneForms())->required();
   app.add_flag("--json", json, "one line of JSON a scene");
   return runTool(argc, argv, app, table, [&] {

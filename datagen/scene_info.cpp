@@ -29,12 +29,15 @@ double areaOf(const Scene& scene, const glm::uvec3& t) {
 
 // By what a surface is to weighting functions, its share of all area.
 Json surfaceShares(const Scene& scene) {
-  constexpr std::array<const char*, 4> kNames = {"solid", "sheets", "dense_veils", "thin_veils"};
+  constexpr std::array<const char*, 4> kNames = {"solid", "sheets", "dense_transmissive", "thin_transmissive"};
   std::array<double, 4> area{};
   double total = 0.0;
   for (size_t i = 0; i < scene.triangles.size(); ++i) {
     const Material& material = scene.materials[scene.triangle_material[i]];
-    const size_t kind = material.veil == Veil::thin ? 3 : material.veil == Veil::dense ? 2 : material.double_sided ? 1 : 0;
+    const size_t kind = material.transmissive == Transmissive::thin    ? 3
+                        : material.transmissive == Transmissive::dense ? 2
+                        : material.double_sided                        ? 1
+                                                                       : 0;
     const double triangle_area = areaOf(scene, scene.triangles[i]);
     area[kind] += triangle_area;
     total += triangle_area;

@@ -29,7 +29,7 @@ struct UpwardTriangles {
     double sum = 0.0;
     for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
       const Material& material = scene.materials[scene.triangle_material[t]];
-      if (material.veil != Veil::none) continue;
+      if (material.transmissive != Transmissive::none) continue;
       const glm::vec3& a = scene.positions[scene.triangles[t].x];
       const glm::vec3 cross = glm::cross(scene.positions[scene.triangles[t].y] - a, scene.positions[scene.triangles[t].z] - a);
       if (!(cross.y > 0.0f)) continue;

@@ -63,7 +63,9 @@ int wantedSide(const Scene& scene, uint32_t triangle) {
 }
 
 // Whether the emission of points of a triangle differs.
-bool isByImage(const Material& material) { return material.emissive_image.isThere() || material.veil != Veil::none; }
+bool isByImage(const Material& material) {
+  return material.emissive_image.isThere() || material.transmissive != Transmissive::none;
+}
 
 float meanLuminance(const Scene& scene, uint32_t triangle, const std::array<glm::vec2, 3>& corners) {
   float sum = 0.0f;

@@ -63,7 +63,8 @@ struct LightTransport::Impl {
   glm::vec3 albedo(const LightHit& hit) const {
     const uint32_t idx = scene.triangle_material[hit.triangle];
     const Material& material = scene.materials[idx];
-    if (material.veil != Veil::none) return albedoOf(material, veilAt(scene, hit.triangle, hit.u, hit.v).reflects);
+    if (material.pane != Transmissive::none)
+      return albedoOf(material, transmissiveAt(scene, hit.triangle, hit.u, hit.v).reflects);
     if (!material.base_image.isThere() && scene.vertex_colours.empty()) return factor_albedo[idx];
     return albedoOf(material, baseColourAt(scene, hit.triangle, hit.u, hit.v));
   }
@@ -73,14 +74,14 @@ struct LightTransport::Impl {
     return shines ? emissionAt(scene, hit.triangle, hit.u, hit.v) : glm::vec3(0.0f);
   }
 
-  // What veils let through of light that goes so far.
+  // What transmissive surfaces let through of light that goes so far.
   glm::vec3 passing(const glm::vec3& from, const glm::vec3& direction, float reach) const {
     glm::vec3 share(1.0f);
-    for (float near = 0.0f; rays.hasVeils();) {
-      const LightHit veil = rays.veilHit(from, direction, near, reach);
-      if (veil.kind == LightHit::Kind::nothing) break;
-      share *= veilAt(scene, veil.triangle, veil.u, veil.v).passes;
-      near = RayScene::justBehind(veil);
+    for (float near = 0.0f; rays.hasTransmissive();) {
+      const LightHit pane = rays.transmissiveHit(from, direction, near, reach);
+      if (pane.kind == LightHit::Kind::nothing) break;
+      share *= transmissiveAt(scene, pane.triangle, pane.u, pane.v).passes;
+      near = RayScene::justBehind(pane);
     }
     return share;
   }
@@ -145,7 +146,7 @@ struct LightTransport::Impl {
     return comesFromSky(from, arriving);
   }
 
-  // Whether nothing but veils stands between a place and the sky: flux loses what these stop.
+  // Whether nothing but transmissive surfaces stands between a place and the sky: flux loses what these stop.
   bool comesFromSky(const glm::vec3& from, Arriving* arriving) const {
     const bool is_open = comesFromOpenSky(scene, rays, from, arriving->direction);
     if (is_open) arriving->flux *= passing(from, arriving->direction, INFINITY);
@@ -207,29 +208,29 @@ struct LightTransport::Impl {
     return luminance(lamp.intensity) * spotShare(lamp, way / std::sqrt(squared)) / squared;
   }
 
-  // A path's way through the veils before what it meets: it goes on through each, or back from it, by chance, as much as goes
-  // either way. throughput loses what does not go the way that it took.
-  // hit   what the ray meets behind all veils; where a veil ends it, the veil
-  // returns   whether a veil ended it; then reflectance is of light that it scatters back
+  // A path's way through the transmissive surfaces before what it meets: it goes on through each, or back from it, by chance, as
+  // much as goes either way. throughput loses what does not go the way that it took.
+  // hit   what the ray meets behind all transmissive surfaces; where one of them ends it, that one
+  // returns   whether a transmissive surface ended it; then reflectance is of light that it scatters back
   template <class AddShine>
-  bool endsAtVeil(const glm::vec3& origin, const glm::vec3& direction, Random& random, const AddShine& addShine, LightHit* hit,
-                  glm::vec3* throughput, glm::vec3* reflectance) const {
+  bool endsAtTransmissive(const glm::vec3& origin, const glm::vec3& direction, Random& random, const AddShine& addShine,
+                          LightHit* hit, glm::vec3* throughput, glm::vec3* reflectance) const {
     const float reach = hit->kind == LightHit::Kind::nothing ? INFINITY : hit->distance;
     for (float near = 0.0f;;) {
-      const LightHit veil = rays.veilHit(origin, direction, near, reach);
-      if (veil.kind == LightHit::Kind::nothing) return false;
-      addShine(veil);
-      const VeilLook look = veilAt(scene, veil.triangle, veil.u, veil.v);
-      const glm::vec3 reflects = albedoOf(materialOf(scene, veil.triangle), look.reflects);
+      const LightHit pane = rays.transmissiveHit(origin, direction, near, reach);
+      if (pane.kind == LightHit::Kind::nothing) return false;
+      addShine(pane);
+      const TransmissiveLook look = transmissiveAt(scene, pane.triangle, pane.u, pane.v);
+      const glm::vec3 reflects = albedoOf(materialOf(scene, pane.triangle), look.reflects);
       const float back = luminance(reflects), all = back + luminance(look.passes);
       if (static_cast<float>(random.uniform()) * all < back || !(all > 0.0f)) {
         *throughput *= all > 0.0f ? all / back : 0.0f;
         *reflectance = reflects;
-        *hit = veil;
+        *hit = pane;
         return true;
       }
       *throughput *= look.passes * (all / (all - back));
-      near = RayScene::justBehind(veil);
+      near = RayScene::justBehind(pane);
     }
   }
 
@@ -254,7 +255,7 @@ struct LightTransport::Impl {
         (*light)[groupOfTriangle(at.triangle)] += throughput * shine * share;
       };
       glm::vec3 reflectance;
-      if (!rays.hasVeils() || !endsAtVeil(origin, direction, random, addShine, &hit, &throughput, &reflectance)) {
+      if (!rays.hasTransmissive() || !endsAtTransmissive(origin, direction, random, addShine, &hit, &throughput, &reflectance)) {
         if (hit.kind == LightHit::Kind::sky && scene.light.sky_faces.shines(hit.triangle)) {
           (*light)[groups().of_shine] += throughput * scene.light.sky_faces.radiance(hit.triangle, direction, scene.light.sky);
           return;

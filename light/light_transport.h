@@ -4,8 +4,9 @@
 // meets shines with that light times the base colour, and with its own emission. Elsewhere paths are traced: next-event
 // estimation at every vertex to lamps, suns and shining triangles (these by multiple importance sampling), Russian roulette.
 // Lamps and suns are sampled at the place itself in both. Sky is met where a ray leaves the scene, or by a front of SkyFaces.
-// Colour, emission and what a veil lets through are those of the point that a ray meets (scene/image/surface_look.h). A path that meets
-// a veil goes on through it or back from it, by chance; a ray to a light is dimmed by every veil on its way.
+// Colour, emission and what a transmissive surface lets through are those of the point that a ray meets
+// (scene/image/surface_look.h). A path that meets a transmissive surface goes on through it or back from it, by chance; a ray to
+// a light is dimmed by each of them on its way.
 //
 // Directions are low-discrepancy; every number is a pure function of the scene, the options and the seed of the place, the same
 // on any number of threads. Any number of threads may ask at once.
@@ -50,7 +51,8 @@ struct GatherOptions {
 struct SurfacePoint {
   glm::vec3 position{0.0f};
   glm::vec3 normal{0.0f};  // of the side that it met
-  // What comes back along the ray, over pi, of the irradiance there: the surface's albedo, times what veils before it let through.
+  // What comes back along the ray, over pi, of the irradiance there: the surface's albedo, times what transmissive surfaces
+  // before it let through.
   glm::vec3 reflectance{0.0f};
 
   bool isSurface() const { return normal != glm::vec3(0.0f); }
@@ -102,7 +104,7 @@ class LightTransport {
 
   // How far off a surface rays begin, metres, so that they do not meet it again.
   float nudge() const;
-  // The share of light that a surface sends back at a point, by channel; of a veil's point, too.
+  // The share of light that a surface sends back at a point, by channel; of a transmissive surface's point, too.
   glm::vec3 albedo(const LightHit& hit) const;
   // Radiance that it sends by itself towards the side that the ray came from.
   glm::vec3 emission(const LightHit& hit) const;

@@ -21,11 +21,12 @@ constexpr int kCoordinateBits = 20;
 constexpr uint64_t kDiscoveryStream = 0x646973, kCellStream = 0x63656c6c, kPathStream = 0x72657374;
 constexpr int kLeastRays = 8;  // of a point that gathers
 constexpr int kMostIterations = 64;
-constexpr float kSettled = 1e-4f;             // of the largest irradiance: a change that ends the exchange
-constexpr float kMarginShare = 0.05f;         // of a cell: how far beyond the points that were found it holds
-constexpr double kFewestHits = 0.5;           // of a cell, by all rays of all places: measuring it takes as long as some paths
-constexpr float kReflectanceStep = 0x1p-13f;  // up to 8: what is scattered back by a veil, as a path takes it, may be beyond 1
-constexpr float kLiftShare = 0.05f;           // of a cell: off the surface, to see whether two of its points see each other
+constexpr float kSettled = 1e-4f;      // of the largest irradiance: a change that ends the exchange
+constexpr float kMarginShare = 0.05f;  // of a cell: how far beyond the points that were found it holds
+constexpr double kFewestHits = 0.5;    // of a cell, by all rays of all places: measuring it takes as long as some paths
+constexpr float kReflectanceStep =
+    0x1p-13f;  // up to 8: what is scattered back by a transmissive surface, as a path takes it, may be beyond 1
+constexpr float kLiftShare = 0.05f;  // of a cell: off the surface, to see whether two of its points see each other
 
 // 0 … 5: the axis that a normal is nearest to, and its sign.
 uint64_t sideOf(const glm::vec3& normal) {
@@ -124,10 +125,10 @@ void SurfaceCache::findCells(const LightTransport& transport, const std::vector<
         const LightHit hit = transport.rays().lightHit(from, direction);
         if (hit.kind == LightHit::Kind::surface) find(hit);
         const float reach = hit.kind == LightHit::Kind::nothing ? INFINITY : hit.distance;
-        LightHit veil = transport.rays().veilHit(from, direction, 0.0f, reach);
-        for (; veil.kind == LightHit::Kind::surface;
-             veil = transport.rays().veilHit(from, direction, RayScene::justBehind(veil), reach))
-          find(veil);
+        LightHit pane = transport.rays().transmissiveHit(from, direction, 0.0f, reach);
+        for (; pane.kind == LightHit::Kind::surface;
+             pane = transport.rays().transmissiveHit(from, direction, RayScene::justBehind(pane), reach))
+          find(pane);
       }
     }
     blocks[first / kDiscoveryBlock] = outermost(std::move(found));

@@ -21,23 +21,25 @@ std::optional<double> entryOf(const Ball& ball, const glm::dvec3& origin, const 
   return along - std::sqrt(inside);
 }
 
-// What is seen along a ray, through the veils before it.
+// What is seen along a ray, through the transmissive surfaces before it.
 struct Seen {
   LightHit hit;
-  float stopped = 1.0f;     // of light, by what is seen: a veil stops a part
-  glm::vec3 through{1.0f};  // colour of the veils before it
+  float stopped = 1.0f;     // of light, by what is seen: a transmissive surface stops a part
+  glm::vec3 through{1.0f};  // colour of the transmissive surfaces before it
 };
 
-// A sample sees a veil or what is behind it, never both: its chance, evenly spread over the samples of a pixel, says which.
+// A sample sees a transmissive surface or what is behind it, never both: its chance, evenly spread over the samples of a pixel,
+// says which.
 // far   in lengths of the direction: as far as the surface that ends it all
 Seen seenAlong(const LightTransport& transport, const glm::vec3& eye, const glm::vec3& direction, float chance, float far) {
   Seen seen;
-  LightHit veil = transport.rays().veilHit(eye, direction, 0.0f, far);
-  for (; veil.kind == LightHit::Kind::surface; veil = transport.rays().veilHit(eye, direction, RayScene::justBehind(veil), far)) {
-    const glm::vec3 passes = veilAt(transport.scene(), veil.triangle, veil.u, veil.v).passes;
+  LightHit pane = transport.rays().transmissiveHit(eye, direction, 0.0f, far);
+  for (; pane.kind == LightHit::Kind::surface;
+       pane = transport.rays().transmissiveHit(eye, direction, RayScene::justBehind(pane), far)) {
+    const glm::vec3 passes = transmissiveAt(transport.scene(), pane.triangle, pane.u, pane.v).passes;
     const float passing = std::max({passes.r, passes.g, passes.b}), stopped = 1.0f - passing;
     if (chance < stopped) {
-      seen.hit = veil;
+      seen.hit = pane;
       seen.stopped = stopped;
       return seen;
     }
@@ -62,7 +64,7 @@ Sight surfaceSight(const LightTransport& transport, const Seen& seen, const glm:
   return sight;
 }
 
-// chance   in [0, 1), of this sample: whether it sees a veil or what is behind it
+// chance   in [0, 1), of this sample: whether it sees a transmissive surface or what is behind it
 Sight sightAlong(const LightTransport& transport, const Camera& camera, const glm::vec3& direction, const SightOptions& options,
                  float chance) {
   const glm::vec3 eye(camera.eye_m);
@@ -74,8 +76,8 @@ Sight sightAlong(const LightTransport& transport, const Camera& camera, const gl
     if (entry && *entry < nearest) nearest = *entry, met = &ball;
   }
   const Seen seen = seenAlong(transport, eye, direction, chance, static_cast<float>(nearest));
-  const bool is_veil = seen.hit.kind == LightHit::Kind::surface && seen.hit.distance < nearest;
-  if (is_veil || (met == nullptr && seen.hit.kind == LightHit::Kind::surface))
+  const bool is_transmissive = seen.hit.kind == LightHit::Kind::surface && seen.hit.distance < nearest;
+  if (is_transmissive || (met == nullptr && seen.hit.kind == LightHit::Kind::surface))
     return surfaceSight(transport, seen, eye + direction * seen.hit.distance, options.offset_m);
   Sight sight;
   if (met != nullptr) {

@@ -95,8 +95,9 @@ class PartsHash {
 // has a say in. Those that are not added have none.
 
 void addParts(const Material& material, PartsHash* parts) {
-  const auto& [base_color, emissive, double_sided, veil, opacity, transmission, base, shining, transmitting, label] = material;
-  parts->add(Of::light, base_color, emissive, double_sided, veil, opacity, transmission);
+  const auto& [base_color, emissive, double_sided, transmissive, opacity, transmission, base, shining, transmitting, label] =
+      material;
+  parts->add(Of::light, base_color, emissive, double_sided, transmissive, opacity, transmission);
   for (const TextureUse& use : {base, shining, transmitting}) {
     const auto& [image, wrap_u, wrap_v] = use;
     parts->add(Of::light, image, wrap_u, wrap_v);
@@ -128,7 +129,7 @@ std::string sha256Of(const Scene& scene, const LightGroups& groups, Of asked) {
   // of cavity_m the file says nothing: it is a setting, limited by sides
   if (extent) parts.add(Of::functions, extent->low_m, extent->high_m);
   for (const uint32_t material : triangle_material)
-    parts.add(Of::functions, materials[material].double_sided, materials[material].veil);
+    parts.add(Of::functions, materials[material].double_sided, materials[material].transmissive);
   for (const auto& [name, first_triangle, triangle_count, movable] : objects)
     parts.add(Of::functions, first_triangle, triangle_count, movable);
   for (const Material& material : materials) addParts(material, &parts);
@@ -255,7 +256,8 @@ std::string geometryDifference(const Scene& scene, const Scene& other) {
       const Material &of_a = scene.materials[scene.triangle_material[t]], &of_b = other.materials[other.triangle_material[t]];
       if (of_a.double_sided != of_b.double_sided)
         return fmt::format("'{}' with {}", b.name, of_b.double_sided ? "two sides" : "one side");
-      if (of_a.veil != of_b.veil) return fmt::format("'{}' with a material that lets other light through", b.name);
+      if (of_a.transmissive != of_b.transmissive)
+        return fmt::format("'{}' with a material that lets other light through", b.name);
     }
   }
   const SkyFaces &sky = scene.light.sky_faces, &other_sky = other.light.sky_faces;

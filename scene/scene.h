@@ -14,18 +14,18 @@
 namespace nlg {
 
 // Whether light passes through a surface: a fence of a cut-out image, a curtain, a pane. For weighting functions and for what lies
-// in solid a thin veil is air, a dense one a sheet as any other (docs/theory/visibility.md). For rays of light both are what their
+// in solid a thin one is air, a dense one a sheet as any other (docs/theory/visibility.md). For rays of light both are what their
 // images say at the point.
-enum class Veil : uint8_t { none, thin, dense };
+enum class Transmissive : uint8_t { none, thin, dense };
 
 struct Material {
   glm::vec3 base_color{0.5f};  // linear, 0..1; times base_image and the vertices' colours (surface_look.h)
   glm::vec3 emissive{0.0f};    // radiance of its front (of both sides when double_sided), linear, >= 0; times emissive_image
   bool double_sided = false;   // faces of it are no evidence of solid: see docs/theory/visibility.md
-  Veil veil = Veil::none;      // a veil is double_sided, too
-  float opacity = 1.0f;  // of a veil: what does not go straight through, 0..1; times the alpha of base_image and of the vertices
-  float transmission = 0.0f;  // of a veil: what goes through of light that its opacity stops, in the base colour, 0..1; times
-                              // the red of transmission_image
+  Transmissive transmissive = Transmissive::none;  // what is transmissive is double_sided, too
+  float opacity = 1.0f;       // what does not go straight through, 0..1; times the alpha of base_image and of the vertices
+  float transmission = 0.0f;  // what goes through of light that its opacity stops, in the base colour, 0..1; times the red of
+                              // transmission_image
   TextureUse base_image, emissive_image, transmission_image;  // those of base and transmission lie at base_places
   LightLabel label;                                           // of what shines
 };

@@ -133,12 +133,12 @@ SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::str
 }
 
 SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
-  ObjLevel level = readObj(path, reading.unit_m, reading.veil_cover, reading.images);
+  ObjLevel level = readObj(path, reading.unit_m, reading.transmissive_cover, reading.images);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
 }
 
 SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
-  GltfLevel level = readGltf(path, reading.unit_m, reading.veil_cover, reading.gltf, reading.images);
+  GltfLevel level = readGltf(path, reading.unit_m, reading.transmissive_cover, reading.gltf, reading.images);
   const std::string sides = giveSolidsOneSide(level.scene).note();
   if (!sides.empty()) level.notes.push_back(sides);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
@@ -177,7 +177,8 @@ SceneSource readScene(const std::string& request, const SceneReading& reading) {
   if (readInterior(request, &interior)) return readInterior(interior);
   const size_t colon = archiveColon(request);
   if (colon != std::string::npos)
-    return sourceOf(readBspFromArchives(request.substr(0, colon), request.substr(colon + 1), reading.veil_cover, reading.images));
+    return sourceOf(
+        readBspFromArchives(request.substr(0, colon), request.substr(colon + 1), reading.transmissive_cover, reading.images));
   if (extension == ".bsp") return sourceOf(readBsp(request));
   std::error_code error;
   if (!fs::exists(request, error) && !error)
@@ -197,7 +198,7 @@ void describe(SceneReading& reading, OptionTable& table) {
   table.add("unit", &reading.unit_m,
             "metres of one unit of a glTF or .obj file: 0.01 where it is in centimetres, 0.0254 in inches", 1e-6, 1e6);
   table.add(
-      "veil_cover", &reading.veil_cover,
+      "transmissive_cover", &reading.transmissive_cover,
       "what lets light through is a sheet to weighting functions where it stops this share of light or more, and air to them "
       "where less; 0: always a sheet; above 1: always air",
       0.0, 1.01);

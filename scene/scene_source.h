@@ -9,7 +9,7 @@
 #include "scene/gltf/gltf_reader.h"
 #include "scene/image/image_loader.h"
 #include "scene/scene.h"
-#include "scene/solid/veils.h"
+#include "scene/solid/transmissive.h"
 #include "tool/options.h"
 
 namespace nlg {
@@ -35,7 +35,7 @@ inline constexpr double kCavityShare = 0.25;
 // How a scene is read from its file.
 struct SceneReading {
   double unit_m = 1.0;  // metres of one unit of a glTF file, whose unit is the metre if it keeps to the rule, or of an .obj file
-  double veil_cover = kDenseVeil;     // judgeVeils' dense_veil: veils.h
+  double transmissive_cover = kDenseTransmissive;  // dense_transmissive of judgeTransmissive
   double cavity_m = 0.5;              // Scene::cavity_m, of which a small scene takes less: kCavityShare of its shortest side
   GltfChoice gltf;                    // of a glTF file: which scene, and what of it
   ImageNeed images = ImageNeed::all;  // geometry: where no light is asked for

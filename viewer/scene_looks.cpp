@@ -47,16 +47,17 @@ std::vector<float> numbersOf(const std::vector<Vector>& vectors) {
 }  // namespace
 
 void addLooks(const Scene& scene, DataScript* script) {
-  const bool has_veils =
-      std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& m) { return m.veil != Veil::none; });
-  if (scene.images.empty() && scene.vertex_colours.empty() && !has_veils) return;
+  const bool has_transmissive = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                            [](const Material& m) { return m.transmissive != Transmissive::none; });
+  if (scene.images.empty() && scene.vertex_colours.empty() && !has_transmissive) return;
   std::vector<float> looks;
   for (const Material& material : scene.materials) {
-    // the page draws a veil's colour where it is not transparent: what it transmits in that colour is let through as it is
+    // the page draws a transmissive surface's colour where it is not transparent: what it transmits in that colour is let through
+    // as it is
     const float transparent = 1.0f - material.opacity * (1.0f - material.transmission);
     looks.insert(looks.end(), {static_cast<float>(material.base_image.image + 1), wrapCode(material.base_image),
                                static_cast<float>(material.emissive_image.image + 1), wrapCode(material.emissive_image),
-                               material.veil == Veil::none ? -1.0f : transparent});
+                               material.transmissive == Transmissive::none ? -1.0f : transparent});
   }
   const int side = sideOf(scene.images.size());
   std::vector<uint8_t> texels;

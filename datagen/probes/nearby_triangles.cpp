@@ -24,7 +24,8 @@ Bounds triangleBounds(const Scene& scene, const glm::uvec3& triangle) {
 
 NearbyTriangles::NearbyTriangles(const Scene& scene) : scene_(scene) {
   for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
-    const bool is_thin = !scene.triangle_material.empty() && scene.materials[scene.triangle_material[t]].veil == Veil::thin;
+    const bool is_thin =
+        !scene.triangle_material.empty() && scene.materials[scene.triangle_material[t]].transmissive == Transmissive::thin;
     if (!is_thin) order_.push_back(t);
   }
   if (order_.empty()) return;

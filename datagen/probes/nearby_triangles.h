@@ -1,4 +1,4 @@
-// Whether a box is near a scene's triangles; thin veils are air.
+// Whether a box is near a scene's triangles; thin transmissive surfaces are air.
 #pragma once
 
 #include <cstdint>

@@ -36,13 +36,13 @@ struct TriangleChoice {
 struct RayScene::Impl {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
-  std::vector<uint8_t> double_sided;    // by triangle
-  TriangleChoice walls, opaque, veils;  // all but thin veils, all but veils, veils
-  RTCScene scene = nullptr;             // of walls
-  RTCScene opaque_scene = nullptr;      // null without dense veils: then it is `scene`
-  RTCScene light_scene = nullptr;       // of opaque ones, and sky faces as geometry 1; null without sky faces
-  RTCScene veil_scene = nullptr;        // null without veils
-  std::vector<glm::vec3> sky_normals;   // by sky face, not normalised
+  std::vector<uint8_t> double_sided;           // by triangle
+  TriangleChoice walls, opaque, transmissive;  // all but thin transmissive ones, all but transmissive ones, those alone
+  RTCScene scene = nullptr;                    // of walls
+  RTCScene opaque_scene = nullptr;             // null without dense transmissive surfaces: then it is `scene`
+  RTCScene light_scene = nullptr;              // of opaque ones, and sky faces as geometry 1; null without sky faces
+  RTCScene transmissive_scene = nullptr;       // null without transmissive surfaces
+  std::vector<glm::vec3> sky_normals;          // by sky face, not normalised
   double cavity_m = 0.0;
 
   // What a ray meets within a short stretch, all of it.
@@ -68,7 +68,7 @@ struct RayScene::Impl {
   LightHit lightHit(const glm::vec3& origin, const glm::vec3& direction, float far) const;
 
   ~Impl() {
-    for (const RTCScene made : {scene, opaque_scene, light_scene, veil_scene}) {
+    for (const RTCScene made : {scene, opaque_scene, light_scene, transmissive_scene}) {
       if (made != nullptr) rtcReleaseScene(made);
     }
   }
@@ -186,7 +186,7 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
     const Material& material = scene.materials[scene.triangle_material[t]];
     impl_->double_sided.push_back(material.double_sided);
-    of_kind[static_cast<size_t>(material.veil)].push_back(t);
+    of_kind[static_cast<size_t>(material.transmissive)].push_back(t);
   }
   const SkyFaces& sky = scene.light.sky_faces;
   const auto& [none, thin, dense] = of_kind;
@@ -197,18 +197,18 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   };
   if (!thin.empty()) impl_->walls = joined(none, dense);
   if (thin.size() + dense.size() > 0) impl_->opaque = joined(none, {});
-  impl_->veils = joined(thin, dense);
+  impl_->transmissive = joined(thin, dense);
 
   impl_->scene = impl_->newScene(impl_->walls);
   if (!dense.empty()) impl_->opaque_scene = impl_->newScene(impl_->opaque);
-  if (!impl_->veils.ids.empty()) impl_->veil_scene = impl_->newScene(impl_->veils);
+  if (!impl_->transmissive.ids.empty()) impl_->transmissive_scene = impl_->newScene(impl_->transmissive);
   if (!sky.triangles.empty()) {
     impl_->light_scene = impl_->newScene(impl_->opaque);
     impl_->attach(impl_->light_scene, kSky, sky.positions, sky.triangles);
     for (const glm::uvec3& t : sky.triangles)
       impl_->sky_normals.push_back(glm::cross(sky.positions[t.y] - sky.positions[t.x], sky.positions[t.z] - sky.positions[t.x]));
   }
-  for (const RTCScene made : {impl_->scene, impl_->opaque_scene, impl_->light_scene, impl_->veil_scene}) {
+  for (const RTCScene made : {impl_->scene, impl_->opaque_scene, impl_->light_scene, impl_->transmissive_scene}) {
     if (made != nullptr) rtcCommitScene(made);
   }
   if (const RTCError error = rtcGetDeviceError(embree()); error != RTC_ERROR_NONE) {
@@ -342,13 +342,13 @@ LightHit RayScene::lightHit(const glm::vec3& origin, const glm::vec3& direction)
   return impl_->lightHit(origin, direction, kInfinity);
 }
 
-bool RayScene::hasVeils() const { return impl_->veil_scene != nullptr; }
+bool RayScene::hasTransmissive() const { return impl_->transmissive_scene != nullptr; }
 
-LightHit RayScene::veilHit(const glm::vec3& origin, const glm::vec3& direction, float near, float far) const {
-  if (impl_->veil_scene == nullptr || !(near < far)) return {};
-  const RTCRayHit hit = firstRayHit(impl_->veil_scene, origin, direction, near, far);
+LightHit RayScene::transmissiveHit(const glm::vec3& origin, const glm::vec3& direction, float near, float far) const {
+  if (impl_->transmissive_scene == nullptr || !(near < far)) return {};
+  const RTCRayHit hit = firstRayHit(impl_->transmissive_scene, origin, direction, near, far);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return impl_->surfaceHit(hit, impl_->veils[hit.hit.primID], direction);
+  return impl_->surfaceHit(hit, impl_->transmissive[hit.hit.primID], direction);
 }
 
 bool RayScene::isBlocked(const glm::vec3& from, const glm::vec3& to) const {

@@ -21,7 +21,7 @@ struct SegmentPacket {
 
 enum class Facing : uint8_t { nothing, front, back, both };  // both: a double-sided material, or faces that coincide
 
-// Where a ray of light ends, or meets a veil.
+// Where a ray of light ends, or meets a transmissive surface.
 struct LightHit {
   enum class Kind : uint8_t { nothing, sky, surface };
   Kind kind = Kind::nothing;
@@ -34,9 +34,10 @@ struct LightHit {
 
 class RayScene {
  public:
-  // Copies what it needs of the scene. Sky faces end rays of light (lightHit) and no others; veils end none of these, and those that
-  // are thin no others either: whatever says "surface" or "triangle" below means all but thin veils, and for light all but veils. throws std::bad_alloc when there is no
-  // memory; InputError when Embree cannot build
+  // Copies what it needs of the scene. Sky faces end rays of light (lightHit) and no others; transmissive surfaces end none of
+  // these, and those that are thin no others either: whatever says "surface" or "triangle" below means all but thin transmissive
+  // ones, and for light all but transmissive ones. throws std::bad_alloc when there is no memory; InputError when Embree cannot
+  // build
   explicit RayScene(const Scene& scene);
   ~RayScene();
   RayScene(const RayScene&) = delete;
@@ -56,21 +57,21 @@ class RayScene {
   // The same for whom backs alone count: what it calls front may be `both`, which saves a second search.
   Facing firstBackWithSky(const glm::vec3& origin, const glm::vec3& direction) const;
 
-  // The first surface, or front of a sky face, that a ray of light meets; sky faces let rays through from behind, and veils are
-  // not looked at.
+  // The first surface, or front of a sky face, that a ray of light meets; sky faces let rays through from behind, and
+  // transmissive surfaces are not looked at.
   LightHit lightHit(const glm::vec3& origin, const glm::vec3& direction) const;
 
-  bool hasVeils() const;
-  // The first veil beyond `near` and before `far`, both in lengths of the direction; Kind::nothing without one. To go on behind it:
-  // near = justBehind(hit).
-  LightHit veilHit(const glm::vec3& origin, const glm::vec3& direction, float near, float far) const;
+  bool hasTransmissive() const;
+  // The first transmissive surface beyond `near` and before `far`, both in lengths of the direction; Kind::nothing without one.
+  // To go on behind it: near = justBehind(hit).
+  LightHit transmissiveHit(const glm::vec3& origin, const glm::vec3& direction, float near, float far) const;
   static float justBehind(const LightHit& hit);
 
   // Whether a surface stands between two places, themselves included. Edges are watertight (Embree's robust mode): what passes through a
   // shared edge meets at least one of its triangles. What runs in a triangle's plane does not meet it.
   bool isBlocked(const glm::vec3& from, const glm::vec3& to) const;
 
-  // The same of what stops light wholly: veils do not count.
+  // The same of what stops light wholly: transmissive surfaces do not count.
   bool isOpaqueBetween(const glm::vec3& from, const glm::vec3& to) const;
   // The same of all that lies this way; sky faces do not count.
   bool isOpaqueAlong(const glm::vec3& from, const glm::vec3& direction) const;

@@ -187,10 +187,10 @@ class LooksReader {
     material->label = {source.name, lightGroupOf(source.extras)};
     if (!odd_.attempt("does not shine", [&] { readEmission(source, material, of_vertices); }))
       material->emissive = glm::vec3(0.0f);
-    odd_.attempt("lets no light through", [&] { readVeil(source, base[3], material, of_vertices); });
+    odd_.attempt("lets no light through", [&] { readTransmissive(source, base[3], material, of_vertices); });
     KeptAs kept;
-    if (material->veil != Veil::none && source.alphaMode == "BLEND") kept.opacity = KeptAs::Opacity::mean;
-    if (material->veil != Veil::none && source.alphaMode == "MASK") {
+    if (material->transmissive != Transmissive::none && source.alphaMode == "BLEND") kept.opacity = KeptAs::Opacity::mean;
+    if (material->transmissive != Transmissive::none && source.alphaMode == "MASK") {
       kept.opacity = KeptAs::Opacity::cut;
       kept.least_code = leastCode(of_vertices->least_opacity);
       // cut at the texels, not at the factor
@@ -219,13 +219,14 @@ class LooksReader {
     use(infoOf(source.emissiveTexture, "emissiveTexture"), {}, &material->emissive_image, &of_vertices->emissive);
   }
 
-  void readVeil(const tinygltf::Material& source, double opacity, Material* material, GltfLooks::OfVertices* of_vertices) {
+  void readTransmissive(const tinygltf::Material& source, double opacity, Material* material,
+                        GltfLooks::OfVertices* of_vertices) {
     const tinygltf::Value* transmission = extensionOf(source.extensions, "KHR_materials_transmission");
     if (transmission != nullptr)
       material->transmission = checkedFactor(numberIn(*transmission, "transmissionFactor", 0.0), 1.0, "transmissionFactor");
     const bool is_cut = source.alphaMode == "MASK";
     if (!is_cut && source.alphaMode != "BLEND" && material->transmission == 0.0f) return;
-    material->veil = Veil::thin;  // what it is in truth is judged once the scene is there
+    material->transmissive = Transmissive::thin;  // what it is in truth is judged once the scene is there
     if (!is_cut && source.alphaMode != "BLEND") return;
     of_vertices->keeps_opacity = true;
     const double factor = checkedFactor(opacity, 1.0, "baseColorFactor[3]");

@@ -33,8 +33,9 @@ struct GltfLooks {
     bool keeps_opacity = false;  // of its vertices' colours
     float least_opacity = 0.0f;  // of these: what is below becomes 0, and all else 1; 0: they stay as they are
   };
-  std::vector<Material> materials;  // the file's, and one more for primitives without; veil is thin where it may be one (veils.h)
-  std::vector<std::string> names;   // of the materials
+  // The file's, and one more for primitives without; thin where it may be transmissive (transmissive.h).
+  std::vector<Material> materials;
+  std::vector<std::string> names;       // of the materials
   std::vector<OfVertices> of_vertices;  // by material
   std::vector<TextureImage> images;
   bool has_base_places = false, has_emissive_places = false;  // whether any material has such an image

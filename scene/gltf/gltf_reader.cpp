@@ -20,7 +20,7 @@
 #include "scene/gltf/gltf_mesh.h"
 #include "scene/gltf/gltf_nodes.h"
 #include "scene/gltf/gltf_unread.h"
-#include "scene/solid/veils.h"
+#include "scene/solid/transmissive.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -32,9 +32,9 @@ constexpr double kFarthest = 1e9;  // metres from the file's origin; beyond, a d
 
 class GltfConverter {
  public:
-  GltfConverter(const std::string& path, double unit_m, double dense_veil, const GltfChoice& choice, ImageNeed need)
+  GltfConverter(const std::string& path, double unit_m, double dense_transmissive, const GltfChoice& choice, ImageNeed need)
       : path_(path),
-        dense_veil_(dense_veil),
+        dense_transmissive_(dense_transmissive),
         odd_(path),
         model_(loadGltfFile(path, budgets_.bytes, &odd_)),
         parents_(parentsOf(model_)),
@@ -402,7 +402,7 @@ class GltfConverter {
     if (unplaced_count_ > 0)
       notes_.push_back(std::to_string(unplaced_count_) +
                        " primitives have an image, and not all of their places on it (TEXCOORD): its corner instead");
-    append(judgeVeils(scene_, looks_.names, dense_veil_));
+    append(judgeTransmissive(scene_, looks_.names, dense_transmissive_));
     append(odd_.notes());
     append(unreadParts(model_, std::set<int>(scene_.triangle_material.begin(), scene_.triangle_material.end())));
   }
@@ -423,7 +423,7 @@ class GltfConverter {
   }
 
   const std::string path_;
-  const double dense_veil_;
+  const double dense_transmissive_;
   Oddities odd_;
   SceneBudgets budgets_;                                   // of the file: each mesh once
   SceneBudget triangles_left_ = SceneBudgets().triangles;  // of the scene: each instance
@@ -449,8 +449,8 @@ class GltfConverter {
 
 }  // namespace
 
-GltfLevel readGltf(const std::string& path, double unit_m, double dense_veil, const GltfChoice& choice, ImageNeed need) {
-  return GltfConverter(path, unit_m, dense_veil, choice, need).convert();
+GltfLevel readGltf(const std::string& path, double unit_m, double dense_transmissive, const GltfChoice& choice, ImageNeed need) {
+  return GltfConverter(path, unit_m, dense_transmissive, choice, need).convert();
 }
 
 }  // namespace nlg

@@ -6,7 +6,7 @@
 
 #include "scene/image/image_loader.h"
 #include "scene/scene.h"
-#include "scene/solid/veils.h"
+#include "scene/solid/transmissive.h"
 
 namespace nlg {
 
@@ -31,14 +31,14 @@ struct GltfChoice {
 // Accessors  Positions in floats, or in integers of 8 and 16 bits (KHR_mesh_quantization); any stride; sparse ones too. Buffer views
 //            packed by EXT_ or KHR_meshopt_compression (gltf_meshopt.h), primitives by KHR_draco_mesh_compression (gltf_draco.h).
 // Materials  Base colour, doubleSided, emission times KHR_materials_emissive_strength in cd/m², alpha and KHR_materials_transmission
-//            (veils.h), with their images: PNG, JPEG, WebP (image_decode.h), in the file, in buffers, or in its folder or below; and
-//            COLOR_0. An image that cannot be read is noted (gltf_looks.h).
+//            (transmissive.h), with their images: PNG, JPEG, WebP (image_decode.h), in the file, in buffers, or in its folder or
+//            below; and COLOR_0. An image that cannot be read is noted (gltf_looks.h).
 // Light      KHR_lights_punctual (gltf_light.h), in cd and lux; a lamp is a sphere of 5 cm radius. A file has no sky.
 // Cameras    Perspective ones become viewpoints; orthographic ones are skipped.
 //
 // path     the file; its external buffers must lie in its folder or below
 // unit_m   metres of one unit of the file, finite, above 0: 1, when it keeps to the rule. Intensities of lamps stay what they are
-// dense_veil   as judgeVeils has it; need: of images
+// dense_transmissive   as judgeTransmissive has it; need: of images
 // returns  the scene; its id is the file's stem
 // notes    one part that is broken is left out or mended, and noted: an index or accessor out of range, numbers that are not finite,
 //          positions beyond 1e9 m, a node that is its own ancestor or 256 deep, a value of a wrong JSON type (gltf_json.h)
@@ -48,7 +48,7 @@ struct GltfChoice {
 //          - a buffer's URI that leaves the folder: with "..", absolute, or of a scheme other than data:
 //          - a required extension that may change where triangles are and is not read, by its name
 //          UsageError on a scene_name that no scene has
-GltfLevel readGltf(const std::string& path, double unit_m = 1.0, double dense_veil = kDenseVeil, const GltfChoice& choice = {},
-                   ImageNeed need = ImageNeed::all);
+GltfLevel readGltf(const std::string& path, double unit_m = 1.0, double dense_transmissive = kDenseTransmissive,
+                   const GltfChoice& choice = {}, ImageNeed need = ImageNeed::all);
 
 }  // namespace nlg

@@ -28,8 +28,8 @@ struct KeptAs {
   auto operator<=>(const KeptAs&) const = default;
 };
 
-// Means over boxes of pixels, colours in linear light and, where there is an opacity, weighted by it: what a veil reflects is the
-// product of the two. Cutting comes first: the mean is the covered share.
+// Means over boxes of pixels, colours in linear light and, where there is an opacity, weighted by it: what a transmissive surface
+// reflects is the product of the two. Cutting comes first: the mean is the covered share.
 // most_side   at most kMostTexelsOfSide
 TextureImage reducedImage(const DecodedImage& image, const KeptAs& kept, int most_side);
 

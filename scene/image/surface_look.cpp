@@ -46,11 +46,11 @@ glm::vec3 emissionAt(const Scene& scene, uint32_t triangle, float u, float v) {
   if (material.emissive_image.isThere())
     emission *= glm::vec3(imageAt(scene, material.emissive_image, scene.emissive_places, triangle, u, v));
   // where a cut-out has a hole nothing shines
-  if (material.veil != Veil::none) emission *= baseAt(scene, material, triangle, u, v).a;
+  if (material.transmissive != Transmissive::none) emission *= baseAt(scene, material, triangle, u, v).a;
   return emission;
 }
 
-VeilLook veilAt(const Scene& scene, uint32_t triangle, float u, float v) {
+TransmissiveLook transmissiveAt(const Scene& scene, uint32_t triangle, float u, float v) {
   const Material& material = materialOf(scene, triangle);
   const glm::vec4 base = baseAt(scene, material, triangle, u, v);
   const glm::vec3 colour(base);

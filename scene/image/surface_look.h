@@ -20,15 +20,15 @@ glm::vec3 albedoOf(const Material& material, const glm::vec3& base_colour);
 
 // Linear; of a material without images and vertex colours exactly its factor.
 glm::vec3 baseColourAt(const Scene& scene, uint32_t triangle, float u, float v);
-// Radiance of the side that shines; of a veil, as much of it as its opacity.
+// Radiance of the side that shines; of a transmissive surface, as much of it as its opacity.
 glm::vec3 emissionAt(const Scene& scene, uint32_t triangle, float u, float v);
 
-// What light meets at a point of a veil: a surface that lets some of it through.
-struct VeilLook {
+// What light meets at a point of a transmissive surface: a surface that lets some of it through.
+struct TransmissiveLook {
   glm::vec3 passes{0.0f};    // of light that goes straight on
   glm::vec3 reflects{0.0f};  // of light that is scattered back, as a base colour
 };
-VeilLook veilAt(const Scene& scene, uint32_t triangle, float u, float v);
+TransmissiveLook transmissiveAt(const Scene& scene, uint32_t triangle, float u, float v);
 // The share of light that it lets nowhere through, whatever its colour.
 float stoppedAt(const Scene& scene, uint32_t triangle, float u, float v);
 

@@ -14,7 +14,7 @@
 #include "scene/obj/obj_reader.h"
 #include "scene/procedural/mesh_builder.h"
 #include "scene/solid/closed_shells.h"
-#include "scene/solid/veils.h"
+#include "scene/solid/transmissive.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -103,7 +103,7 @@ std::vector<Material> plainMaterials(const Scene& scene) {
     if (has_base[i]) plain[i].base_color = glm::vec3(colours[i]);
     if (has_emissive[i]) plain[i].emissive = glm::vec3(shines[i]);
     plain[i].base_image = plain[i].emissive_image = {};
-    plain[i].veil = Veil::none;
+    plain[i].transmissive = Transmissive::none;
     plain[i].opacity = 1.0f;
   }
   return plain;

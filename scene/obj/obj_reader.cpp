@@ -99,7 +99,7 @@ class ObjConverter {
   ObjConverter(const std::string& path, double unit_m, const ObjFiles& files)
       : path_(path), unit_m_(unit_m), files_(files), loader_(files.need) {}
 
-  ObjLevel convert(std::string_view text, double dense_veil) {
+  ObjLevel convert(std::string_view text, double dense_transmissive) {
     load(text);
     convertMaterials();
     loadImages();
@@ -111,7 +111,7 @@ class ObjConverter {
     finishScene(level_.scene, world_positions_);
     std::vector<std::string> names;
     for (const MtlMaterial& source : materials_) names.push_back(source.name);
-    for (std::string& note : judgeVeils(level_.scene, names, dense_veil)) level_.notes.push_back(std::move(note));
+    for (std::string& note : judgeTransmissive(level_.scene, names, dense_transmissive)) level_.notes.push_back(std::move(note));
     return std::move(level_);
   }
 
@@ -153,7 +153,7 @@ class ObjConverter {
       clamped_count_ += colour != glm::min(colour, glm::dvec3(1.0)) ? 1 : 0;
       const bool is_used = used.count(i) > 0;
       colourless_count_ += is_used && !source.colour && source.colour_image.name.empty() ? 1 : 0;
-      if (stops[i] < 1.0) material.veil = Veil::thin;  // what it is in truth is judged once the scene is there
+      if (stops[i] < 1.0) material.transmissive = Transmissive::thin;  // what it is in truth is judged once the scene is there
       material.opacity = static_cast<float>(stops[i]);
       if (is_used) wantImages(source, &material);
       level_.scene.materials.push_back(material);
@@ -188,7 +188,7 @@ class ObjConverter {
     const std::string &colour = source.colour_image.name, &opacity = source.stops_image.name;
     KeptAs kept;
     if (!opacity.empty()) {
-      material->veil = Veil::thin;
+      material->transmissive = Transmissive::thin;
       if (opacity == colour || colour.empty()) kept.opacity = KeptAs::Opacity::brightness;
       if (opacity != colour && !colour.empty()) kept.opacity_of = opacity;
       if (colour.empty()) kept.colour = KeptAs::Colour::white;
@@ -349,16 +349,17 @@ class ObjConverter {
 
 }  // namespace
 
-ObjLevel readObj(const std::string& path, double unit_m, double dense_veil, ImageNeed need) {
+ObjLevel readObj(const std::string& path, double unit_m, double dense_transmissive, ImageNeed need) {
   SceneBudgets budgets;
   const std::vector<unsigned char> bytes = readSceneFile(path, "file", budgets.bytes);
   const auto image = [&](const std::string& name) { return imageBeside(path, name, budgets.bytes); };
   return readObjText(path, textOf(bytes), unit_m, {librariesBeside(path, budgets.bytes), image, &budgets.pixels, need},
-                     dense_veil);
+                     dense_transmissive);
 }
 
-ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjFiles& files, double dense_veil) {
-  return ObjConverter(path, unit_m, files).convert(text, dense_veil);
+ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjFiles& files,
+                     double dense_transmissive) {
+  return ObjConverter(path, unit_m, files).convert(text, dense_transmissive);
 }
 
 }  // namespace nlg

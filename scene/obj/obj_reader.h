@@ -8,7 +8,7 @@
 
 #include "scene/image/image_loader.h"
 #include "scene/scene.h"
-#include "scene/solid/veils.h"
+#include "scene/solid/transmissive.h"
 
 namespace nlg {
 
@@ -22,18 +22,20 @@ struct ObjLevel {
 //
 // Geometry   Faces; polygons are cut by their ears (polygon_cut.h). One SceneObject for each object or group. Lines, points and faces of two
 //            corners are skipped. Triangles of zero area are dropped and counted.
-// Materials  Kd (linear) is the base colour, at most 1; Ke is emission, in cd/m²; d or Tr, below 1, makes a veil (veils.h): Tr is what
-//            passes, and where by that no material would stop all light, what is stopped. map_Kd, map_Ke and map_d are images
-//            beside them, of the kinds of image_decode.h, with -s, -o and -clamp; map_d by its own opacity if it has one, otherwise by
-//            its brightness. An image without a factor counts as it is. Colours of vertices are times Kd. A face whose material was not
-//            found is grey, and counted. Of an image that cannot be read half of Kd stands in its place, and nothing shines.
+// Materials  Kd (linear) is the base colour, at most 1; Ke is emission, in cd/m²; d or Tr, below 1, makes a transmissive surface
+//            (transmissive.h): Tr is what passes, and where by that no material would stop all light, what is stopped. map_Kd,
+//            map_Ke and map_d are images beside them, of the kinds of image_decode.h, with -s, -o and -clamp; map_d by its own
+//            opacity if it has one, otherwise by its brightness. An image without a factor counts as it is. Colours of vertices
+//            are times Kd. A face whose material was not found is grey, and counted. Of an image that cannot be read half of Kd
+//            stands in its place, and nothing shines.
 //
 // path     the file; its material libraries and their images must lie in its folder or below (findBeside), and may be missing
 // unit_m   metres of one unit of the file, finite, above 0
-// dense_veil   as judgeVeils has it; need: of images
+// dense_transmissive   as judgeTransmissive has it; need: of images
 // returns  the scene; its id is the file's stem
 // throws   InputError naming file, line, expected and got, as obj_text.h says; on positions beyond 1e9 m
-ObjLevel readObj(const std::string& path, double unit_m, double dense_veil = kDenseVeil, ImageNeed need = ImageNeed::all);
+ObjLevel readObj(const std::string& path, double unit_m, double dense_transmissive = kDenseTransmissive,
+                 ImageNeed need = ImageNeed::all);
 
 // A material library that a file names.
 struct ObjLibraryFile {
@@ -55,6 +57,6 @@ struct ObjFiles {
 
 // The same of a text in memory, as of an entry of an archive; path is its name in errors.
 ObjLevel readObjText(const std::string& path, std::string_view text, double unit_m, const ObjFiles& files,
-                     double dense_veil = kDenseVeil);
+                     double dense_transmissive = kDenseTransmissive);
 
 }  // namespace nlg

@@ -108,7 +108,7 @@ class BspConverter {
   BspConverter(const std::string& path, const std::string& bytes, const BspLooks* looks)
       : path_(path), file_(parseBsp(path, bytes)), looks_(looks), uses_(file_.shaders.size()) {}
 
-  BspLevel convert(const std::string& id, double dense_veil) {
+  BspLevel convert(const std::string& id, double dense_transmissive) {
     level_.scene.id = id;
     const std::vector<BspEntity> entities = readEntities(path_, file_.entities);
     const std::vector<BspPlacement> placements = readPlacements(path_, entities, file_.models.size());
@@ -119,7 +119,7 @@ class BspConverter {
     finishBakedLight();
     loadImages();
     finishScene(level_.scene, world_positions_);
-    level_.notes = judgeVeils(level_.scene, material_names_, dense_veil);
+    level_.notes = judgeTransmissive(level_.scene, material_names_, dense_transmissive);
     addLights(entities);
     addViewpoints(entities);
     const std::vector<SceneObject>& objects = level_.scene.objects;
@@ -261,7 +261,7 @@ class BspConverter {
     material.double_sided = use.double_sided;
     material.emissive = use.emission;
     const std::string& name = file_.shaders[shader_idx].name;
-    if (looks_ != nullptr && looks_->keptAs(name).opacity != KeptAs::Opacity::none) material.veil = Veil::thin;
+    if (looks_ != nullptr && looks_->keptAs(name).opacity != KeptAs::Opacity::none) material.transmissive = Transmissive::thin;
     level_.scene.materials.push_back(material);
     material_names_.push_back(name);
     return *use.material_idx;
@@ -287,7 +287,7 @@ class BspConverter {
           if (material.base_image.isThere()) wanted.push_back(i);
         } else {
           ++level_.materials_without_texture;
-          material.veil = Veil::none;
+          material.transmissive = Transmissive::none;
         }
       }
       pending.clear();
@@ -424,10 +424,10 @@ class BspConverter {
 
 BspLevel readBsp(const std::string& path) {
   return BspConverter(path, readFile(path, kMaxLevelBytes), nullptr)
-      .convert(std::filesystem::path(path).stem().string(), kDenseVeil);
+      .convert(std::filesystem::path(path).stem().string(), kDenseTransmissive);
 }
 
-BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_veil, ImageNeed need) {
+BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_transmissive, ImageNeed need) {
   const Pk3Archives archives(path);
   const std::string id = lowerCase(map);
   const std::string name = "maps/" + id + ".bsp";
@@ -438,7 +438,7 @@ BspLevel readBspFromArchives(const std::string& path, const std::string& map, do
                      "none of that name");
   }
   const BspLooks looks(archives, need);
-  return BspConverter(path + ":" + id, archives.read(name, kMaxLevelBytes), &looks).convert(id, dense_veil);
+  return BspConverter(path + ":" + id, archives.read(name, kMaxLevelBytes), &looks).convert(id, dense_transmissive);
 }
 
 }  // namespace nlg

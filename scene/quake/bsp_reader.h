@@ -8,7 +8,7 @@
 
 #include "scene/image/image_loader.h"
 #include "scene/scene.h"
-#include "scene/solid/veils.h"
+#include "scene/solid/transmissive.h"
 
 namespace nlg {
 
@@ -17,7 +17,7 @@ struct BspLevel {
   // faces that are no geometry, by why: "sky", "nodraw", "fog", "liquid", "clip", "translucent", "flare"
   std::map<std::string, uint32_t> dropped_faces;
   uint32_t materials_without_texture = 0;  // have the default colour: no image of theirs is in the archives, or all are damaged
-  std::vector<std::string> notes;          // what lets light through (veils.h)
+  std::vector<std::string> notes;          // what lets light through (transmissive.h)
   // what the level says of light and the scene does not hold, or holds otherwise; one line each
   std::vector<std::string> light_notes;
 };
@@ -39,13 +39,13 @@ BspLevel readBsp(const std::string& path);
 
 // The same for maps/MAP.bsp in the archives at path (pk3_archive.h), with their shader scripts and textures: surface parameters
 // add to the .bsp's flags, pages of light may lie in files (-external), cull none makes a material double_sided, its texture is its base_image; faces shine, and sky has its light
-// and its suns. A script's first stage with alphaFunc GT0 or GE128 makes a veil of what its texture cuts out (veils.h), but for faces
-// that are left out as "translucent".
+// and its suns. A script's first stage with alphaFunc GT0 or GE128 makes a transmissive surface of what its texture cuts out
+// (transmissive.h), but for faces that are left out as "translucent".
 //
 // map      without regard to case
-// dense_veil   as judgeVeils has it; need: of images
+// dense_transmissive   as judgeTransmissive has it; need: of images
 // throws   InputError also on what Pk3Archives and readShaderScripts refuse, and on a map that is not there (names some that are)
-BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_veil = kDenseVeil,
+BspLevel readBspFromArchives(const std::string& path, const std::string& map, double dense_transmissive = kDenseTransmissive,
                              ImageNeed need = ImageNeed::all);
 
 }  // namespace nlg

@@ -31,7 +31,7 @@ constexpr size_t kNamedObjects = 3;
 
 constexpr uint32_t kNone = ~0u;
 
-bool isDoubleSided(const Material& material) { return material.double_sided && material.veil == Veil::none; }
+bool isDoubleSided(const Material& material) { return material.double_sided && material.transmissive == Transmissive::none; }
 
 // A connected component of an object.
 struct Part {
@@ -50,7 +50,7 @@ struct Part {
 
 struct Parts {
   std::vector<Part> all;
-  std::vector<uint32_t> triangles;  // of the scene, part by part, veils left out
+  std::vector<uint32_t> triangles;  // of the scene, part by part, transmissive surfaces left out
   std::vector<uint32_t> same_as;    // by vertex
 };
 
@@ -65,7 +65,7 @@ Parts partsOf(const Scene& scene) {
     std::vector<uint32_t> kept;
     std::vector<glm::uvec3> triangles;
     for (uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
-      if (scene.materials[scene.triangle_material[i]].veil != Veil::none) continue;
+      if (scene.materials[scene.triangle_material[i]].transmissive != Transmissive::none) continue;
       kept.push_back(i);
       triangles.push_back(scene.triangles[i]);
     }

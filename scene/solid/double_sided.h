@@ -10,7 +10,7 @@
 namespace nlg {
 
 struct DoubleSidedFaces {
-  uint32_t face_count = 0;          // of double-sided materials, veils aside
+  uint32_t face_count = 0;          // of double-sided materials, transmissive surfaces aside
   uint32_t solid_count = 0;         // of these, made one-sided
   std::vector<std::string> hollow;  // objects with shells wound outward that are no solids, each once
   std::vector<std::string> turned;  // the same whose faces look inward now: rooms with all else in them
@@ -21,8 +21,8 @@ struct DoubleSidedFaces {
 };
 
 // Gives faces of double-sided materials that bound solid a one-sided copy of their material, appended to the scene's: those of
-// shells, closed or nearly, by the rule of docs/theory/visibility.md, "Double-sided materials". Veils stay what they are, and close
-// nothing. A scene without double-sided materials stays as it is.
+// shells, closed or nearly, by the rule of docs/theory/visibility.md, "Double-sided materials". Transmissive surfaces stay what
+// they are, and close nothing. A scene without double-sided materials stays as it is.
 DoubleSidedFaces giveSolidsOneSide(Scene& scene);
 
 }  // namespace nlg

@@ -318,7 +318,7 @@ FROM = {
           "an image whose name is no UTF-8": (all_of(put("library", "paper", "map_Kd", "p\udce4per.png"), put("others", "p\udce4per.png", png((9, 9, 9, 255)))), all_of(put("library", "paper", "map_Kd", "p\udce4per.png"), put("others", "p\udce4per.png", png((9, 250, 9, 255)))))},
     Sets: {}, Bsp: {}, Archive: {},
 }
-SETTINGS = [["--spacing-m", "1"], ["--density-growth", "0"], ["--align-lattice"], ["--seed", "2"], ["--extent-m=-2,.2,-1,2,2,1"], ["--air-only=false"], ["--unit", "1.1"], ["--veil-cover", ".3"], ["--cavity-m", "0"], ["--sky", "sky.hdr,90"],
+SETTINGS = [["--spacing-m", "1"], ["--density-growth", "0"], ["--align-lattice"], ["--seed", "2"], ["--extent-m=-2,.2,-1,2,2,1"], ["--air-only=false"], ["--unit", "1.1"], ["--transmissive-cover", ".3"], ["--cavity-m", "0"], ["--sky", "sky.hdr,90"],
             ["--sky", "0"], ["--sun", "40,50,1,1,1"], ["--light-unit", "watt"], ["--intensity", "2"], ["--light-groups", "kind"], ["--light-groups", "one"], ["--light-set", "dusk sky=0"], ["--light", "point"], ["--light", "none"],
             ["--light-direct", "none"], ["--light-places", "3"], ["--light-rays", "16"], ["--light-cache=false"], ["--light-pull", ".5"], ["--light-error", ".1"], ["--thin-error", ".05"], ["--adam-steps", "5"], ["--duplicate-rms", "2"],
             ["--theta-precision", "float32"], ["--bare-tent-rmse", ".05"], ["--representation", "tent_mlp"], ["--max-probes", "99999"], ["--threads", "2"]]

@@ -44,15 +44,15 @@ class SceneInfo(unittest.TestCase):
         expected = {"scene": "room.gltf", "triangles": 4, "objects": 2, "size_m": [4, 2, 0], "materials": 2, "materials_with_image": 0, "images": 0, "lamps": 1,
                     "lamps_cd": [100, 100], "suns_lux": [], "materials_that_shine": 1, "shine_cd_per_m2": [1, 1], "sky": False}
         self.assertEqual({key: scene[key] for key in expected}, expected)
-        self.assertEqual(scene["surfaces"], {"solid": .2, "sheets": 0, "dense_veils": 0, "thin_veils": .8})
+        self.assertEqual(scene["surfaces"], {"solid": .2, "sheets": 0, "dense_transmissive": 0, "thin_transmissive": .8})
         self.assertEqual(sum("missing.png" in note for note in scene["notes"]), 1)
         self.assertEqual(sum("pane (thin, stops 25 %)" in note for note in scene["notes"]), 1)
         self.assertEqual(sum("1 animation" in note for note in scene["notes"]), 1)
 
     def test_options_are_those_of_reading(self):
-        scene = json.loads(self.info("--json", "--unit", "0.5", "--veil-cover", "0.2", "room.gltf"))
+        scene = json.loads(self.info("--json", "--unit", "0.5", "--transmissive-cover", "0.2", "room.gltf"))
         self.assertEqual(scene["size_m"], [2, 1, 0])
-        self.assertEqual(scene["surfaces"]["dense_veils"], .8)
+        self.assertEqual(scene["surfaces"]["dense_transmissive"], .8)
 
     def test_text_is_short_and_has_a_line_for_each_note(self):
         lines = self.info("room.gltf").splitlines()

@@ -29,7 +29,7 @@ inline void checkScene(const Scene& scene) {
     const bool has_base_places = scene.base_places.size() == vertex_count;
     FUZZ_CHECK(material.opacity >= 0.0f && material.opacity <= 1.0f, "opacity");
     FUZZ_CHECK(material.transmission >= 0.0f && material.transmission <= 1.0f, "transmission");
-    FUZZ_CHECK(material.veil == Veil::none || material.double_sided, "a veil has two sides");
+    FUZZ_CHECK(material.transmissive == Transmissive::none || material.double_sided, "a transmissive surface has two sides");
     for (const TextureUse* use : {&material.base_image, &material.emissive_image, &material.transmission_image})
       FUZZ_CHECK(use->image < static_cast<int>(scene.images.size()), "images");
     FUZZ_CHECK(has_base_places || !(material.base_image.isThere() || material.transmission_image.isThere()),
@@ -38,7 +38,7 @@ inline void checkScene(const Scene& scene) {
   for (const TextureImage& image : scene.images)
     FUZZ_CHECK(image.texels.size() == static_cast<size_t>(image.width) * static_cast<size_t>(image.height), "texels");
   for (uint32_t i = 0; i < scene.triangles.size() && i < 64; ++i) {
-    const VeilLook look = veilAt(scene, i, 0.3f, 0.4f);
+    const TransmissiveLook look = transmissiveAt(scene, i, 0.3f, 0.4f);
     FUZZ_CHECK(finite(look.passes) && finite(look.reflects) && finite(emissionAt(scene, i, 0.3f, 0.4f)), "looks");
   }
   size_t first = 0;

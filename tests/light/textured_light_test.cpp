@@ -1,4 +1,5 @@
-// Light of scenes with images, vertex colours and veils: against closed forms, and against the same scene with factors.
+// Light of scenes with images, vertex colours and transmissive surfaces: against closed forms, and against the same scene with
+// factors.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -151,9 +152,9 @@ TEST(TexturedLight, ChancesOfPatchesSumToOneOverTheEmitters) {
 }
 
 // Light under a lid that lets a share through: that share of what comes without a lid, in the lid's colour where it transmits.
-TEST(TexturedLight, AVeilDimsSkySunLampAndPanelByWhatItLetsThrough) {
+TEST(TexturedLight, ATransmissiveSurfaceDimsSkySunLampAndPanelByWhatItLetsThrough) {
   Material open;
-  open.veil = Veil::thin;
+  open.transmissive = Transmissive::thin;
   open.double_sided = true;
   open.base_color = glm::vec3(0.0f);
   Material pane = open, glass = open;
@@ -186,7 +187,7 @@ TEST(TexturedLight, AVeilDimsSkySunLampAndPanelByWhatItLetsThrough) {
 }
 
 // A furnace of which a curtain hangs in the middle that scatters half and lets half through: no light is lost, and it is constant.
-TEST(TexturedLight, AVeilThatLosesNothingLeavesAFurnaceAsItIs) {
+TEST(TexturedLight, ATransmissiveSurfaceThatLosesNothingLeavesAFurnaceAsItIs) {
   SceneOfFaces faces;
   faces.addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f);
   faces.addQuad({-1.5f, -0.5f, 0}, {1.5f, -0.5f, 0}, {1.5f, 1, 0}, {-1.5f, 1, 0});
@@ -195,7 +196,7 @@ TEST(TexturedLight, AVeilThatLosesNothingLeavesAFurnaceAsItIs) {
   scene.materials[0].emissive = glm::vec3(1.0f);
   // it reflects 0.8 of what it stops, and shines as much as makes up for the rest: 0.5 * 0.2 of the furnace's radiance
   Material curtain;
-  curtain.veil = Veil::dense;
+  curtain.transmissive = Transmissive::dense;
   curtain.double_sided = true;
   curtain.opacity = 0.5f;
   curtain.base_color = glm::vec3(0.8f);
@@ -216,7 +217,7 @@ TEST(TexturedLight, AVeilThatLosesNothingLeavesAFurnaceAsItIs) {
 // A cut-out that covers three quarters of its face lets a quarter of an even sky through.
 TEST(TexturedLight, ACutOutLetsItsHolesShareThrough) {
   Material fence;
-  fence.veil = Veil::dense;
+  fence.transmissive = Transmissive::dense;
   fence.double_sided = true;
   fence.base_color = glm::vec3(0.0f);
   fence.base_image.image = 0;

@@ -34,9 +34,9 @@ std::string errorOf(const glm::vec3& size) {
 
 TEST(SceneSize, BoundsWhatCountsAsACavity) {
   EXPECT_EQ(loadScene("house:3").scene.cavity_m, 0.5);
-  EXPECT_EQ(loadScene("house:3", {1.0, kDenseVeil, 0.2}).scene.cavity_m, 0.2);
-  EXPECT_EQ(loadScene("house:3", {1.0, kDenseVeil, 0.0}).scene.cavity_m, 0.0);
-  const SceneSource box = loadScene("cornell", {1.0, kDenseVeil, 100.0});
+  EXPECT_EQ(loadScene("house:3", {1.0, kDenseTransmissive, 0.2}).scene.cavity_m, 0.2);
+  EXPECT_EQ(loadScene("house:3", {1.0, kDenseTransmissive, 0.0}).scene.cavity_m, 0.0);
+  const SceneSource box = loadScene("cornell", {1.0, kDenseTransmissive, 100.0});
   const Bounds bounds = sceneBounds(box.scene);
   const glm::vec3 sides = bounds.max - bounds.min;
   EXPECT_FLOAT_EQ(static_cast<float>(box.scene.cavity_m), 0.25f * std::min({sides.x, sides.y, sides.z}))

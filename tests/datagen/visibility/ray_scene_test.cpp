@@ -132,27 +132,27 @@ TEST(RayScene, FindsEveryTriangleNearACube) {
   EXPECT_TRUE(found.empty());
 }
 
-TEST(RayScene, AThinVeilIsAirForFunctionsAndADenseOneASheet) {
-  for (const Veil veil : {Veil::none, Veil::thin, Veil::dense}) {
+TEST(RayScene, AThinTransmissiveSurfaceIsAirForFunctionsAndADenseOneASheet) {
+  for (const Transmissive transmissive : {Transmissive::none, Transmissive::thin, Transmissive::dense}) {
     SceneOfFaces faces;
     faces.addQuad({-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1});
     Scene scene = faces.finish();
-    scene.materials[0].veil = veil;
+    scene.materials[0].transmissive = transmissive;
     scene.materials[0].double_sided = true;
     const RayScene rays(scene);
     std::vector<uint32_t> near;
     rays.trianglesNearCube({0, 0, 0}, 1.0f, &near);
-    EXPECT_EQ(near.size(), veil == Veil::thin ? 0u : 2u);
-    EXPECT_EQ(rays.isBlocked({0.1f, 1, 0}, {0.1f, -1, 0}), veil != Veil::thin);
-    EXPECT_EQ(rays.firstFacing({0.1f, 1, 0}, {0, -1, 0}), veil == Veil::thin ? Facing::nothing : Facing::both);
-    EXPECT_EQ(rays.isOpaqueBetween({0.1f, 1, 0}, {0.1f, -1, 0}), veil == Veil::none);
+    EXPECT_EQ(near.size(), transmissive == Transmissive::thin ? 0u : 2u);
+    EXPECT_EQ(rays.isBlocked({0.1f, 1, 0}, {0.1f, -1, 0}), transmissive != Transmissive::thin);
+    EXPECT_EQ(rays.firstFacing({0.1f, 1, 0}, {0, -1, 0}), transmissive == Transmissive::thin ? Facing::nothing : Facing::both);
+    EXPECT_EQ(rays.isOpaqueBetween({0.1f, 1, 0}, {0.1f, -1, 0}), transmissive == Transmissive::none);
     EXPECT_EQ(rays.lightHit({0.1f, 1, 0}, {0, -1, 0}).kind,
-              veil == Veil::none ? LightHit::Kind::surface : LightHit::Kind::nothing);
-    const LightHit met = rays.veilHit({0.1f, 1, 0}, {0, -1, 0}, 0.0f, 2.0f);
-    EXPECT_EQ(met.kind, veil == Veil::none ? LightHit::Kind::nothing : LightHit::Kind::surface);
-    if (veil == Veil::none) continue;
+              transmissive == Transmissive::none ? LightHit::Kind::surface : LightHit::Kind::nothing);
+    const LightHit met = rays.transmissiveHit({0.1f, 1, 0}, {0, -1, 0}, 0.0f, 2.0f);
+    EXPECT_EQ(met.kind, transmissive == Transmissive::none ? LightHit::Kind::nothing : LightHit::Kind::surface);
+    if (transmissive == Transmissive::none) continue;
     EXPECT_FLOAT_EQ(met.distance, 1.0f);
-    EXPECT_EQ(rays.veilHit({0.1f, 1, 0}, {0, -1, 0}, RayScene::justBehind(met), 2.0f).kind, LightHit::Kind::nothing);
+    EXPECT_EQ(rays.transmissiveHit({0.1f, 1, 0}, {0, -1, 0}, RayScene::justBehind(met), 2.0f).kind, LightHit::Kind::nothing);
   }
 }
 

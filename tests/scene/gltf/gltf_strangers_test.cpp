@@ -17,7 +17,7 @@ namespace {
 class GltfStrangers : public GltfFiles {
  protected:
   GltfLevel level(const Parts& parts, const GltfChoice& choice = {}) const {
-    return readGltf(write("stranger.gltf", parts.text()), 1.0, kDenseVeil, choice);
+    return readGltf(write("stranger.gltf", parts.text()), 1.0, kDenseTransmissive, choice);
   }
 
   static std::string namesOf(const Scene& scene) {

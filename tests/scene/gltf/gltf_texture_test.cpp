@@ -43,8 +43,8 @@ std::string baseTexture(const std::string& more = "") {
 
 class GltfTextures : public GltfFiles {
  protected:
-  GltfLevel level(const Parts& parts, double dense_veil = kDenseVeil) const {
-    return readGltf(write("textured.gltf", parts.text()), 1.0, dense_veil);
+  GltfLevel level(const Parts& parts, double dense_transmissive = kDenseTransmissive) const {
+    return readGltf(write("textured.gltf", parts.text()), 1.0, dense_transmissive);
   }
   // Places on the base colour's image of the square's corners: lower left, lower right, upper right, upper left.
   void expectPlaces(const Scene& scene, const std::vector<glm::vec2>& expected) const {
@@ -78,7 +78,7 @@ TEST_F(GltfTextures, ReadsImagesOfEveryKindFromEveryPlace) {
       const GltfLevel read = level(parts);
       EXPECT_TRUE(read.notes.empty()) << read.notes[0];
       ASSERT_EQ(read.scene.images.size(), 1u);
-      EXPECT_EQ(read.scene.materials[0].veil, Veil::none) << "opaque, whatever its image's alpha";
+      EXPECT_EQ(read.scene.materials[0].transmissive, Transmissive::none) << "opaque, whatever its image's alpha";
       // bilinear: red at the left rim's texel and beyond, green at the right one's; wrapped around at the rims themselves
       EXPECT_LT(glm::length(baseColourAt(read.scene, 0, 0.25f, 0.0f) - glm::vec3(1, 0, 0)), 1e-3f);
       EXPECT_LT(glm::length(baseColourAt(read.scene, 0, 0.75f, 0.0f) - glm::vec3(0, 1, 0)), 1e-3f);
@@ -303,15 +303,15 @@ TEST_F(GltfTextures, VertexColoursTimesBaseColour) {
 
 // --- alpha
 
-struct VeilCase {
+struct TransmissiveCase {
   const char* name;
   std::string material;
   std::string rgba;  // of an image of four columns
-  Veil veil;
+  Transmissive transmissive;
   double stops;  // the share of light
 };
 
-TEST_F(GltfTextures, AlphaAndTransmissionMakeVeils) {
+TEST_F(GltfTextures, AlphaAndTransmissionMakeTransmissiveSurfaces) {
   // opacities of 64, 127, 128 and 255
   const std::string white("\xff\xff\xff", 3);
   const std::string rgba = white + "\x40" + white + "\x7f" + white + "\x80" + white + "\xff";
@@ -323,47 +323,47 @@ TEST_F(GltfTextures, AlphaAndTransmissionMakeVeils) {
     return R"("extensions":{"KHR_materials_transmission":{)" + members + "}}";
   };
   const std::string twice_as_strict = R"("pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.5],"baseColorTexture":{"index":0}})";
-  const std::vector<VeilCase> cases = {
-      {"opaque", "{" + textured + "}", rgba, Veil::none, 1.0},
-      {"cut", R"({"alphaMode":"MASK",)" + textured + "}", rgba, Veil::dense, 0.5},
-      {"cut high", R"({"alphaMode":"MASK","alphaCutoff":0.9,)" + textured + "}", rgba, Veil::thin, 0.25},
-      {"cut by the product", R"({"alphaMode":"MASK",)" + twice_as_strict + "}", rgba, Veil::thin, 0.25},
-      {"cut at nothing", R"({"alphaMode":"MASK","alphaCutoff":0,)" + textured + "}", rgba, Veil::none, 1.0},
-      {"cut whole", R"({"alphaMode":"MASK","alphaCutoff":1.5,)" + textured + "}", rgba, Veil::thin, 0.0},
-      {"cut without an image", R"({"alphaMode":"MASK",)" + factor("0.3") + "}", rgba, Veil::thin, 0.0},
-      {"cut, and all there", R"({"alphaMode":"MASK",)" + factor("0.7") + "}", rgba, Veil::none, 1.0},
-      {"blended", R"({"alphaMode":"BLEND",)" + textured + "}", rgba, Veil::dense, (64 + 127 + 128 + 255) / 1020.0},
-      {"a pane", R"({"alphaMode":"BLEND",)" + factor("0.15") + "}", rgba, Veil::thin, 0.15},
-      {"blends nothing", R"({"alphaMode":"BLEND",)" + factor("1") + "}", rgba, Veil::none, 1.0},
-      {"glass", "{" + transmission(R"("transmissionFactor":0.9)") + "}", rgba, Veil::thin, 0.1},
+  const std::vector<TransmissiveCase> cases = {
+      {"opaque", "{" + textured + "}", rgba, Transmissive::none, 1.0},
+      {"cut", R"({"alphaMode":"MASK",)" + textured + "}", rgba, Transmissive::dense, 0.5},
+      {"cut high", R"({"alphaMode":"MASK","alphaCutoff":0.9,)" + textured + "}", rgba, Transmissive::thin, 0.25},
+      {"cut by the product", R"({"alphaMode":"MASK",)" + twice_as_strict + "}", rgba, Transmissive::thin, 0.25},
+      {"cut at nothing", R"({"alphaMode":"MASK","alphaCutoff":0,)" + textured + "}", rgba, Transmissive::none, 1.0},
+      {"cut whole", R"({"alphaMode":"MASK","alphaCutoff":1.5,)" + textured + "}", rgba, Transmissive::thin, 0.0},
+      {"cut without an image", R"({"alphaMode":"MASK",)" + factor("0.3") + "}", rgba, Transmissive::thin, 0.0},
+      {"cut, and all there", R"({"alphaMode":"MASK",)" + factor("0.7") + "}", rgba, Transmissive::none, 1.0},
+      {"blended", R"({"alphaMode":"BLEND",)" + textured + "}", rgba, Transmissive::dense, (64 + 127 + 128 + 255) / 1020.0},
+      {"a pane", R"({"alphaMode":"BLEND",)" + factor("0.15") + "}", rgba, Transmissive::thin, 0.15},
+      {"blends nothing", R"({"alphaMode":"BLEND",)" + factor("1") + "}", rgba, Transmissive::none, 1.0},
+      {"glass", "{" + transmission(R"("transmissionFactor":0.9)") + "}", rgba, Transmissive::thin, 0.1},
       {"glass in part", "{" + transmission(R"("transmissionFactor":0.9,"transmissionTexture":{"index":0})") + "}",
-       pixels(2, std::string("\0\0\0\xff", 4)) + pixels(2, "\xff\xff\xff\xff"), Veil::dense, 0.55},
-      {"no glass", "{" + transmission(R"("transmissionFactor":0)") + "}", rgba, Veil::none, 1.0}};
-  for (const VeilCase& one : cases) {
+       pixels(2, std::string("\0\0\0\xff", 4)) + pixels(2, "\xff\xff\xff\xff"), Transmissive::dense, 0.55},
+      {"no glass", "{" + transmission(R"("transmissionFactor":0)") + "}", rgba, Transmissive::none, 1.0}};
+  for (const TransmissiveCase& one : cases) {
     SCOPED_TRACE(one.name);
     const GltfLevel read = level(texturedSquare(one.material, png(4, 1, one.rgba)));
     const Material& material = read.scene.materials.at(0);
-    EXPECT_EQ(static_cast<int>(material.veil), static_cast<int>(one.veil));
-    EXPECT_EQ(material.double_sided, one.veil != Veil::none);
+    EXPECT_EQ(static_cast<int>(material.transmissive), static_cast<int>(one.transmissive));
+    EXPECT_EQ(material.double_sided, one.transmissive != Transmissive::none);
     const bool uses_image = std::string(one.material).find("index") != std::string::npos;
     const size_t unused_images = uses_image ? 0 : 1;
-    ASSERT_EQ(read.notes.size(), unused_images + (one.veil == Veil::none ? 0 : 1));
+    ASSERT_EQ(read.notes.size(), unused_images + (one.transmissive == Transmissive::none ? 0 : 1));
     // bilinear over four texels: what stands at a texel's middle holds there, and the mean holds
     double stopped = 0.0;
     for (const float u : {0.125f, 0.375f, 0.625f, 0.875f}) stopped += 0.25 * stoppedAt(read.scene, 0, u, 0.0f);
     EXPECT_NEAR(stopped, one.stops, 0.003);
-    if (one.veil == Veil::none) continue;
+    if (one.transmissive == Transmissive::none) continue;
     const std::string words = fmt::format("1 material lets light through: material 0 ({}, stops {:.0f} %)",
-                                          one.veil == Veil::thin ? "thin" : "dense", 100.0 * one.stops);
+                                          one.transmissive == Transmissive::thin ? "thin" : "dense", 100.0 * one.stops);
     EXPECT_EQ(read.notes[0], words);
   }
 }
 
 TEST_F(GltfTextures, WhatIsDenseIsSettable) {
   const Parts pane = texturedSquare(R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.3]}})", "");
-  EXPECT_EQ(level(pane, 0.0).scene.materials[0].veil, Veil::dense);
-  EXPECT_EQ(level(pane, 0.29).scene.materials[0].veil, Veil::dense);
-  EXPECT_EQ(level(pane, 0.31).scene.materials[0].veil, Veil::thin);
+  EXPECT_EQ(level(pane, 0.0).scene.materials[0].transmissive, Transmissive::dense);
+  EXPECT_EQ(level(pane, 0.29).scene.materials[0].transmissive, Transmissive::dense);
+  EXPECT_EQ(level(pane, 0.31).scene.materials[0].transmissive, Transmissive::thin);
 }
 
 TEST_F(GltfTextures, UnlitShinesNot) {

@@ -190,7 +190,7 @@ TEST_F(FurnitureLibraryTest, RefusesModelsThatAreMissingOrNoText) {
 }
 
 // Half of the square shows red, half green, and one red lets half of the light through.
-TEST(FurnitureModel, ImagesBecomeTheirMeansAndVeilsWhole) {
+TEST(FurnitureModel, ImagesBecomeTheirMeansAndTransmissiveSurfacesWhole) {
   Scene scene;
   scene.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   scene.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -200,7 +200,7 @@ TEST(FurnitureModel, ImagesBecomeTheirMeansAndVeilsWhole) {
   Material material;
   material.base_color = {1.0f, 0.5f, 1.0f};
   material.base_image.image = 0;
-  material.veil = Veil::thin;
+  material.transmissive = Transmissive::thin;
   material.opacity = 0.5f;
   scene.materials = {material};
   const FurnitureModel model = fitFurnitureModel(scene, entryOf({1, 1, 0.1}));
@@ -208,7 +208,7 @@ TEST(FurnitureModel, ImagesBecomeTheirMeansAndVeilsWhole) {
   const Material& plain = model.materials[0];
   EXPECT_LT(glm::length(plain.base_color - glm::vec3(0.5f, 0.25f, 0.0f)), 0.005f);
   EXPECT_FALSE(plain.base_image.isThere());
-  EXPECT_EQ(plain.veil, Veil::none);
+  EXPECT_EQ(plain.transmissive, Transmissive::none);
   EXPECT_EQ(plain.opacity, 1.0f);
 }
 

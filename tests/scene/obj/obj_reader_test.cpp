@@ -133,12 +133,12 @@ TEST_F(ObjReader, PutsImagesWhereFacesSay) {
       EXPECT_EQ(place, glm::vec2(at.x, 1.0 - (2.0 * at.y + 0.25))) << "the file's v points up";
     }
   }
-  EXPECT_EQ(level.scene.materials.at(0).veil, Veil::none) << "colours' own opacity is nothing";
+  EXPECT_EQ(level.scene.materials.at(0).transmissive, Transmissive::none) << "colours' own opacity is nothing";
   EXPECT_LT(glm::length(baseColourAt(level.scene, 0, 0.25f, 0.0f) - glm::vec3(1, 0, 0)), 1e-3f);
   EXPECT_LT(glm::length(baseColourAt(level.scene, 0, 0.75f, 0.0f) - glm::vec3(0, 0.5, 0)), 1e-3f);
 }
 
-TEST_F(ObjReader, OpacityMakesVeils) {
+TEST_F(ObjReader, OpacityMakesTransmissiveSurfaces) {
   write("colours.png", png(2, 1, kHalves));
   write("mask.png", png(2, 1, std::string("\0\0\0\xff\xff\xff\xff\xff", 8)));
   const struct {
@@ -157,7 +157,7 @@ TEST_F(ObjReader, OpacityMakesVeils) {
     write("looks.mtl", std::string(one.looks) + "newmtl plain\nKd 1 1 1\n");
     const ObjLevel level = read(std::string(kPlacedSquare) + "usemtl plain\nf 1/1 2/2 4/4\n");
     const Material& material = level.scene.materials.at(0);
-    EXPECT_EQ(material.veil == Veil::none, one.stops == 1.0);
+    EXPECT_EQ(material.transmissive == Transmissive::none, one.stops == 1.0);
     EXPECT_EQ(level.notes.size(), one.stops == 1.0 ? 0u : 1u);
     const double stopped = 0.5 * (stoppedAt(level.scene, 0, 0.25f, 0.0f) + stoppedAt(level.scene, 0, 0.75f, 0.0f));
     EXPECT_NEAR(stopped, one.stops, 0.003);
@@ -376,8 +376,8 @@ TEST_F(ObjReader, TrMayMeanTheOpposite) {
     const ObjLevel level = read(kSquare);
     EXPECT_NEAR(stoppedAt(level.scene, 0, 0.3f, 0.3f), one.stops_lamp, 1e-6);
     EXPECT_NEAR(stoppedAt(level.scene, 2, 0.3f, 0.3f), one.stops_brick, 1e-6);
-    const size_t veils = (one.stops_lamp < 1.0) + (one.stops_brick < 1.0);
-    ASSERT_EQ(level.notes.size(), (one.note.empty() ? 0u : 1u) + (veils > 0 ? 1u : 0u));
+    const size_t transmissive = (one.stops_lamp < 1.0) + (one.stops_brick < 1.0);
+    ASSERT_EQ(level.notes.size(), (one.note.empty() ? 0u : 1u) + (transmissive > 0 ? 1u : 0u));
     if (!one.note.empty()) {
       EXPECT_EQ(level.notes[0], one.note);
     }
@@ -452,7 +452,7 @@ TEST_F(ObjReader, GeometryDoesNotDependOnImagesThatAreNotNeeded) {
         "newmtl wall\nmap_Kd colours.png\nmap_d mask.png\nnewmtl plain\nKe 1 1 1\nmap_Kd plain.png\nmap_Ke plain.png\n");
   write("plain.png", png(2, 1, kHalves));
   const std::string path = write("test.obj", std::string(kPlacedSquare) + "usemtl plain\nf 1/4 2/3 3/2\n");
-  const ObjLevel all = readObj(path, 1.0), bare = readObj(path, 1.0, kDenseVeil, ImageNeed::geometry);
+  const ObjLevel all = readObj(path, 1.0), bare = readObj(path, 1.0, kDenseTransmissive, ImageNeed::geometry);
   EXPECT_EQ(sceneSha256(all.scene), sceneSha256(bare.scene));
   EXPECT_EQ(all.scene.images.size(), 2u) << "with the mask's opacity, and as it is";
   EXPECT_EQ(bare.scene.images.size(), 1u) << "what is cut out";

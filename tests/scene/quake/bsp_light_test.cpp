@@ -324,7 +324,7 @@ TEST_F(BspLightOfScripts, WithoutLightNoImageIsReadAndTheGeometryIsTheSame) {
   BspParts parts = litLevel();
   const std::string script = "textures/test/stone\n{\n q3map_surfacelight 100\n}\n";
   const Scene all = readWith(parts, script);
-  const BspLevel bare = readBspFromArchives(folder_.string(), "lit", kDenseVeil, ImageNeed::geometry);
+  const BspLevel bare = readBspFromArchives(folder_.string(), "lit", kDenseTransmissive, ImageNeed::geometry);
   EXPECT_EQ(sceneSha256(bare.scene), sceneSha256(all));
   EXPECT_TRUE(bare.scene.images.empty());
   EXPECT_NE(bare.scene.materials[0].emissive, glm::vec3(0.0f));

@@ -13,7 +13,7 @@
 #include "scene/quake/bsp_looks.h"
 #include "scene/quake/pk3_archive.h"
 #include "scene/scene_source.h"
-#include "scene/solid/veils.h"
+#include "scene/solid/transmissive.h"
 #include "tests/scene/image/hand_built_images.h"
 #include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
@@ -320,14 +320,14 @@ TEST_F(BspInArchives, TexturesLieWhereTheFileSays) {
   EXPECT_NEAR(means[0].x + means[0].y, 1.0, 1e-6) << "red and green";
 }
 
-TEST_F(BspInArchives, WhatAScriptCutsOutIsAVeil) {
+TEST_F(BspInArchives, WhatAScriptCutsOutIsTransmissive) {
   BspParts parts = smallLevel();
   for (const glm::vec2& place : {glm::vec2(0, 0), {0, 1}, {1, 1}, {1, 0}}) parts.texture_places.push_back(place);
   const std::string halves = png(4, 1, pixels(3, std::string("\xff\xff\xff\x7f", 4)) + "\xff\xff\xff\x80");
   const struct {
     const char* function;
-    Veil veil;
-  } cases[] = {{"GE128", Veil::thin}, {"GT0", Veil::none}, {"LT128", Veil::none}};
+    Transmissive transmissive;
+  } cases[] = {{"GE128", Transmissive::thin}, {"GT0", Transmissive::none}, {"LT128", Transmissive::none}};
   for (const auto& one : cases) {
     const std::string script =
         "textures/test/stone\n{\n qer_editorimage textures/other\n { map $lightmap }\n {\n map textures/grate.tga\n alphaFunc " +
@@ -335,12 +335,12 @@ TEST_F(BspInArchives, WhatAScriptCutsOutIsAVeil) {
     writeZip(folder_ / "pak2.pk3",
              {{"maps/grate.bsp", parts.bytes()}, {"textures/grate.png", halves}, {"scripts/test.shader", script}});
     const BspLevel level = readBspFromArchives(folder_.string(), "grate");
-    EXPECT_EQ(static_cast<int>(level.scene.materials[0].veil), static_cast<int>(one.veil)) << one.function;
-    EXPECT_EQ(level.notes.size(), one.veil == Veil::none ? 0u : 1u);
+    EXPECT_EQ(static_cast<int>(level.scene.materials[0].transmissive), static_cast<int>(one.transmissive)) << one.function;
+    EXPECT_EQ(level.notes.size(), one.transmissive == Transmissive::none ? 0u : 1u);
     EXPECT_EQ(level.scene.images.size(), 1u);
   }
-  EXPECT_EQ(static_cast<int>(readBspFromArchives(folder_.string(), "grate", 0.0).scene.materials[0].veil),
-            static_cast<int>(Veil::none))
+  EXPECT_EQ(static_cast<int>(readBspFromArchives(folder_.string(), "grate", 0.0).scene.materials[0].transmissive),
+            static_cast<int>(Transmissive::none))
       << "the last one cuts nothing out";
 }
 

@@ -23,7 +23,7 @@ class SceneOfObjects {
     scene_.materials.resize(2);
     scene_.materials[0].double_sided = true;
     scene_.materials[1].double_sided = true;
-    scene_.materials[1].veil = Veil::dense;
+    scene_.materials[1].transmissive = Transmissive::dense;
   }
 
   SceneOfObjects& object(const std::string& name) {
@@ -197,7 +197,7 @@ TEST(DoubleSided, BoxesThatTouchAreSolid) {
   EXPECT_EQ(solidsOf(onGround().object("left").quads(left).object("right").quads(right)), (Names{"left", "right"}));
 }
 
-TEST(DoubleSided, VeilsCloseNothing) {
+TEST(DoubleSided, TransmissiveSurfacesCloseNothing) {
   SceneOfObjects objects = onGround();
   objects.object("lantern").quads(without(box({0, 0, 0}, {1, 1, 1}), 5));
   objects.triangle({0, 0, 1}, {1, 0, 1}, {1, 1, 1}, 1).triangle({0, 0, 1}, {1, 1, 1}, {0, 1, 1}, 1);

@@ -7,11 +7,11 @@ import { PRECISION } from './methods.js';
 
 const CARRIED_ALBEDO = 0.3; // nlg-render's balls have the same
 
-// Where each corner lies on its images, and what of a veil is seen: attributes of looks.glsl. Scenes without images have none.
+// Where each corner lies on its images, and what of a transmissive surface is seen: attributes of looks.glsl. Scenes without images have none.
 function addLooks(scene, geometry) {
   if (!scene.images_of) return;
   const count = scene.triangle_material.length;
-  const base = new Float32Array(12 * count), shine = new Float32Array(12 * count), veil = new Float32Array(6 * count);
+  const base = new Float32Array(12 * count), shine = new Float32Array(12 * count), transmissive = new Float32Array(6 * count);
   const albedo = geometry.attributes.albedo.array;
   const place = (places, vertex, at) => (places.length > 0 ? places[2 * vertex + at] : 0);
   for (let t = 0; t < count; ++t) {
@@ -22,12 +22,12 @@ function addLooks(scene, geometry) {
       shine.set([place(scene.emissive_places, vertex, 0), place(scene.emissive_places, vertex, 1), look[2], look[3]], 4 * corner);
       const colour = scene.vertex_colours.length > 0 ? scene.vertex_colours.subarray(4 * vertex, 4 * vertex + 4) : [1, 1, 1, 1];
       for (let c = 0; c < 3; ++c) albedo[3 * corner + c] *= colour[c];
-      veil.set([colour[3], look[4]], 2 * corner);
+      transmissive.set([colour[3], look[4]], 2 * corner);
     }
   }
   geometry.setAttribute('base_at', new THREE.BufferAttribute(base, 4));
   geometry.setAttribute('shine_at', new THREE.BufferAttribute(shine, 4));
-  geometry.setAttribute('veil_share', new THREE.BufferAttribute(veil, 2));
+  geometry.setAttribute('transmissive_share', new THREE.BufferAttribute(transmissive, 2));
 }
 
 // Triangles with corners of their own: flat normals, and the colours of their materials.
@@ -60,8 +60,8 @@ function evenColours(geometry, albedo) {
   const count = plain.attributes.position.count;
   plain.setAttribute('albedo', new THREE.BufferAttribute(new Float32Array(3 * count).fill(albedo), 3));
   plain.setAttribute('shine', new THREE.BufferAttribute(new Float32Array(3 * count), 3));
-  const noVeil = new Float32Array(2 * count).fill(-1);
-  plain.setAttribute('veil_share', new THREE.BufferAttribute(noVeil, 2));
+  const noTransmissive = new Float32Array(2 * count).fill(-1);
+  plain.setAttribute('transmissive_share', new THREE.BufferAttribute(noTransmissive, 2));
   for (const name of ['base_at', 'shine_at']) plain.setAttribute(name, new THREE.BufferAttribute(new Float32Array(4 * count), 4));
   return plain;
 }

@@ -1,9 +1,9 @@
-// Images of a scene's surfaces, and what of a veil is drawn. Without LOOKS a surface is what its material's factors say.
+// Images of a scene's surfaces, and what of a transmissive surface is drawn. Without LOOKS a surface is what its material's factors say.
 #ifdef LOOKS
 precision highp sampler2DArray;
 in vec4 base_look;   // place on the base image; its layer from 1, 0 for none; wrapping
 in vec4 shine_look;  // the same of the image that it shines by
-in vec2 veil;        // opacity of the vertex; what is let through beside the image's alpha, below 0: no veil
+in vec2 transmissive;        // opacity of the vertex; what is let through beside the image's alpha, below 0: opaque
 uniform sampler2DArray images;
 
 float wrappedPlace(float at, float wrap) {
@@ -17,8 +17,8 @@ vec4 imageAt(vec4 look) {
 }
 // Sparser instead of transparent, so that no order of drawing matters: the same pixels for depth and colour.
 void leaveHolesOut() {
-  if (veil.y < 0.0) return;
-  float opacity = imageAt(base_look).a * veil.x * (1.0 - veil.y);
+  if (transmissive.y < 0.0) return;
+  float opacity = imageAt(base_look).a * transmissive.x * (1.0 - transmissive.y);
   float grain = fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));
   if (opacity <= grain) discard;
 }

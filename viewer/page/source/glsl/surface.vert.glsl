@@ -6,9 +6,9 @@ in vec3 albedo;
 in vec3 shine;
 #ifdef LOOKS
 in vec4 base_at, shine_at;
-in vec2 veil_share;
+in vec2 transmissive_share;
 out vec4 base_look, shine_look;
-out vec2 veil;
+out vec2 transmissive;
 #endif
 uniform mat4 modelMatrix, viewMatrix, projectionMatrix;
 out vec3 place;
@@ -25,7 +25,7 @@ void main() {
 #ifdef LOOKS
   base_look = base_at;
   shine_look = shine_at;
-  veil = veil_share;
+  transmissive = transmissive_share;
 #endif
   gl_Position = projectionMatrix * viewMatrix * world;
 }

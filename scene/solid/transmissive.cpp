@@ -1,4 +1,4 @@
-#include "scene/solid/veils.h"
+#include "scene/solid/transmissive.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kWhole = 0.995;
 
-// Points of a material, over all of its triangles, and of one of them. A triangle goes on where the one before it ended: one point of
-// each of many fills their image as evenly as many points of one.
+// Points of a material, over all of its triangles, and of one of them. A triangle goes on where the one before it ended: one
+// point of each of many fills their image as evenly as many points of one.
 constexpr uint64_t kMaterialPoints = 65536, kMostPoints = 4096;
 
 double areaOf(const Scene& scene, uint32_t triangle) {
@@ -33,30 +33,31 @@ glm::vec2 pointOf(uint64_t i) {
 
 }  // namespace
 
-std::vector<std::string> judgeVeils(Scene& scene, const std::vector<std::string>& names, double dense_veil) {
+std::vector<std::string> judgeTransmissive(Scene& scene, const std::vector<std::string>& names, double dense_transmissive) {
   std::vector<bool> is_candidate;
-  for (const Material& material : scene.materials) is_candidate.push_back(material.veil != Veil::none);
+  for (const Material& material : scene.materials) is_candidate.push_back(material.transmissive != Transmissive::none);
   const std::vector<glm::dvec4> stopped = meansOfMaterials(
       scene, is_candidate, [&](uint32_t triangle, float u, float v) { return glm::dvec3(stoppedAt(scene, triangle, u, v)); });
-  std::vector<std::string> veils;
+  std::vector<std::string> transmissive;
   for (uint32_t i = 0; i < scene.materials.size(); ++i) {
     if (!is_candidate[i]) continue;
     Material& material = scene.materials[i];
     const double share = stopped[i].w > 0.0 ? stopped[i].x : 1.0;
     if (share >= kWhole) {
-      material.veil = Veil::none;
+      material.transmissive = Transmissive::none;
       material.opacity = 1.0f;
       material.transmission = 0.0f;
       material.transmission_image = {};
       continue;
     }
-    material.veil = share >= dense_veil ? Veil::dense : Veil::thin;
+    material.transmissive = share >= dense_transmissive ? Transmissive::dense : Transmissive::thin;
     material.double_sided = true;
     const std::string name = i < names.size() && !names[i].empty() ? names[i].substr(0, 60) : fmt::format("material {}", i);
-    veils.push_back(fmt::format("{} ({}, stops {:.0f} %)", name, material.veil == Veil::dense ? "dense" : "thin", 100.0 * share));
+    transmissive.push_back(fmt::format("{} ({}, stops {:.0f} %)", name,
+                                       material.transmissive == Transmissive::dense ? "dense" : "thin", 100.0 * share));
   }
-  if (veils.empty()) return {};
-  return {counted(veils.size(), "material lets", "materials let") + " light through: " + listed(veils)};
+  if (transmissive.empty()) return {};
+  return {counted(transmissive.size(), "material lets", "materials let") + " light through: " + listed(transmissive)};
 }
 
 std::vector<glm::dvec4> meansOfMaterials(const Scene& scene, const std::vector<bool>& is_wanted,
