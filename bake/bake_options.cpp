@@ -49,7 +49,7 @@ void describe(BakeOptions& o, OptionTable& table) {
       "light_direct", &o.light_direct,
       "which direct light of lamps and suns probes hold: all, no_suns, none, or reflected (none, and none of shining surfaces "
       "either). Leave out what the engine draws with shadow maps. What surfaces send back of it is always held");
-  table.add("light_places", &o.light_places,
+  table.add("light_samples", &o.light_samples,
             "places in the air of every cell at which light is measured; more where a scene would have fewer than 2,048", 1,
             4096);
   table.add("light_rays", &o.light_rays, "rays of every such place", 8, 1 << 20);

@@ -132,7 +132,7 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, const s
   plan.machine_bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   double seconds = generators.empty() ? 0.0 : functionSeconds(sample, RayScene(scene), options, generators);
   if (options.light != "none")
-    seconds += kLightSeconds * options.light_rays * options.light_places * static_cast<double>(litScenes(source).size());
+    seconds += kLightSeconds * options.light_rays * options.light_samples * static_cast<double>(litScenes(source).size());
   plan.seconds = 0.2 + seconds * plan.probes / thread_count;
   return plan;
 }

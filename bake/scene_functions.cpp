@@ -42,7 +42,7 @@ constexpr uint64_t kFewestPlaces = 2048;
 AirPlaceOptions airPlaceOptions(const BakeOptions& options, uint64_t cell_count) {
   AirPlaceOptions air;
   const auto for_all = static_cast<int>((kFewestPlaces + cell_count) / std::max<uint64_t>(1, cell_count));
-  air.places_per_cell = std::max(options.light_places, for_all);
+  air.places_per_cell = std::max(options.light_samples, for_all);
   air.draws_per_cell = std::max(air.draws_per_cell, 4 * air.places_per_cell);
   air.seed = options.seed;
   return air;

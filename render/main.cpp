@@ -26,7 +26,7 @@ int irradianceMain(int argc, char** argv) {
   describe(bake, table);
   table.common({"rays", "sky", "sun", "unit", "light_unit", "threads"});
   app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
-  app.add_option("--places", request.places,
+  app.add_option("--points", request.places,
                  "a table (.csv): a line x,y,z,nx,ny,nz, then such numbers of a place each: where it is, world, metres, and its "
                  "normal")
       ->required();
@@ -45,7 +45,7 @@ int renderMain(int argc, char** argv) {
       "Khronos' neutral curve, in sRGB.\n"
       "nlg-render SCENE --out view.png: ground truth, from a view that shows something.\n"
       "nlg-render SCENE --grid GRID --panel truth,grid --out view.png: side by side, with the error.\n"
-      "nlg-render irradiance SCENE --places PLACES.csv --out FILE.csv: what arrives at places, in numbers.",
+      "nlg-render irradiance SCENE --points POINTS.csv --out FILE.csv: what arrives at places, in numbers.",
       "nlg-render"};
   RenderRequest request;
   BakeOptions bake;

@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
       // what takes longer than the bake only where it is asked for
       if (app.get_option("--baselines")->count() == 0) request.baselines = {"none"};
       if (app.get_option("--truth-views")->count() == 0) request.truth_views = 0;
-      if (app.get_option("--places")->count() == 0) request.places = 0;
+      if (app.get_option("--truth-samples")->count() == 0) request.places = 0;
       return watchScene(request, bake, table);
     }
     if (app.get_option("--port")->count() > 0) throw UsageError("--port", "--watch beside it", "none");

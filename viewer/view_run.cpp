@@ -299,8 +299,8 @@ class ViewFolder {
                              ? lightGridBytes(grid_, {options_.policy.theta_precision, options_.light_error}).total()
                              : fs::file_size(request_.grid);
     const LightFigures ours = add("grid", "light grid", gridScript("method-grid", grid_), bytes, grid_.tree.probeCount());
-    script->facts["air_places"] = ours.air.places;
-    script->facts["surface_places"] = ours.surface.places;
+    script->facts["air_samples"] = ours.air.places;
+    script->facts["surface_samples"] = ours.surface.places;
     script->facts["worst"] = Json::array();
     for (size_t i = 0; i < ours.worst.size(); ++i) {
       const WorstPlace& worst = ours.worst[i];
@@ -379,7 +379,7 @@ void describe(ViewRequest& r, CLI::App& app) {
   app.add_option("--truth-rays", r.truth_rays, "rays of ground truth at a pixel")
       ->check(CLI::Range(8, 1 << 20))
       ->capture_default_str();
-  app.add_option("--places", r.places,
+  app.add_option("--truth-samples", r.places,
                  "places where all methods are compared with ground truth, half in air, half before surfaces; 0: nowhere")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
@@ -402,7 +402,7 @@ Json makeView(ViewRequest request, BakeOptions options) {
       throw UsageError("--baselines", fmt::format("{}, or none", fmt::join(kShownBaselines, ", ")), "'" + name + "'");
   }
   if (request.places > 0 && request.places < kFewestPlaces)
-    throw UsageError("--places", fmt::format("0, or {} or more", kFewestPlaces), std::to_string(request.places));
+    throw UsageError("--truth-samples", fmt::format("0, or {} or more", kFewestPlaces), std::to_string(request.places));
   std::vector<std::string> inputs = {request.scene, request.grid};
   inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
   for (const PageFile& file : pageFiles()) refuseToReplaceInputs((fs::path(request.out) / file.name).string(), inputs);

@@ -187,8 +187,8 @@ class Watch {
     Words words = {"--grid", grid, "--out", request_.out};
     words.insert(words.end(),
                  {"--baselines", is_last ? fmt::format("{}", fmt::join(request_.baselines, ",")) : "none", "--truth-views",
-                  number(is_last ? request_.truth_views : 0), "--places", number(is_last ? request_.places : 0), "--truth-width",
-                  number(request_.truth_width), "--truth-rays", number(request_.truth_rays)});
+                  number(is_last ? request_.truth_views : 0), "--truth-samples", number(is_last ? request_.places : 0),
+                  "--truth-width", number(request_.truth_width), "--truth-rays", number(request_.truth_rays)});
     const Ran ran = runTool("nlg-view", words);
     const End end = judge(ran, "nlg-view");
     if (end != End::done) return end;
@@ -257,7 +257,7 @@ std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, cons
   Words quick = stay ? Words{"--relight", grid} : Words{};
   if (is_thinned) quick.insert(quick.end(), {"--thin-error", "0", "--max-bytes", "0"});
   quick.insert(quick.end(), {"--light-noise", "0", "--light-rays", std::to_string(std::min(options.light_rays, kPreviewRays)),
-                             "--light-places", std::to_string(std::min(options.light_places, kPreviewPlaces)),
+                             "--light-samples", std::to_string(std::min(options.light_samples, kPreviewPlaces)),
                              "--light-probe-rays", std::to_string(std::min(options.light_probe_rays, kPreviewProbeRays))});
   return {{quick, preview, "preview"}, {{"--relight", preview}, grid, "final"}};
 }

@@ -43,7 +43,7 @@ struct EngineOptions {
   VolumeOptions volume;
   double intensity = 1.0;  // of the grid's light in the files
   std::vector<std::string> light_groups;
-  int places = 20000;
+  int error_samples = 20000;
 };
 
 std::string formatNames() {
@@ -150,7 +150,7 @@ void writeGrid(const LightGrid& grid, const GridFormat& format, const EngineRequ
   const std::vector<EngineFile> files = gridFiles(format, packed);
   line["bytes"] = bytesOf(files);
   line["corner_error_m"] = cornerErrorM(grid.tree.frame());
-  line["error"] = errorJson(resamplingError(grid, nullptr, gridIrradiance(files.front().bytes), options.places));
+  line["error"] = errorJson(resamplingError(grid, nullptr, gridIrradiance(files.front().bytes), options.error_samples));
   writeFiles(files, request);
   std::cout << line.dump() << '\n';
 }
@@ -199,7 +199,8 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   place["provenance"] = provenance("nlg-export engine", table.toJson(), {{"grid", fileSha256(request.grid)}});
   const std::vector<EngineFile> files = {format->file(box, texels), {kPlace, place.dump(2) + "\n"}};
   line["bytes"] = bytesOf(files);
-  line["error"] = errorJson(resamplingError(grid, &box, format->shown(textureOfHalves(texels, size), box), options.places));
+  line["error"] =
+      errorJson(resamplingError(grid, &box, format->shown(textureOfHalves(texels, size), box), options.error_samples));
   writeFiles(files, request);
   std::cout << line.dump() << '\n';
 }
@@ -222,7 +223,7 @@ int engineMain(int argc, char** argv) {
       "light_groups", &options.light_groups,
       "what a texture holds of the grid's groups of light: NAME or NAME=FACTOR, of a group or a whole light set; none: as the "
       "grid begins");
-  table.add("places", &options.places, "places at which the error is measured", 1, 100000000);
+  table.add("error_samples", &options.error_samples, "places at which the error is measured", 1, 100000000);
   table.common({"grid", "format", "out", "origin_m", "extent_m", "spacing_m", "intensity", "light_groups"});
   app.add_option("--grid", request.grid, "a light grid with light (.safetensors)")->required();
   app.add_option("--format", request.format, formatNames())->required();

@@ -31,7 +31,7 @@ from tools import CHECK_FAILED, INPUT_ERROR, SECONDS
 
 TOOLS, FORM = Path(sys.argv[1]).resolve(), sys.argv[2]
 # next to no time for functions and light
-QUICK = ["--spacing-m", "1.5", "--light-places", "2", "--light-rays", "8", "--lm-iterations", "0", "--lm-theta0-iterations", "0", "--adam-steps", "0",
+QUICK = ["--spacing-m", "1.5", "--light-samples", "2", "--light-rays", "8", "--lm-iterations", "0", "--lm-theta0-iterations", "0", "--adam-steps", "0",
          "--refine-rounds", "0", "--threads", "1"]
 
 
@@ -320,7 +320,7 @@ FROM = {
 }
 SETTINGS = [["--spacing-m", "1"], ["--density-growth", "0"], ["--align-lattice"], ["--seed", "2"], ["--extent-m=-2,.2,-1,2,2,1"], ["--air-only=false"], ["--unit", "1.1"], ["--transmissive-cover", ".3"], ["--cavity-m", "0"], ["--sky", "sky.hdr,90"],
             ["--sky", "0"], ["--sun", "40,50,1,1,1"], ["--light-unit", "watt"], ["--intensity", "2"], ["--light-groups", "kind"], ["--light-groups", "one"], ["--light-set", "dusk sky=0"], ["--light", "point"], ["--light", "none"],
-            ["--light-direct", "none"], ["--light-places", "3"], ["--light-rays", "16"], ["--light-cache=false"], ["--light-pull", ".5"], ["--light-error", ".1"], ["--thin-error", ".05"], ["--adam-steps", "5"], ["--duplicate-rms", "2"],
+            ["--light-direct", "none"], ["--light-samples", "3"], ["--light-rays", "16"], ["--light-cache=false"], ["--light-pull", ".5"], ["--light-error", ".1"], ["--thin-error", ".05"], ["--adam-steps", "5"], ["--duplicate-rms", "2"],
             ["--theta-precision", "float32"], ["--bare-tent-rmse", ".05"], ["--representation", "tent_mlp"], ["--max-probes", "99999"], ["--threads", "2"]]
 
 

@@ -13,7 +13,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1]))
 from tools import SECONDS, USAGE_ERROR
 
 TOOLS = Path(sys.argv.pop(1)).resolve()
-QUICK = ["--spacing-m", "2", "--light-places", "2", "--light-rays", "8", "--lm-iterations", "0", "--adam-steps", "0", "--refine-rounds", "0"]
+QUICK = ["--spacing-m", "2", "--light-samples", "2", "--light-rays", "8", "--lm-iterations", "0", "--adam-steps", "0", "--refine-rounds", "0"]
 # what others have, some of it much like ours
 OTHERS = {"diary.txt": b"Dear diary, \"kind\":\"nlg-light-grid\"", "wall.png": b"\x89PNG\r\n\x1a\n", "level.gltf": b'{"asset":{"version":"2.0"},"scene":0}', "list.json": b'["b","a"]\n', "pretty.json": b'[\n "a"\n]\n',
           "weights": b'\x60\0\0\0\0\0\0\0{"__metadata__":{"kind":"nlg-weights"}}', "package.json": b'{"scene":"x","name":"y"}\n'}
@@ -80,7 +80,7 @@ class Outputs(unittest.TestCase):
         self.assert_baked(self.run_tool("nlg-bake", "room.obj", *QUICK, "--inputs", "inputs", "--json", "report", "--out", "grid"))
 
     def test_a_view_replaces_its_own_and_nobody_elses(self):
-        view = lambda baselines="none": self.run_tool("nlg-view", "cornell:0", "--grid", "grid", "--baselines", baselines, "--truth-views", "0", "--places", "0", "--out", "page")
+        view = lambda baselines="none": self.run_tool("nlg-view", "cornell:0", "--grid", "grid", "--baselines", baselines, "--truth-views", "0", "--truth-samples", "0", "--out", "page")
         self.assert_baked(self.bake("--out", "grid"))
         page = self.folder / "page"
         page.mkdir()

@@ -13,7 +13,7 @@ CONFIG = "fault_injection.yaml"
 SHORT = ("datagen", "datagen held out", "datagen info", "pca", "cache", "train", "curve", "export", "bake", "shader")
 # how much work there is, where a damaged configuration no longer says it: half of one asks for minutes of training
 TRAIN = ["--steps", "12", "--batch", "4", "--start-candidates", "1", "--width", "16", "--layers", "2"]
-LIGHT = ["--spacings", "2.0", "--air-places", "64", "--surface-places", "64", "--walks", "4", "--truth-rays", "32", "--probe-rays", "32"]
+LIGHT = ["--spacings", "2.0", "--air-samples", "64", "--surface-samples", "64", "--walks", "4", "--truth-rays", "32", "--probe-rays", "32"]
 PICTURE = ["--width", "16", "--height", "12", "--truth-rays", "8"]
 
 
@@ -58,7 +58,7 @@ def tools():
         Tool("shader", ["nlg-export", "shader", "--grid", "grid.safetensors", "--out", "shader"], ["grid.safetensors"], ["shader"]),
         Tool("engine", ["nlg-export", "engine", "--grid", "grid.safetensors", "--format", "three", "--out", "engine"], ["grid.safetensors"], ["engine"]),
         Tool("render", ["nlg-render", "house:1", *PICTURE, "--out", "picture.png"], [], ["picture.png"]),
-        Tool("view", ["nlg-view", "house:1", *config, "--weights", weights, "--truth-views", "1", "--truth-width", "16", "--truth-rays", "8", "--places", "16", "--out", "view"],
+        Tool("view", ["nlg-view", "house:1", *config, "--weights", weights, "--truth-views", "1", "--truth-width", "16", "--truth-rays", "8", "--truth-samples", "16", "--out", "view"],
              [CONFIG, weights], ["view"]),
         Tool("validate", ["nlg-validate", *config, "--weights", weights, "--held-out", held_out, "--training", "training.h5", "--out", "validation"],
              [CONFIG, weights, held_out, "training.h5"], ["validation"]),

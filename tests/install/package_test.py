@@ -124,7 +124,7 @@ def debian():
             took "the package installed"
             nlg bake {' '.join(BAKE)}
             took "the first bake"
-            nlg view {' '.join(BAKE)} --grid courtyard.safetensors --truth-views 1 --truth-width 64 --truth-rays 8 --places 16
+            nlg view {' '.join(BAKE)} --grid courtyard.safetensors --truth-views 1 --truth-width 64 --truth-rays 8 --truth-samples 16
             test -s courtyard/index.html
             took "its page"
             cp courtyard.safetensors kept

@@ -170,7 +170,7 @@ def check_workflow():
         refuses_configuration(basis, held_out, "{}", words, more)
     for light, words in [("{colour: red}", "unknown key 'colour'"), ("{scenes: 'cornell:0'}", "a list of texts"), ("{scenes: ['cornell:0', 'cornell:0']}", "names of their own"),
                          ("{scenes: ['::']}", "names of their own"), ("{spacings: []}", "a list of numbers"), ("{spacings: [0]}", "a list of numbers"), ("{spacings: [true]}", "a list of numbers"),
-                         ("{air_places: 4}", "an integer from 8 to 10000000, got 4"), ("{walks: 1.5}", "an integer from 1"), ("{look_up_seconds: -1}", "a number from 0 to 600")]:
+                         ("{air_samples: 4}", "an integer from 8 to 10000000, got 4"), ("{walks: 1.5}", "an integer from 1"), ("{look_up_seconds: -1}", "a number from 0 to 600")]:
         refuses_configuration(basis, held_out, "{}", words, f"validate_light: {light}")
     cases += 1
     is_taken, text = workflow(basis, held_out, more="validate_light: {scenes: ['cornell:0'], spacings: [1, 0.5], walks: 3}")

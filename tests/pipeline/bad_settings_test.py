@@ -22,7 +22,7 @@ FLAGS = {
     "nlg-bake": "--spacing-m=0 --threads=-1 --refine-seconds=nan --simd=sse9",
     "nlg-validate": "--tau-rmse=2 --direct-functions=0 --threads=1.5",
     "nlg-render": "--method=magic --panel=truth,magic --show=smell --width=0 --samples=-1 --exposure=nan --eye=1,2 --eye=1,2,x --slice-y=1e6",
-    "nlg-view": "--baselines=magic --baselines=none,ddgi --truth-views=-1 --truth-width=1 --truth-rays=many --places=-1 --places=3 --port=70000 --port=8371",
+    "nlg-view": "--baselines=magic --baselines=none,ddgi --truth-views=-1 --truth-width=1 --truth-rays=many --truth-samples=-1 --truth-samples=3 --port=70000 --port=8371",
 }
 # what else a good call may be given: tool, words added, words of the refusal
 ADDED = [

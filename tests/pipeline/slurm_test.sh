@@ -166,7 +166,7 @@ config["bake"]["spacing_m"] = 3.0
 config["validate"].update(direct_functions=2, direct_adam_steps=50)
 config["frontier"].update(functions=2, repeats=1)
 config["report"].update(savings=["clutter_1"])
-config["validate_light"].update(air_places=16, surface_places=16, walks=1, truth_rays=16, probe_rays=16)
+config["validate_light"].update(air_samples=16, surface_samples=16, walks=1, truth_rays=16, probe_rays=16)
 yaml.safe_dump(config, open(sys.argv[2] + "/run.yaml", "w"))
 # two processes, and no exact last layers, which would make rounding larger: docs/guide/training.md
 config["train"].update(steps=40, batch=8, exact_last_layer=False, processes=2)

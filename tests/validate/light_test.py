@@ -15,7 +15,7 @@ import matplotlib.image
 
 BIN, WEIGHTS = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
-HOUSE = ["house:1", "--light-error", "0.001", "--extent-m", "0,0,0,5,5,3", "--air-places", "100", "--surface-places", "80", "--walks", "3", "--truth-rays", "64", "--probe-rays", "64"]
+HOUSE = ["house:1", "--light-error", "0.001", "--extent-m", "0,0,0,5,5,3", "--air-samples", "100", "--surface-samples", "80", "--walks", "3", "--truth-rays", "64", "--probe-rays", "64"]
 
 
 def light(*arguments):
@@ -147,7 +147,7 @@ class Light(unittest.TestCase):
         results = []
         for threads in ("1", "2"):
             out = os.path.join(self.folder.name, f"learned_{threads}.json")
-            run = light(*HOUSE, "--spacings", "3", "1.5", "--grids-only", "--neural", "--neural-places", "2", "--neural-steps", "5", "--threads", threads, "--out", out)
+            run = light(*HOUSE, "--spacings", "3", "1.5", "--grids-only", "--neural", "--neural-samples", "2", "--neural-steps", "5", "--threads", threads, "--out", out)
             self.assertEqual(run.returncode, 0, run.stderr)
             with open(out) as file:
                 results.append(json.load(file))

@@ -111,7 +111,7 @@ def check_keys(page, view_count):
 def check_sets(browser, tool, folder, out):
     """A grid of two light sets is shown by its first; the other one is a slider away, and what shines is drawn as its set has it."""
     view, sets = os.path.join(folder, "sets"), ["--light-set", "day", "--light-set", "night light_groups=kind intensity=.05"]
-    run(tool("nlg-view"), "cornell:0", "--spacing-m", "0.5", *sets, "--out", view, "--baselines", "none", "--truth-views", "0", "--places", "0")
+    run(tool("nlg-view"), "cornell:0", "--spacing-m", "0.5", *sets, "--out", view, "--baselines", "none", "--truth-views", "0", "--truth-samples", "0")
     page, failures = Page(browser, "file://" + os.path.join(view, "index.html")), []
     rows = """JSON.stringify([...document.querySelectorAll('#groups label')].map(row => [row.textContent.trim(), row.querySelector('input').value]))"""
     brightest = {}
@@ -156,7 +156,7 @@ def main():
         grid, view = os.path.join(folder, "grid.safetensors"), os.path.join(folder, "view")
         run(tool("nlg-bake"), scene, *SETTINGS[which], "--out", grid)
         run(tool("nlg-view"), scene, "--grid", grid, "--out", view, "--baselines", ",".join(BASELINES[which]), "--truth-views", "5", "--truth-width", "64",
-            "--truth-rays", "8", "--places", "100")
+            "--truth-rays", "8", "--truth-samples", "100")
         page_bytes = sum(os.path.getsize(os.path.join(view, name)) for name in ("index.html", "viewer.js"))
         if page_bytes > 2e6:
             failures.append(f"the page has {page_bytes} bytes; 2 MB are what it may have")

@@ -29,7 +29,7 @@ BUILD, KIND = Path(sys.argv[1]).resolve(), sys.argv[-1]
 # both halves of one room have a lamp of their own, and the wall between them shines
 LAMPS = {"warm": [-1.5, 1.5, 0], "cold, blue": [1.5, 1.5, 0]}
 COLOURS = {"warm": [1, .8, .6], "cold, blue": [.3, .5, 1]}
-SETTINGS = ["--spacing-m", ".95", "--light-groups", "name", "--light-places", "8", "--light-rays", "32"]
+SETTINGS = ["--spacing-m", ".95", "--light-groups", "name", "--light-samples", "8", "--light-rays", "32"]
 SIZE = (320, 180)
 
 
@@ -265,7 +265,7 @@ class Served(Case):
             client.close()
 
     def test_what_it_started_ends_with_it(self):
-        watch = self.watch(["--light-rays", "1048576", "--light-places", "4096"])
+        watch = self.watch(["--light-rays", "1048576", "--light-samples", "4096"])
         watch.waited(lambda: "baking: final" in watch.state()["text"], "preview")
         bake = self.child_of(watch)
         watch.end(signal.SIGKILL)
@@ -286,7 +286,7 @@ class Served(Case):
 
     def test_begins_anew_when_it_is_saved_meanwhile_and_ends_at_any_moment(self):
         # a bake that would take hours
-        watch = self.watch(["--light-rays", "1048576", "--light-places", "4096"])
+        watch = self.watch(["--light-rays", "1048576", "--light-samples", "4096"])
         waiting = "baking: final"
         watch.waited(lambda: waiting in watch.state()["text"], "preview")
         bake = self.child_of(watch)

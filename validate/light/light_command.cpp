@@ -42,13 +42,13 @@ struct Request {
   std::vector<double> grid_spacings_m;  // more of them, of grids alone
   std::vector<double> thin_errors;
   std::vector<std::string> weights;  // each a bake: one file, or several with commas between them, of which the bake chooses
-  int air_places = 2000, surface_places = 1600, walks = 40, edge_places = 400;
+  int air_samples = 2000, surface_samples = 1600, walks = 40, edge_samples = 400;
   LightPlaceOptions places;  // these numbers from those above
   GatherOptions truth{1024, 64}, probe{1024, 64};
   bool grids_only = false;  // no baselines: a fraction of the time
   bool words = false;       // what functions are before they are stored, too
   bool neural = false;      // methods that learn, too
-  int neural_places = 4, neural_steps = 3000;
+  int neural_samples = 4, neural_steps = 3000;
   double look_up_seconds = 0.0;
   std::string pictures;  // the folder for pictures of worst places; empty: none are drawn
   int picture_rays = 64;
@@ -189,7 +189,7 @@ class LightMeasurement {
   void addLearned(const MethodScene& scene, const BakeOptions& options, MethodSet* methods, Json* json) const {
     const ProbeLightOptions solve = methodSetOptions(options, request_.probe, threads_).solve;
     const LitPlaces lit =
-        drawLitPlaces(scene.transport, scene.tree, scene.air, methods->placeLight(), solve, request_.neural_places, threads_);
+        drawLitPlaces(scene.transport, scene.tree, scene.air, methods->placeLight(), solve, request_.neural_samples, threads_);
     const double measure_s = methods->measure_s() + lit.measure_s;
     const size_t first = methods->methods().size();
     methods->addShOctrees(lit.position_m, lit.light, kOctreeKilobytes);
@@ -282,10 +282,10 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   std::map<std::string, std::string> hashes;
   const GeneratorSets sets = loadSets(request.weights, &hashes);
   if (request.spacings_m.empty()) request.spacings_m = {options.spacing_m};
-  request.places.air = static_cast<uint64_t>(request.air_places);
-  request.places.surface = static_cast<uint64_t>(request.surface_places);
+  request.places.air = static_cast<uint64_t>(request.air_samples);
+  request.places.surface = static_cast<uint64_t>(request.surface_samples);
   request.places.walks = static_cast<uint64_t>(request.walks);
-  request.places.edges = static_cast<uint64_t>(request.edge_places);
+  request.places.edges = static_cast<uint64_t>(request.edge_samples);
   request.places.seed = mixSeed(options.seed, kPlaceStream);
   request.places.step_m = finestSpacing(request) / 16.0;
 
@@ -295,9 +295,9 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["spacings_m"] = request.spacings_m;
   used["grid_spacings_m"] = request.grid_spacings_m;
   if (!request.thin_errors.empty()) used["thin_error"] = request.thin_errors;
-  used["air_places"] = request.places.air;
-  used["surface_places"] = request.places.surface;
-  used["edge_places"] = request.places.edges;
+  used["air_samples"] = request.places.air;
+  used["surface_samples"] = request.places.surface;
+  used["edge_samples"] = request.places.edges;
   used["source_distance_m"] = request.places.source_distance_m;
   used["truth_rays"] = request.truth.rays;
   used["probe_rays"] = request.probe.rays;
@@ -305,7 +305,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["words"] = request.words;
   used["neural"] = request.neural;
   if (request.neural) {
-    used["neural_places"] = request.neural_places;
+    used["neural_samples"] = request.neural_samples;
     used["neural_steps"] = request.neural_steps;
     computeOnCallingThreads();
   }
@@ -354,11 +354,11 @@ int lightMain(int argc, char** argv) {
   describe(options, table);
   table.passedFrom("validate_light");
   table.group("Measurement");
-  table.add("air_places", &request.air_places, "places in air", 8, 10000000);
-  table.add("surface_places", &request.surface_places, "places 2 to 50 cm before surfaces, a quarter of them in each class", 8,
+  table.add("air_samples", &request.air_samples, "places in air", 8, 10000000);
+  table.add("surface_samples", &request.surface_samples, "places 2 to 50 cm before surfaces, a quarter of them in each class", 8,
             10000000);
   table.add("walks", &request.walks, "straight walks in air", 1, 100000);
-  table.add("edge_places", &request.edge_places, "places under a roof within 10 cm of an edge, and as many of corners", 0,
+  table.add("edge_samples", &request.edge_samples, "places under a roof within 10 cm of an edge, and as many of corners", 0,
             10000000);
   table.add("truth_rays", &request.truth.rays, "rays of ground truth at a place", 8, 1 << 24);
   table.add("probe_rays", &request.probe.rays, "rays of every probe", 8, 1 << 24);
@@ -366,7 +366,7 @@ int lightMain(int argc, char** argv) {
             600.0);
   table.add("picture_rays", &request.picture_rays,
             "rays of ground truth at a pixel of the pictures of worst places; from 32 on, of four samples", 8, 1 << 20);
-  table.common({"weights", "spacings", "grids_only", "air_places", "surface_places", "truth_rays", "probe_rays", "pictures"});
+  table.common({"weights", "spacings", "grids_only", "air_samples", "surface_samples", "truth_rays", "probe_rays", "pictures"});
   app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
   app.add_option("--out", request.out, "the result (.json)")->required();
   app.add_option("--weights", request.weights,
@@ -386,7 +386,7 @@ int lightMain(int argc, char** argv) {
       "at the finest spacing");
   app.add_flag("--neural", request.neural,
                "measure also methods that learn the scene's light, at the finest spacing: minutes for each");
-  app.add_option("--neural-places", request.neural_places, "places that they learn from: as many times those of the bake")
+  app.add_option("--neural-samples", request.neural_samples, "places that they learn from: as many times those of the bake")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   app.add_option("--neural-steps", request.neural_steps, "steps of training a network of the whole scene, at most")

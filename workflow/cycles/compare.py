@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds our path tracer against Blender's Cycles, on scenes of what artists bring, as Blender's own exporter writes them.
 
-    workflow/cycles/compare.py [--out FOLDER] [--bin FOLDER] [--places N] [--samples N] [--rays N] [SCENE …]
+    workflow/cycles/compare.py [--out FOLDER] [--bin FOLDER] [--points N] [--samples N] [--rays N] [SCENE …]
 
 Of every scene: Blender models it, exports it and bakes irradiance at places (scenes.py), nlg-render irradiance traces the file that was exported,
 and the means are compared (ratios.py) → FOLDER/SCENE.result.json, and a line on stdout. What is there of the same settings and scripts is not made
@@ -78,7 +78,7 @@ def traced(scene, folder, found, tools, rays):
     runs = []
     for seed in range(1, len(found["runs"]) + 1):
         out = folder / f"{scene}.{seed}.csv"
-        printed([tools / "nlg-render", "irradiance", folder / f"{scene}.glb", "--places", places, "--out", out, "--rays", rays, "--seed", seed, f"--sky={sky}"], f"nlg-render, of {scene},")
+        printed([tools / "nlg-render", "irradiance", folder / f"{scene}.glb", "--points", places, "--out", out, "--rays", rays, "--seed", seed, f"--sky={sky}"], f"nlg-render, of {scene},")
         runs.append([[parse_number(out, line, *cell) for cell in zip(columns[6:9], row[6:9])] for line, row in read_columns(out, columns)])
         if len(runs[-1]) != len(found["places"]):
             raise InputError(out, "rows", str(len(found["places"])), str(len(runs[-1])))
@@ -86,7 +86,7 @@ def traced(scene, folder, found, tools, rays):
 
 
 def measure(scene, arguments):
-    found = baked(scene, arguments.out, arguments.places, arguments.samples)
+    found = baked(scene, arguments.out, arguments.points, arguments.samples)
     revision = printed([arguments.bin / "nlg-render", "--version"], "nlg-render").strip()
     channels = compare(traced(scene, arguments.out, found, arguments.bin, arguments.rays), found["runs"])
     result = {"scene": scene, "revision": revision, "blender": found["blender"], "places": len(found["places"]), "runs": len(found["runs"]), "samples": found["samples"], "rays": arguments.rays, "channels": channels}
@@ -99,7 +99,7 @@ def main():
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help="none: all six")
     parser.add_argument("--out", type=Path, default=Path("out/cycles"), help="%(default)s")
     parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="where nlg-render is (%(default)s)")
-    parser.add_argument("--places", type=int, default=600, help="%(default)s")
+    parser.add_argument("--points", type=int, default=600, help="%(default)s")
     parser.add_argument("--samples", type=int, default=2048, help="of Cycles, a place and run (%(default)s)")
     parser.add_argument("--rays", type=int, default=4096, help="of nlg-render, a place and run (%(default)s)")
     arguments = parser.parse_args()

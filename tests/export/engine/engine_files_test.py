@@ -37,7 +37,7 @@ def export(*arguments):
 
 
 def exported(format_name):
-    result = export("--grid", "grid.safetensors", "--format", format_name, "--out", format_name, "--places", "2000", *([] if format_name in WITHOUT_TEXELS else BOX))
+    result = export("--grid", "grid.safetensors", "--format", format_name, "--out", format_name, "--error-samples", "2000", *([] if format_name in WITHOUT_TEXELS else BOX))
     must(result.returncode == 0, f"{format_name}: exit code {result.returncode}\n{result.stderr}")
     line = json.loads(result.stdout)
     files = [os.path.join(format_name, name) for name in os.listdir(format_name)]
@@ -127,7 +127,7 @@ def check_refusals():
     for setting in [BOX[0], "--spacing-m=1"]:
         for format_name in WITHOUT_TEXELS:
             refuses(USAGE_ERROR, [format_name, "spacing_m"], "--grid", "grid.safetensors", "--format", format_name, "--out", "bad", setting)
-    refuses(USAGE_ERROR, ["--places"], *good, "--places", "0")
+    refuses(USAGE_ERROR, ["--error-samples"], *good, "--error-samples", "0")
     refuses(USAGE_ERROR, ["light_groups", "none", "day"], *good, "--light-groups", "day")
     for asked in ["dusk", "night/", "day=bright", "day=inf", "day=", "day=-1", "day=1e7"]:
         refuses(USAGE_ERROR, ["light_groups", "day, night/lamp", asked], "--grid", "sets.safetensors", "--format", "three", "--out", "bad", *BOX, "--light-groups", asked)
@@ -144,7 +144,7 @@ def check_refusals():
 
 
 def check_intensity():
-    result = export("--grid", "grid.safetensors", "--format", "three", "--out", "half", "--places", "2000", "--intensity", "0.5", *BOX)
+    result = export("--grid", "grid.safetensors", "--format", "three", "--out", "half", "--error-samples", "2000", "--intensity", "0.5", *BOX)
     must(result.returncode == 0 and json.loads(result.stdout)["intensity"] == 0.5, f"half as bright: {result.stderr}")
     must(json.load(open("half/light.json"))["intensity"] == 0.5, "light.json says no intensity")
     must(json.load(open("three/light.json"))["intensity"] == 1, "light.json says another intensity")
@@ -153,18 +153,18 @@ def check_intensity():
     must(all(abs(h - 0.5 * w) <= 2**-24 for w, h in zip(whole, half)), "not half of the light")
     refused = export("--grid", "bright.safetensors", "--format", "three", "--out", "bright", *BOX)
     fits = re.search(r"--intensity (\S+) makes them fit", refused.stderr)
-    result = export("--grid", "bright.safetensors", "--format", "three", "--out", "bright", "--places", "2000", "--intensity", fits[1], *BOX)
+    result = export("--grid", "bright.safetensors", "--format", "three", "--out", "bright", "--error-samples", "2000", "--intensity", fits[1], *BOX)
     must(result.returncode == 0, f"the intensity that fits does not: {result.stderr}")
 
 
 def check_origin():
     """What is written is moved, whatever the format: positions of engines are floats."""
-    result = export("--grid", "grid.safetensors", "--format", "three", "--out", "moved", "--places", "2000", "--origin-m=-2,10000,1", "--extent-m=0,1,1,8,7,11", "--spacing-m", "1")
+    result = export("--grid", "grid.safetensors", "--format", "three", "--out", "moved", "--error-samples", "2000", "--origin-m=-2,10000,1", "--extent-m=0,1,1,8,7,11", "--spacing-m", "1")
     must(result.returncode == 0, f"--origin-m: {result.stderr}")
     place = json.load(open("moved/light.json"))
     must(place["origin_m"] == [-2, 10000, 1] and place["low_m"] == [0, 1, 1], f"moved: {place}")
     must(open("moved/light.bin", "rb").read() == open("three/light.bin", "rb").read(), "moved: other light")
-    lines = [json.loads(export("--grid", "grid.safetensors", "--format", "c-header", "--out", "moved", "--places", "2000", *origin).stdout) for origin in ([], ["--origin-m=-2,10000,1"])]
+    lines = [json.loads(export("--grid", "grid.safetensors", "--format", "c-header", "--out", "moved", "--error-samples", "2000", *origin).stdout) for origin in ([], ["--origin-m=-2,10000,1"])]
     must(all(0 <= line["corner_error_m"] < 1e-3 for line in lines), f"says {lines}")
     refuses(USAGE_ERROR, ["--origin-m"], "--grid", "grid.safetensors", "--format", "three", "--out", "bad", "--origin-m", "1,2", *BOX)
     refuses(INPUT_ERROR, ["grid.safetensors", "--origin-m"], "--grid", "grid.safetensors", "--format", "c-header", "--out", "bad", "--origin-m=5000000.13,0,0")
@@ -172,7 +172,7 @@ def check_origin():
 
 def check_light_groups():
     def three(*groups):
-        result = export("--grid", "sets.safetensors", "--format", "three", "--out", "sets", "--places", "2000", *groups, *BOX)
+        result = export("--grid", "sets.safetensors", "--format", "three", "--out", "sets", "--error-samples", "2000", *groups, *BOX)
         must(result.returncode == 0, f"{groups}: {result.stderr}")
         must(json.load(open("sets/light.json"))["light_groups"] == json.loads(result.stdout)["light_groups"], "light.json says other groups")
         data = open("sets/light.bin", "rb").read()
@@ -185,7 +185,7 @@ def check_light_groups():
     largest = max(map(abs, day))
     must(all(abs(n - 0.5 * d) < 2e-2 * largest for n, d in zip(night, day)), "the lamp at 2 is not half of the day")
     must(three("--light-groups", "day,night")[0] == {"day": 1, "night/lamp": 1}, "both sets")
-    result = export("--grid", "sets.safetensors", "--format", "c-header", "--out", "sets_c", "--places", "2000", "--intensity", "0.5")
+    result = export("--grid", "sets.safetensors", "--format", "c-header", "--out", "sets_c", "--error-samples", "2000", "--intensity", "0.5")
     must(result.returncode == 0 and json.loads(result.stdout)["error"]["rmse"] < 1e-4, f"half of all sets: {result.stdout}{result.stderr}")
 
 

@@ -153,8 +153,8 @@ export const answer = {{light: await patches.draw(renderer, scene)}};
 def write_case(folder, grid, tool, cases, naga, three_options):
     """Both formats of a grid, the places, and the pages; returns the places."""
     per_pixel = os.path.join(folder, "level_per_pixel")
-    run(tool("nlg-export"), "engine", "--grid", grid, "--format", "three", "--out", folder, "--places", "100", *three_options)
-    run(tool("nlg-export"), "engine", "--grid", grid, "--format", "three-per-pixel", "--out", per_pixel, "--places", "100")
+    run(tool("nlg-export"), "engine", "--grid", grid, "--format", "three", "--out", folder, "--error-samples", "100", *three_options)
+    run(tool("nlg-export"), "engine", "--grid", grid, "--format", "three-per-pixel", "--out", per_pixel, "--error-samples", "100")
     run("node", os.path.join(ROOT, "export", "shader", "wgsl.mjs"), naga, os.path.join(per_pixel, "look_up.glsl"), os.path.join(per_pixel, "look_up.wgsl"))
     places = json.loads(run(cases, "places", grid, folder, repr(OFFSET_M), str(PLACES)))
     with open(os.path.join(per_pixel, "look_up.glsl"), encoding="utf-8") as file:

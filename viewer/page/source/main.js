@@ -450,9 +450,9 @@ class Viewer {
       }
       return row;
     }));
-    $('measured').hidden = scene.air_places + scene.surface_places === 0;
-    $('airPlaces').textContent = scene.air_places.toLocaleString('en');
-    $('surfacePlaces').textContent = scene.surface_places.toLocaleString('en');
+    $('measured').hidden = scene.air_samples + scene.surface_samples === 0;
+    $('airPlaces').textContent = scene.air_samples.toLocaleString('en');
+    $('surfacePlaces').textContent = scene.surface_samples.toLocaleString('en');
     $('warnings').textContent = scene.warnings.join(' ');
     $('about').textContent = `Made by nlg-view ${scene.revision}. Light: ${scene.light.join('; ') || 'none'}.`;
   }
