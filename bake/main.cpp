@@ -357,14 +357,15 @@ int main(int argc, char** argv) {
     return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-bake info", "light grids (.safetensors)", "bake", nlg::describeFile});
   if (argc > 1 && std::strcmp(argv[1], "probes") == 0) return nlg::probeListMain(argc - 1, argv + 1);
   CLI::App app{
-      "Bakes one scene into a light grid: places probes, finds the weighting function of each, and lights them.\n"
-      "nlg-bake SCENE: with the weights that ship with the project.\n"
-      "nlg-bake SCENE --relight GRID: other light for a grid that was baked before.\n"
-      "nlg-bake SCENE --keep FILE: the same, and next time only what has changed.\n"
-      "nlg-bake SCENE --check GRID: whether a grid is still what it would be.\n"
-      "nlg-bake info GRID ...: what light grids are, verified.\n"
-      "nlg-bake probes GRID: its probes as a table.\n"
-      "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own; the scene first, because --weights takes several files.",
+      "Bakes one scene into a light grid: places probes, computes their weighting functions, and lights them.\n"
+      "nlg-bake SCENE: with the weights that ship.\n"
+      "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own weights; the scene comes first, because --weights takes "
+      "several files.\n"
+      "nlg-bake SCENE --relight GRID: computes only the light of a baked grid again.\n"
+      "nlg-bake SCENE --keep FILE: incremental; computes only functions that a change affects.\n"
+      "nlg-bake SCENE --check GRID: whether a grid is up to date.\n"
+      "nlg-bake info GRID ...: verifies and describes light grids.\n"
+      "nlg-bake probes GRID: prints the probes of a grid as a table.",
       "nlg-bake"};
   nlg::Request request;
   nlg::BakeOptions options;
@@ -374,30 +375,25 @@ int main(int argc, char** argv) {
   table.addNote(nlg::stagesHelp({}));
   table.common({"unit", "spacing_m", "extent_m", "sky", "sun", "light_unit", "intensity", "light_direct", "out"});
   app.add_option("scene", request.scene, nlg::sceneForms())->required();
-  app.add_option(
-      "--weights", request.weights,
-      "weights of nlg-export. Of several the bake chooses a representation for every function. None: those that ship, which it "
-      "looks for in the folder $NLG_WEIGHTS, or else beside the installed program");
+  app.add_option("--weights", request.weights,
+                 "weights of nlg-export. With several the bake chooses a representation for every function. None: the weights "
+                 "that ship, in the folder $NLG_WEIGHTS or beside the installed program");
   const CLI::Option* out =
-      app.add_option("--out", request.out, "the light grid to write. None: NAME.safetensors, here, by the name of the scene");
+      app.add_option("--out", request.out, "light grid to write. None: SCENE.safetensors in the current folder");
   app.add_option("--relight", request.relit,
-                 "a light grid of this scene, baked with these settings: its probes and functions stay, and light alone is made "
-                 "anew, of what the scene is lit by now");
-  app.add_option(
-      "--keep", request.kept,
-      "a file for what functions took, written anew by every bake: where it is there, only probes near what has changed "
-      "in the level are seen anew. The grid is that of a bake without it, byte for byte");
-  app.add_option(
-      "--check", request.checked,
-      "bake nothing: say whether a grid is what this command would bake, or what has changed since it was. Exit code 6 "
-      "where it is not, for build systems");
-  app.add_option("--json", request.json,
-                 "write all that the bake says of itself to a file, as one line of JSON. -: to standard output");
-  app.add_option(
-      "--inputs", request.inputs,
-      "write the names of all files and folders that this reads or looks for, grids and programs apart, to a file, as a list of "
-      "JSON: whichever of them changes asks for another bake. Where it ends in an error, too");
-  app.add_flag("--verbose", request.is_verbose, "end with all stages, errors and savings as tables, too");
+                 "light grid of this scene, baked with the same settings: its probes and functions are reused, and only light is "
+                 "computed again");
+  app.add_option("--keep", request.kept,
+                 "file of the incremental bake, read and rewritten by every bake: only functions that a change of the level "
+                 "affects are computed again. The grid equals that of a whole bake, byte for byte");
+  app.add_option("--check", request.checked,
+                 "light grid to compare with what this command would bake; nothing is baked. Exit code 6 if it is out of date, "
+                 "with what has changed");
+  app.add_option("--json", request.json, "file for the bake's report, as one line of JSON. -: standard output");
+  app.add_option("--inputs", request.inputs,
+                 "file for the names of all files and folders that the bake reads or looks for, as a JSON list for build "
+                 "systems, also after an error. Light grids and programs are not listed");
+  app.add_flag("--verbose", request.is_verbose, "also print tables of stages, errors and savings");
   return nlg::runTool(argc, argv, app, table, [&] {
     const CLI::Option* config = app.get_option("--config");
     request.out_is_given = out->count() > 0;

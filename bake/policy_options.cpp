@@ -6,7 +6,7 @@
 namespace nlg {
 
 void describePolicy(PolicyOptions& options, OptionTable& table) {
-  table.group("Policy: which theta are worked on, and how long");
+  table.group("Policy: which theta are fitted, and how long");
 #define NLG_POLICY_OPTION(type, name, value, low, high, help) \
   table.add(#name, &options.name, help, static_cast<type>(low), static_cast<type>(high));
 #include "nlg/policy_options.def"
@@ -21,8 +21,8 @@ ThetaPrecision thetaPrecisionFromName(const std::string& name) {
 
 std::string stagesHelp(const PolicyOptions& options) {
   std::string text =
-      "Stages of the policy, by representation (thresholds rise for weights that are wrong about the tent itself: "
-      "docs/theory/math.md §6):\n";
+      "Stages of the policy, by representation (thresholds rise for weights that err on the bare tent: docs/theory/math.md §6):\n"
+      "";
   for (const char* name : kRepresentationNames) {
     Representation representation;
     findRepresentation(name, &representation);

@@ -30,12 +30,12 @@ std::string probeTable(const LightGrid& grid) {
 
 int probeListMain(int argc, char** argv) {
   CLI::App app{
-      "Prints the probes of a light grid as CSV: x_m,y_m,z_m, kind (function, tent or none: no weight), and r,g,b, the mean of\n"
-      "the radiance that it holds.",
+      "Prints the probes of a light grid as CSV: x_m,y_m,z_m, kind (function, tent, or none: no weight), and r,g,b, the mean\n"
+      "radiance over all directions.",
       "nlg-bake probes"};
   std::string path;
   OptionTable table("bake");
-  app.add_option("grid", path, "a light grid (.safetensors)")->required();
+  app.add_option("grid", path, "light grid (.safetensors)")->required();
   return runTool(argc, argv, app, table, [&] { std::cout << probeTable(readBakedGrid(path).grid); });
 }
 

@@ -24,18 +24,19 @@ const std::vector<std::string> kCommonOptions = {"jitter",        "held_out", "u
 // What generating and planning ask for alike.
 void addRequest(CLI::App& app, ShardRequest& request) {
   app.add_option("--scene", request.scene, sceneForms())->required();
-  app.add_option("--jitter", request.jitter, "which variant; 0 is the scene as it is")->check(CLI::Range(0.0, 0x1p53));
-  app.add_flag("--held-out", request.held_out, "the scene is for validation: add points that no fit sees");
+  app.add_option("--jitter", request.jitter, "number of the jittered variant. 0: the scene as it is")
+      ->check(CLI::Range(0.0, 0x1p53));
+  app.add_flag("--held-out", request.held_out, "mark the scene as held-out, and store test points that no fit sees");
 }
 
 int generateMain(int argc, char** argv) {
   CLI::App app{
-      "Generates the weighting functions of one scene under one jitter and writes them as one shard.\n"
-      "nlg-datagen plan --scene SCENE: what a shard will take.\n"
-      "nlg-datagen info FILE ...: what shards are, verified.\n"
-      "nlg-datagen info FOLDER: what a data set holds.\n"
-      "nlg-datagen info SCENE ...: what scenes hold, and what was not read.\n"
-      "nlg-datagen view SHARD: pictures of one.",
+      "Computes the weighting functions of one scene under one jitter and writes them as one shard.\n"
+      "nlg-datagen plan --scene SCENE: estimates time, memory and size of a shard.\n"
+      "nlg-datagen info FILE ...: verifies and describes shards.\n"
+      "nlg-datagen info FOLDER: describes a data set.\n"
+      "nlg-datagen info SCENE ...: describes scenes, and what was not read.\n"
+      "nlg-datagen view SHARD: draws a shard.",
       "nlg-datagen"};
   ShardRequest request;
   std::string out;
@@ -44,7 +45,7 @@ int generateMain(int argc, char** argv) {
   describe(options, table);
   table.common(kCommonOptions);
   addRequest(app, request);
-  app.add_option("--out", out, "the shard to write (.h5)")->required();
+  app.add_option("--out", out, "shard to write (.h5)")->required();
   return runTool(argc, argv, app, table, [&] {
     refuseToReplaceInputs(out, {request.scene});
     generate(request, out, options, table);
@@ -52,7 +53,7 @@ int generateMain(int argc, char** argv) {
 }
 
 int planMain(int argc, char** argv) {
-  CLI::App app{"Says what generating a shard will take, from a sample of its probes; leaves nothing behind.", "nlg-datagen plan"};
+  CLI::App app{"Estimates the time, memory and size of a shard from a sample of its probes. Writes nothing.", "nlg-datagen plan"};
   ShardRequest request;
   DatagenOptions options;
   bool json = false;
@@ -61,8 +62,8 @@ int planMain(int argc, char** argv) {
   describe(options, table);
   table.common(kCommonOptions);
   addRequest(app, request);
-  app.add_flag("--json", json, "one line of JSON");
-  app.add_option("--sample", sample, "functions that are made to find out, duplicates included")
+  app.add_flag("--json", json, "print one line of JSON");
+  app.add_option("--sample", sample, "number of functions computed for the estimate, duplicates included")
       ->check(CLI::Range(16, 1000000))
       ->capture_default_str();
   return runTool(argc, argv, app, table, [&] {
@@ -71,7 +72,7 @@ int planMain(int argc, char** argv) {
 }
 
 int sceneInfoMain(int argc, char** argv) {
-  CLI::App app{"Says what scenes hold: triangles, size, materials, images, what is solid, lights, and what was not read.",
+  CLI::App app{"Prints what scenes hold: triangles, size, materials, images, solids, lights, and what was not read.",
                "nlg-datagen info"};
   std::vector<std::string> scenes;
   SceneReading reading;
@@ -80,7 +81,7 @@ int sceneInfoMain(int argc, char** argv) {
   describe(reading, table);
   table.common({"unit", "transmissive_cover", "cavity_m"});
   app.add_option("scenes", scenes, sceneForms())->required();
-  app.add_flag("--json", json, "one line of JSON a scene");
+  app.add_flag("--json", json, "print one line of JSON per scene");
   return runTool(argc, argv, app, table, [&] {
     for (const std::string& scene : scenes) {
       const nlohmann::ordered_json found = describeScene(scene, reading);
@@ -92,14 +93,14 @@ int sceneInfoMain(int argc, char** argv) {
 
 int dataCardMain(int argc, char** argv) {
   CLI::App app{
-      "Says what a folder of shards holds: probes and functions of every scene, what was left out and why, and how hard "
+      "Prints what a folder of shards holds: probes and functions of every scene, what was left out and why, and how hard the "
       "functions are.",
       "nlg-datagen info"};
   std::string folder;
   bool json = false;
   OptionTable table("datagen");
-  app.add_option("folder", folder, "a folder of shards (.h5), or of folders of them")->required();
-  app.add_flag("--json", json, "one line of JSON");
+  app.add_option("folder", folder, "folder of shards (.h5), or of folders of shards")->required();
+  app.add_flag("--json", json, "print one line of JSON");
   return runTool(argc, argv, app, table, [&] {
     const nlohmann::ordered_json card = dataCard(folder);
     std::cout << (json ? card.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n' : dataCardText(card));
@@ -125,20 +126,21 @@ int viewMain(int argc, char** argv) {
   ViewOptions options;
   OptionTable table("datagen");
   table.addNote(sceneBudgets());
-  app.add_option("shard", shard, "the shard (.h5)")->required();
+  app.add_option("shard", shard, "shard (.h5)")->required();
   CLI::App* picture = app.add_option_group("picture", "one of");
-  CLI::Option* probe = picture->add_option("--probe", probe_idx, "three slices through the function of this index")
+  CLI::Option* probe = picture->add_option("--probe", probe_idx, "index of the function that is drawn as three slices")
                            ->check(CLI::Range(0.0, 0x1p53));
-  picture->add_flag("--atlas", is_atlas, "64 functions drawn at random");
-  picture->add_flag("--top", is_top, "the level from above, cut open, with its probe tree");
+  picture->add_flag("--atlas", is_atlas, "draw 64 functions chosen at random");
+  picture->add_flag("--top", is_top, "draw the level from above, cut open, with its probe tree");
   picture->require_option(1);
-  app.add_option("--out", out, "the picture to write (.png)")->required();
-  app.add_option("--scene", options.scene, "the level's file; a procedural scene is made again by itself");
-  app.add_option("--seed", options.seed, "--atlas: which functions")->check(CLI::Range(0.0, 0x1p53));
-  app.add_option("--height", options.height, "--top: where to cut, in metres (2.5) or as a share of the height (40%)");
-  app.add_option("--slice-px", options.slice_px, "--probe: side of a slice");
-  app.add_option("--cell-px", options.cell_px, "--atlas: side of a slice");
-  app.add_option("--level-px", options.level_px, "--top: longer side of the map");
+  app.add_option("--out", out, "picture to write (.png)")->required();
+  app.add_option("--scene", options.scene, "file of the level. Procedural scenes need none");
+  app.add_option("--seed", options.seed, "seed of the choice of functions, with --atlas")->check(CLI::Range(0.0, 0x1p53));
+  app.add_option("--height", options.height,
+                 "height of the cut, in metres (2.5) or as a share of the scene's height (40%), with --top");
+  app.add_option("--slice-px", options.slice_px, "side of a slice, pixels, with --probe");
+  app.add_option("--cell-px", options.cell_px, "side of a slice, pixels, with --atlas");
+  app.add_option("--level-px", options.level_px, "longer side of the map, pixels, with --top");
   return runTool(argc, argv, app, table, [&] {
     refuseToReplaceInputs(out, {shard, options.scene});
     if (probe->count() > 0) return viewProbe(shard, probe_idx, options, out);

@@ -50,10 +50,10 @@ constexpr Command kEachCommand[] = {{"info", infoMain}, {"used-by", usedByMain},
 }  // namespace
 
 const char* const kCommands =
-    "nlg-export info FILE ...: what weights are, verified.\n"
-    "nlg-export used-by --bake GRID --weights W1 [W2 ...] --out FOLDER: the weights that a scene uses.\n"
-    "nlg-export shader --grid GRID --out FOLDER: a light grid for shaders, and the look-up in GLSL.\n"
-    "nlg-export engine --grid GRID --format FORMAT --out FOLDER: a light grid as files that engines load.";
+    "nlg-export info FILE ...: verifies and describes weights.\n"
+    "nlg-export used-by --bake GRID --weights W1 [W2 ...] --out FOLDER: copies the weights that a grid uses.\n"
+    "nlg-export shader --grid GRID --out FOLDER: writes a light grid for shaders, with its look-up in GLSL.\n"
+    "nlg-export engine --grid GRID --format FORMAT --out FOLDER: writes a light grid as files that engines load.";
 
 std::optional<int> runCommand(int argc, char** argv) {
   for (const Command& command : kEachCommand) {

@@ -231,21 +231,24 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
 int main(int argc, char** argv) {
   if (const std::optional<int> status = nlg::runCommand(argc, argv)) return *status;
   if (argc > 1 && std::strcmp(argv[1], "onnx") == 0) return nlg::onnxMain(argc - 1, argv + 1);
-  CLI::App app{"Exports a trained generator for the bake-time evaluator and checks the two against each other.\n" +
-                   std::string(nlg::kCommands) + "\nnlg-export onnx --weights FILE --out FILE: weights as ONNX.",
-               "nlg-export"};
+  CLI::App app{
+      "Exports a trained generator for the bake-time evaluator, and compares the two.\n"
+      "" + std::string(nlg::kCommands) +
+          "\n"
+          "nlg-export onnx --weights FILE --out FILE: converts weights to ONNX.",
+      "nlg-export"};
   nlg::Request request;
   nlg::ExportOptions options;
   nlg::OptionTable table("export");
-  table.add("dtype", &options.dtype, "of the file's matrices: float16 or float32; the rest is float32");
-  table.add("parity_functions", &options.parity_functions, "real functions on which libtorch and the evaluator are compared", 1,
-            1000000);
-  table.add("parity_tolerance", &options.parity_tolerance, "largest difference allowed, of theta and of what it stands for", 0.0,
-            1.0);
-  app.add_option("--checkpoint", request.checkpoint, "the finished checkpoint of nlg-train")->required();
-  app.add_option("--basis", request.basis, "the basis that it was trained on")->required();
-  app.add_option("--shards", request.shards, "real functions to compare on (held-out shards)")->required();
-  app.add_option("--out", request.out, "the weights to write (.safetensors)")->required();
-  app.add_option("--onnx", request.onnx, "the generator as ONNX too (.onnx)");
+  table.add("dtype", &options.dtype, "number format of matrices: float16 or float32. All else is float32");
+  table.add("parity_functions", &options.parity_functions, "number of functions on which libtorch and the evaluator are compared",
+            1, 1000000);
+  table.add("parity_tolerance", &options.parity_tolerance,
+            "maximum difference between libtorch and the evaluator, of theta and of the functions", 0.0, 1.0);
+  app.add_option("--checkpoint", request.checkpoint, "finished checkpoint of nlg-train")->required();
+  app.add_option("--basis", request.basis, "basis that the checkpoint was trained on")->required();
+  app.add_option("--shards", request.shards, "held-out shards, on whose functions the two are compared")->required();
+  app.add_option("--out", request.out, "weights to write (.safetensors)")->required();
+  app.add_option("--onnx", request.onnx, "ONNX file of the generator to write as well (.onnx)");
   return nlg::runTool(argc, argv, app, table, [&] { nlg::run(request, options, table); });
 }

@@ -47,7 +47,7 @@ int onnxMain(int argc, char** argv) {
   std::string weights, out;
   OptionTable table("export");
   app.add_option("--weights", weights, "weights of nlg-export (.safetensors)")->required();
-  app.add_option("--out", out, "the model to write (.onnx)")->required();
+  app.add_option("--out", out, "model to write (.onnx)")->required();
   return runTool(argc, argv, app, table, [&] { run(weights, out); });
 }
 

@@ -8,8 +8,8 @@
 
 int main(int argc, char** argv) {
   if (const std::optional<int> status = nlg::runCommand(argc, argv)) return *status;
-  CLI::App app{"Makes files for shaders and engines of light grids.\n" + std::string(nlg::kCommands) +
-                   "\nCheckpoints are exported by the nlg-export of a build with training.",
+  CLI::App app{"Writes light grids as files for shaders and engines.\n" + std::string(nlg::kCommands) +
+                   "\nTo export checkpoints, build with training.",
                "nlg-export"};
   nlg::OptionTable table("export");
   return nlg::runTool(argc, argv, app, table, [] { throw nlg::UsageError("command", "one of --help", "none"); });

@@ -17,21 +17,23 @@ namespace {
 
 int irradianceMain(int argc, char** argv) {
   CLI::App app{
-      "Traces what arrives at places of a scene, and writes it as a table: irradiance by channel, in the unit of the scene's\n"
-      "light, and the standard deviation of its noise. To hold this path tracer against another renderer.",
+      "Path traces irradiance at sample points of a scene and writes a table: irradiance by channel, in the unit of the scene's\n"
+      "light, and the standard deviation of its noise. For comparisons with another renderer.",
       "nlg-render irradiance"};
   IrradianceRequest request;
   BakeOptions bake;
   OptionTable table("bake");
   describe(bake, table);
   table.common({"rays", "sky", "sun", "unit", "light_unit", "threads"});
-  app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
+  app.add_option("scene", request.scene, "scene, as for nlg-bake")->required();
   app.add_option("--points", request.places,
-                 "a table (.csv): a line x,y,z,nx,ny,nz, then such numbers of a place each: where it is, world, metres, and its "
-                 "normal")
+                 "table of sample points (.csv): the header x,y,z,nx,ny,nz, then one line per point: position in world "
+                 "coordinates, metres, and normal")
       ->required();
-  app.add_option("--out", request.out, "the table to write (.csv): places, r,g,b and their deviations dr,dg,db")->required();
-  app.add_option("--rays", request.rays, "rays of every place")->check(CLI::Range(8, 1 << 24))->capture_default_str();
+  app.add_option("--out", request.out,
+                 "table to write (.csv): sample points, irradiance r,g,b and its standard deviation dr,dg,db")
+      ->required();
+  app.add_option("--rays", request.rays, "rays per sample point")->check(CLI::Range(8, 1 << 24))->capture_default_str();
   return runTool(argc, argv, app, table, [&] {
     writeIrradianceTable(request, bake);
     std::cout << request.out << '\n';
@@ -45,7 +47,7 @@ int renderMain(int argc, char** argv) {
       "Khronos' neutral curve, in sRGB.\n"
       "nlg-render SCENE --out view.png: ground truth, from a view that shows something.\n"
       "nlg-render SCENE --grid GRID --panel truth,grid --out view.png: side by side, with the error.\n"
-      "nlg-render irradiance SCENE --points POINTS.csv --out FILE.csv: what arrives at places, in numbers.",
+      "nlg-render irradiance SCENE --points POINTS.csv --out FILE.csv: irradiance at sample points, as a table.",
       "nlg-render"};
   RenderRequest request;
   BakeOptions bake;

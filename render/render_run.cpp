@@ -344,23 +344,22 @@ bool asksFor(const RenderRequest& request, const std::string& method) {
 }
 
 void describe(RenderRequest& r, CLI::App& app) {
-  app.add_option("scene", r.scene, "a scene, as nlg-bake takes it")->required();
-  app.add_option("--out", r.out, "the picture (.png)")->required();
-  app.add_option("--grid", r.grid, "a light grid that holds light, as nlg-bake writes it");
-  app.add_flag("--bake", r.bake, "bake the light grid here, by the settings of nlg-bake, instead of reading one");
-  app.add_option("--weights", r.weights, "weights for --bake; none: those that ship");
-  app.add_option(
-         "--method", r.method,
-         "truth, grid, or a baseline: trilinear, valid-trilinear, exact-visibility, apv, ddgi, tetrahedra; with :solved, light "
-         "that is solved for")
+  app.add_option("scene", r.scene, "scene, as for nlg-bake")->required();
+  app.add_option("--out", r.out, "picture to write (.png)")->required();
+  app.add_option("--grid", r.grid, "light grid that holds light, of nlg-bake");
+  app.add_flag("--bake", r.bake, "bake the light grid with the settings of nlg-bake instead of reading one");
+  app.add_option("--weights", r.weights, "weights for --bake. None: the weights that ship");
+  app.add_option("--method", r.method,
+                 "method that lights the picture: truth, grid, or a baseline: trilinear, valid-trilinear, exact-visibility, apv, "
+                 "ddgi, tetrahedra; with :solved appended, its light is solved")
       ->capture_default_str();
-  app.add_option("--panel", r.panel, "several methods side by side, with titles, and errors when truth is among them")
+  app.add_option("--panel", r.panel, "methods to draw side by side, with titles, and with errors if truth is among them")
       ->delimiter(',');
-  app.add_option(
-         "--show", r.show,
-         "light; error: of irradiance, with sign; absolute: its size; weights: the share of one probe in the grid's blend")
+  app.add_option("--show", r.show,
+                 "what the picture shows: light; error, signed, of irradiance; absolute, the error's magnitude; or weights, the "
+                 "share of one probe in the grid's blend")
       ->capture_default_str();
-  app.add_option("--truth-rays", r.truth_rays, "rays of ground truth at every sample")
+  app.add_option("--truth-rays", r.truth_rays, "rays of ground truth per sample")
       ->check(CLI::Range(8, 1 << 20))
       ->capture_default_str();
   app.add_option(
@@ -370,35 +369,37 @@ void describe(RenderRequest& r, CLI::App& app) {
       ->check(numberIn(0.0, 1e12))
       ->capture_default_str();
   app.add_option("--error-range", r.error_range,
-                 "the error, over truth's root mean square, that has the last colour; 0: by the picture")
+                 "error, as a share of truth's root mean square, that has the last colour. 0: chosen from the picture")
       ->check(numberIn(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--probe", r.probe, "number of the probe whose weights are shown")->check(CLI::Range(0, 1 << 27));
-  app.add_option("--probe-near", r.probe_near, "x,y,z: the probe nearest to this place, world, metres")
+  app.add_option("--probe-near", r.probe_near, "position x,y,z, metres, whose nearest probe's weights are shown")
       ->delimiter(',')
       ->expected(3);
-  app.add_option(
-      "--camera", r.camera,
-      "name or number, from 0, of a camera of the glTF file, or of a place where players of the level begin; none: the "
-      "file's first camera, or else a view is chosen; with --show weights, a view of the probe that stands in air");
-  app.add_option("--eye", r.eye, "--eye=x,y,z: where the camera stands, world, metres")->delimiter(',')->expected(3);
-  app.add_option("--look", r.look, "--look=x,y,z: what it looks at")->delimiter(',')->expected(3);
-  app.add_option("--fov", r.fov, "degrees from the picture's lower to its upper edge; 0: the camera's own, or 60")
+  app.add_option("--camera", r.camera,
+                 "camera: its name or number, from 0, in the glTF file, or the number of a player start of the level. None: the "
+                 "file's first camera, or a chosen view; with --show weights, a view of the probe");
+  app.add_option("--eye", r.eye, "position of the camera: --eye=x,y,z, world coordinates, metres")->delimiter(',')->expected(3);
+  app.add_option("--look", r.look, "point that the camera looks at: --look=x,y,z, world coordinates, metres")
+      ->delimiter(',')
+      ->expected(3);
+  app.add_option("--fov", r.fov, "vertical field of view, degrees. 0: the camera's own, or 60")
       ->check(numberIn(0.0, 170.0))
       ->capture_default_str();
-  app.add_option("--slice-y", r.slice_y, "in place of a view: a cut at this height, metres, seen from above")->expected(1);
+  app.add_option("--slice-y", r.slice_y, "height of a cut, metres, drawn from above instead of a view")->expected(1);
   app.add_option("--width", r.width, "pixels of one picture")->check(CLI::Range(8, 16384))->capture_default_str();
-  app.add_option("--height", r.height, "pixels of one picture; a cut's follows from its width")
+  app.add_option("--height", r.height, "height of one picture, pixels. A cut's height follows from its width")
       ->check(CLI::Range(8, 16384))
       ->capture_default_str();
-  app.add_option("--samples", r.samples, "n: n x n samples of every pixel")->check(CLI::Range(1, 16))->capture_default_str();
-  app.add_option("--offset-m", r.offset_m, "how far before a surface light is asked for, metres; half way to what is nearer")
+  app.add_option("--samples", r.samples, "samples per pixel along each axis")->check(CLI::Range(1, 16))->capture_default_str();
+  app.add_option("--offset-m", r.offset_m,
+                 "distance before a surface at which light is looked up, metres; half way where something is nearer")
       ->check(numberIn(0.0, 10.0))
       ->capture_default_str();
-  app.add_option("--balls", r.balls, "so many grey balls in the air, each lit as at its centre")
+  app.add_option("--balls", r.balls, "number of grey balls in the air, each lit by a look-up at its centre")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
-  app.add_option("--ball-radius-m", r.ball_radius_m, "their radius; 0: by the scene's size")
+  app.add_option("--ball-radius-m", r.ball_radius_m, "radius of the balls, metres. 0: chosen by the scene's size")
       ->check(numberIn(0.0, 1e3))
       ->capture_default_str();
 }

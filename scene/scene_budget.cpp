@@ -21,10 +21,10 @@ void SceneBudget::take(uint64_t amount, const std::string& path, const std::stri
 
 std::string sceneBudgets() {
   return fmt::format(
-      "One scene may take, of a glTF or .obj file: {} triangles, {} bytes of files and what they unpack to,\n"
-      "{} elements of glTF accessors, {} of these without a buffer view; of a Quake III level: {} triangles;\n"
-      "of archives: {} bytes unpacked; of textures: {} pixels, times their scans. No known level comes near\n"
-      "(docs/guide/scenes.md); a scene that asks for more is refused.",
+      "Limits of one scene. glTF or .obj file: {} triangles, {} bytes of files and of what they unpack to,\n"
+      "{} elements of glTF accessors, {} of these without a buffer view. Quake III level: {} triangles.\n"
+      "Archives: {} bytes unpacked. Textures: {} pixels, times their scans. A scene beyond them is refused;\n"
+      "no known level comes near (docs/guide/scenes.md).",
       kMaxSceneTriangles, kMaxSceneBytes, kMaxAccessorElements, kMaxAccessorZeros, kMaxLevelTriangles, kMaxUnpackedBytes,
       kMaxImagePixels);
 }

@@ -195,23 +195,20 @@ bool isOtherFormat(const std::string& extension) {
 }
 
 void describe(SceneReading& reading, OptionTable& table) {
-  table.add("unit", &reading.unit_m,
-            "metres of one unit of a glTF or .obj file: 0.01 where it is in centimetres, 0.0254 in inches", 1e-6, 1e6);
-  table.add(
-      "transmissive_cover", &reading.transmissive_cover,
-      "what lets light through is a sheet to weighting functions where it stops this share of light or more, and air to them "
-      "where less; 0: always a sheet; above 1: always air",
-      0.0, 1.01);
-  table.add(
-      "cavity_m", &reading.cavity_m,
-      "hollows that are closed off from all air as wide as this, metres, are no air: walls of two sheets, boxes. A quarter of "
-      "the scene's shortest side at most. 0: all air counts",
-      0.0, 1e3);
+  table.add("unit", &reading.unit_m, "length of one unit of a glTF or .obj file, metres: 0.01 for centimetres, 0.0254 for inches",
+            1e-6, 1e6);
+  table.add("transmissive_cover", &reading.transmissive_cover,
+            "share of light that a transmissive surface must stop to block weighting functions; below it the surface counts as "
+            "air. 0: always blocks. Above 1: never blocks",
+            0.0, 1.01);
+  table.add("cavity_m", &reading.cavity_m,
+            "width, metres, up to which a closed hollow, such as a box or a wall of two sheets, does not count as air; at most a "
+            "quarter of the scene's shortest side. 0: all hollows count as air",
+            0.0, 1e3);
   table.add("scene_name", &reading.gltf.scene_name,
-            "the scene of a glTF file, by its name or its number from 1 on. None: the file's default");
-  table.addRepeated(
-      "leave_out", &reading.gltf.leave_out,
-      "nodes of a glTF file that are not read, with all that hangs on them: a pattern of their names, with * and ?");
+            "scene of a glTF file, by its name or its number from 1. None: the file's default");
+  table.addRepeated("leave_out", &reading.gltf.leave_out,
+                    "names of glTF nodes that are not read, with all nodes below them; patterns with * and ?");
   table.addNote(sceneBudgets());
 }
 
@@ -227,8 +224,7 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
 std::string sceneForms() {
   return fmt::format(
       "a .glb, .gltf, .obj or .bsp file, FOLDER:MAP for a level in .pk3 archives, PATH.sh3f:PLAN:SEED for an interior, "
-      "FAMILY:SEED "
-      "({}), or a small scene to look at light with ({})",
+      "FAMILY:SEED for a procedural scene ({}), or a small scene for tests of light ({})",
       fmt::join(proceduralFamilies(), ", "), fmt::join(builtInScenes(), ", "));
 }
 

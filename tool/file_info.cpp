@@ -40,17 +40,16 @@ Json parsedOrText(const std::string& text) {
 }
 
 int fileInfoMain(int argc, char** argv, const FileInfoCommand& command) {
-  CLI::App app{
-      "Says what " + command.files +
-          " are and verifies all of them: one line at the first that does not hold, with exit\n"
-          "code 7 when its own bytes prove that it is damaged, and 3 otherwise (unreadable, of another kind or version).",
-      command.tool};
+  CLI::App app{"Verifies and describes " + command.files +
+                   ". Stops at the first invalid file with one line and exit code 7 if its\n"
+                   "own bytes prove that it is damaged, else 3 (unreadable, or of another kind or version).",
+               command.tool};
   std::vector<std::string> paths;
   bool json = false, quiet = false;
   OptionTable table(command.section);
   app.add_option("files", paths, command.files)->required();
-  app.add_flag("--json", json, "one line of JSON a file");
-  app.add_flag("--quiet", quiet, "print nothing about files that hold");
+  app.add_flag("--json", json, "print one line of JSON per file");
+  app.add_flag("--quiet", quiet, "print nothing about valid files");
   return runTool(argc, argv, app, table, [&] {
     for (const std::string& path : paths) {
       try {

@@ -176,7 +176,7 @@ void refuseExtras(const CLI::App& app) {
 void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run) {
   std::string config;
   const CLI::Option* config_flag =
-      app.add_option("--config", config, "a configuration such as pipeline.yaml, of which this tool reads its own section")
+      app.add_option("--config", config, "configuration file, such as pipeline.yaml; this tool reads its own section")
           ->type_name("FILE");
   if (app.get_version_ptr() == nullptr) app.set_version_flag("--version", std::string(sourceRevision()));
   addHelpFlags(app);

@@ -51,13 +51,13 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "info") == 0)
     return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-cache info", "function caches", "cache", nlg::describeCache});
   CLI::App app{
-      "Makes the cache that nlg-train reads a training set from, whatever its size.\n"
-      "nlg-cache info FILE ...: what caches are, verified.",
+      "Writes a training set as a cache, from which nlg-train reads sets larger than memory.\n"
+      "nlg-cache info FILE ...: verifies and describes caches.",
       "nlg-cache"};
   nlg::Request request;
   nlg::OptionTable table("cache");
   app.add_option("--shards", request.shards, "training shards")->required();
-  app.add_option("--basis", request.basis, "the basis of nlg-pca")->required();
-  app.add_option("--out", request.out, "the cache to write")->required();
+  app.add_option("--basis", request.basis, "basis of nlg-pca")->required();
+  app.add_option("--out", request.out, "cache to write")->required();
   return nlg::runTool(argc, argv, app, table, [&] { nlg::run(request); });
 }

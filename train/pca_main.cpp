@@ -149,15 +149,15 @@ int main(int argc, char** argv) {
     return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-pca info", "bases (.h5)", "basis", nlg::describeBasis});
   CLI::App app{
       "Fits the PCA basis of the weighting functions in a training set.\n"
-      "nlg-pca info FILE ...: what bases are, verified.",
+      "nlg-pca info FILE ...: verifies and describes bases.",
       "nlg-pca"};
   nlg::Request request;
   nlg::PcaOptions options;
   nlg::OptionTable table("basis");
-  table.add("components", &options.components, "components that the generator reads (K)", 1, 1024);
+  table.add("components", &options.components, "number of components (K), which are the generator's inputs", 1, 1024);
   app.add_option("--shards", request.shards, "training shards")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes, for the variance kept");
-  app.add_option("--from", request.from, "weights whose basis it is, instead of one of these shards: for nlg-train --init");
-  app.add_option("--out", request.out, "the basis to write (.h5)")->required();
+  app.add_option("--from", request.from, "weights whose basis is written instead of a new one, for nlg-train --init");
+  app.add_option("--out", request.out, "basis to write (.h5)")->required();
   return nlg::runTool(argc, argv, app, table, [&] { nlg::fitBasis(request, options, table); });
 }

@@ -158,7 +158,9 @@ void resume(const Request& request, const RunIdentity& identity, const RunFolder
     const bool is_extended = isExtended(file->identity(), identity);
     readCheckpoint(*file, is_extended ? file->identity() : identity, state);
     if (is_extended)
-      std::cerr << "nlg-train: an extended run: its rate rises anew, and it ends otherwise than one of so many steps\n";
+      std::cerr << "nlg-train: an extended run: its learning rate rises again, so that it ends otherwise than a run begun with "
+                   "this many steps\n"
+                   "";
     std::cerr << "nlg-train: going on from step " << state->step << " of " << path << '\n';
     if (request.processes.rank == 0) folder.settle(path, *state);
     return;
@@ -315,7 +317,7 @@ int main(int argc, char** argv) {
     return nlg::fileInfoMain(argc - 1, argv + 1, {"nlg-train info", "checkpoints (.ckpt)", "train", nlg::describeCheckpoint});
   CLI::App app{
       "Trains the generator network of one representation.\n"
-      "nlg-train info FILE ...: what checkpoints are, verified.",
+      "nlg-train info FILE ...: verifies and describes checkpoints.",
       "nlg-train"};
   nlg::Request request;
   nlg::TrainOptions options;
@@ -324,25 +326,27 @@ int main(int argc, char** argv) {
   table.group("Run");
   table.common({"shards", "cache", "out", "run", "steps"});
   app.add_option("--representation", request.representation, nlg::representationNames())->required();
-  app.add_option("--shards", request.shards, "training shards, to be read into memory");
-  app.add_option("--cache", request.cache, "the training set as nlg-cache made it, to be read from the disk");
+  app.add_option("--shards", request.shards, "training shards, read into memory");
+  app.add_option("--cache", request.cache, "training set of nlg-cache, read from disk");
   app.add_option("--held-out", request.held_out, "shards of held-out scenes, for the validation loss")->required();
-  app.add_option("--basis", request.basis, "the basis of nlg-pca")->required();
-  app.add_option("--out", request.out, "the finished checkpoint to write")->required();
-  app.add_option("--run", request.run, "the run's folder: checkpoints, curve and origin; a killed run goes on from it")
+  app.add_option("--basis", request.basis, "basis of nlg-pca")->required();
+  app.add_option("--out", request.out, "finished checkpoint to write")->required();
+  app.add_option("--run", request.run, "folder of the run: checkpoints, curve and origin. A killed run resumes from it")
       ->required();
-  app.add_option("--log", request.log, "the training curve to write (.csv)")->required();
+  app.add_option("--log", request.log, "training curve to write (.csv)")->required();
   app.add_option(
       "--init", request.init,
-      "weights that training begins with (.safetensors), of the same basis: nlg-pca --from; their shape goes over the options'");
-  app.add_option("--device", request.device, "of the network: cpu or cuda");
-  CLI::Option* rank = app.add_option("--rank", request.processes.rank, "which of the processes that train together this is");
-  table.add("processes", &request.processes.count, "processes that train together, among which a batch is split", 1, 4096);
+      "weights from which training starts (.safetensors), of the same basis (nlg-pca --from). Their shape overrides the options");
+  app.add_option("--device", request.device, "device of the network: cpu or cuda");
+  CLI::Option* rank = app.add_option("--rank", request.processes.rank, "rank of this process among those that train together");
+  table.add("processes", &request.processes.count, "number of processes that train together; each takes its part of a batch", 1,
+            4096);
   app.add_option("--rendezvous", request.processes.rendezvous,
-                 "a fresh file that all of them can write; with it, srun's variables stand for --rank and --processes");
-  app.add_option("--timeout-s", request.processes.timeout_s, "longest wait for another process");
+                 "new file on storage that all processes can write, through which they meet. With it, srun's variables replace "
+                 "--rank and --processes");
+  app.add_option("--timeout-s", request.processes.timeout_s, "maximum wait for another process, seconds");
   app.add_flag("--restart-on-change", request.restart_on_change,
-               "start afresh, instead of refusing, when --run holds another run");
+               "start a new run if --run holds another one, instead of refusing");
   return nlg::runTool(argc, argv, app, table, [&] {
     nlg::readSlurm(request.processes, rank->count() > 0);
     nlg::run(request, options, table);

@@ -15,11 +15,11 @@ namespace {
 int validateMain(int argc, char** argv) {
   CLI::App app{
       "Measures exported generators on held-out scenes, through the bake's own policy, against long fits.\n"
-      "nlg-validate stability --out FILE: stiff and extreme cases, what must hold and what was measured.\n"
+      "nlg-validate stability --out FILE: runs stiff and extreme cases.\n"
       "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
-      "nlg-validate light SCENE: what every method makes of a scene's light, against ground truth.\n"
-      "nlg-validate views SCENE: pictures of a scene by every method, against ground truth.\n"
-      "nlg-validate light-noise SCENE: how noisy baked light is, and how fast it is baked.",
+      "nlg-validate light SCENE: error of every method's light against ground truth.\n"
+      "nlg-validate views SCENE: error of every method's pictures against ground truth.\n"
+      "nlg-validate light-noise SCENE: noise of baked light, and the speed of its bake.",
       "nlg-validate"};
   ValidationRequest request;
   ValidateOptions options;
@@ -27,10 +27,9 @@ int validateMain(int argc, char** argv) {
   describe(options, table);
   table.addNote(stagesHelp({}));
   table.common({"training", "direct_functions", "convergence_functions", "threads"});
-  app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
+  app.add_option("--weights", request.weights, "exported generators, one per representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
-  app.add_option("--training", request.training,
-                 "training shards: their functions are counted, and held-out ones looked for among them");
+  app.add_option("--training", request.training, "training shards; their functions are counted, and compared with held-out ones");
   app.add_option("--out", request.out_dir, "folder for summary.json, functions.csv and slices.json")->required();
   return runTool(argc, argv, app, table, [&] { validate(request, options, table); });
 }

@@ -14,12 +14,12 @@
 int main(int argc, char** argv) {
   using namespace nlg;
   CLI::App app{
-      "Makes a page that shows a level lit by its light grid, beside what others use. One walks through it, compares, and looks "
-      "at\n"
-      "probes and at the places where the grid is most wrong. The page is a folder; a double click opens it, without a network.\n"
+      "Writes a page to walk through a level that is lit by its light grid and by baselines, with its probes and the sample "
+      "points\n"
+      "where the grid errs most. The page is a folder; a double click opens it, without a network.\n"
       "nlg-view SCENE: bakes the grid first, with the weights that ship.\n"
-      "nlg-view SCENE --grid GRID: of a grid that nlg-bake wrote.\n"
-      "nlg-view SCENE --watch: bakes again whenever the scene is saved, and shows it at once.",
+      "nlg-view SCENE --grid GRID: shows a grid of nlg-bake.\n"
+      "nlg-view SCENE --watch: bakes again whenever the scene is saved, and updates the open page.",
       "nlg-view"};
   ViewRequest request;
   BakeOptions bake;

@@ -361,34 +361,37 @@ void refuseToReplaceOthersOf(const ViewRequest& request) {
 }
 
 void describe(ViewRequest& r, CLI::App& app) {
-  app.add_option("scene", r.scene, "a scene, as nlg-bake takes it")->required();
-  app.add_option("--out", r.out, "the folder to write, in which index.html is the page. None: here, by the name of the scene");
-  app.add_option("--grid", r.grid, "a light grid that holds light, as nlg-bake writes it; none: it is baked here");
-  app.add_option("--weights", r.weights, "weights for that bake; none: those that ship");
+  app.add_option("scene", r.scene, "scene, as for nlg-bake")->required();
+  app.add_option("--out", r.out,
+                 "folder to write; its page is index.html. None: a folder of the scene's name in the current folder");
+  app.add_option("--grid", r.grid, "light grid that holds light, of nlg-bake. None: the scene is baked");
+  app.add_option("--weights", r.weights, "weights for the bake. None: the weights that ship");
   app.add_option("--baselines", r.baselines,
-                 "methods beside the grid, with probes as far apart as its own: trilinear, valid-trilinear, ddgi; with :solved, "
-                 "the first two with light that is solved for; none")
+                 "baselines beside the grid, at its probe spacing: trilinear, valid-trilinear, ddgi, or none. trilinear:solved "
+                 "and valid-trilinear:solved have solved light")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--truth-views", r.truth_views, "views of which ground truth is stored; 0: of none")
+  app.add_option("--truth-views", r.truth_views, "number of views whose ground truth is stored. 0: none")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
-  app.add_option("--truth-width", r.truth_width, "their width in pixels; the height is 9/16 of it")
+  app.add_option("--truth-width", r.truth_width, "width of ground truth, pixels. The height is 9/16 of it")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
-  app.add_option("--truth-rays", r.truth_rays, "rays of ground truth at a pixel")
+  app.add_option("--truth-rays", r.truth_rays, "rays of ground truth per pixel")
       ->check(CLI::Range(8, 1 << 20))
       ->capture_default_str();
   app.add_option("--truth-samples", r.places,
-                 "places where all methods are compared with ground truth, half in air, half before surfaces; 0: nowhere")
+                 "number of sample points at which methods are compared with ground truth, half in air, half before surfaces. 0: "
+                 "no comparison")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
-  app.add_flag(
-      "--watch", r.is_watched,
-      "keep running: bake again whenever the scene's files are saved, and show it in the page without its being opened "
-      "again. A server on this machine alone has the page. --grid names the grid that is kept up to date; baselines, ground "
-      "truth and places are left out unless they are asked for");
-  app.add_option("--port", r.port, "of that server; 0: any that is free")->check(CLI::Range(0, 65535))->capture_default_str();
+  app.add_flag("--watch", r.is_watched,
+               "keep running, bake again whenever the scene's files are saved, and update the open page, which a server on this "
+               "machine serves. --grid names the grid to keep up to date. Baselines, ground truth and sample points are left out "
+               "unless asked for");
+  app.add_option("--port", r.port, "port of the server of --watch. 0: any free port")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
 }
 
 Json makeView(ViewRequest request, BakeOptions options) {

@@ -55,11 +55,11 @@ OWN = [
     own("split", "held_out", "texts", "patterns of scene names: whole scenes that are never trained on, for validation while training and for the report", default=[]),
     own("split", "held_out_share", "number", "the same by lot: this share of the scenes of `scenes.folder`, one at least, unless `held_out` names one of them. Without a folder the lot is drawn among all scenes", min=0.0, max=0.9, default=0.0),
     own("split", "seed", "integer", "seed of that lot", min=0, default=1),
-    own("split", "evaluation", "texts", "the same; the published figures are of these scenes. One setting was once chosen with the help of those of `configs/openarena.yaml` (commits a41ee66 to 04510fc), so that they are no test", default=[]),
-    own("report", "stability", "text", "how many of the stability cases are run. `short` leaves out training", one_of=["short", "full", "long"], default="full"),
-    own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights. Of `scenes.by_scene` the bake takes what it knows; its spacing is that of the section `bake`. `[]`: none. Default: the first scene of each split", default=None),
-    own("validate_light", "scenes", "texts", "scenes whose light is measured, as nlg-bake takes them, with each generator and the section `bake`", default=[]),
-    own("validate_light", "spacings", "numbers", "distances between probes, metres", min=0.01, max=1000.0, default=[1.0]),
+    own("split", "evaluation", "texts", "patterns of names of further held-out scenes, on which the published figures are measured. One setting was once chosen on those of `configs/openarena.yaml` (commits a41ee66 to 04510fc), so that they are not an untouched test set", default=[]),
+    own("report", "stability", "text", "stability cases to run. `short` leaves out training", one_of=["short", "full", "long"], default="full"),
+    own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights, to measure what the bake leaves out. The bake uses the options of `scenes.by_scene` that it has, and the spacing of the section `bake`. `[]`: none. Default: the first scene of each split", default=None),
+    own("validate_light", "scenes", "texts", "scenes, as for nlg-bake, whose light is measured with each generator and the section `bake`", default=[]),
+    own("validate_light", "spacings", "numbers", "finest probe spacings, metres", min=0.01, max=1000.0, default=[1.0]),
 ]
 TOOL_ROWS = json.loads(TABLE.read_text()) if TABLE.is_file() else []
 
@@ -170,8 +170,8 @@ def table_of(rows):
 
 def page_of(tool_rows):
     lines = ["# Settings", "",
-             "What a configuration such as `pipeline.yaml` may hold: a map of the sections below. A tool reads its own section of the file that `--config` names, and each of its settings is a flag too, which goes over the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` lists the same. Whatever is unknown or out of range is refused, with its place.",
-             "", "This page is written by `workflow/settings.py build/release/bin`; the test `docs_settings` refuses an old one.", ""]
+             "A configuration such as `pipeline.yaml` is a map of the sections below. A tool reads its own section of the file that `--config` names. Each setting is also a flag, which overrides the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` lists the same. Unknown settings and values out of range are refused with file and line.",
+             "", "This page is written by `workflow/settings.py build/release/bin`; the test `docs_settings` fails if it is out of date.", ""]
     shown = {}  # the groups of all sections so far
     rows = OWN + tool_rows
     for section in dict.fromkeys(row["section"] for row in rows):

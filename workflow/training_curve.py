@@ -20,10 +20,10 @@ COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network_blend_rms
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--log", required=True, help="the .csv that nlg-train wrote")
+    parser.add_argument("--log", required=True, help="training curve of nlg-train (.csv)")
     parser.add_argument("--title", required=True)
-    parser.add_argument("--out", required=True, help="the .png to write")
-    parser.add_argument("--events", help="the event file to write; TensorBoard reads folders of files with tfevents in their names")
+    parser.add_argument("--out", required=True, help="picture to write (.png)")
+    parser.add_argument("--events", help="event file to write. TensorBoard reads folders of files with tfevents in their names")
     options = parser.parse_args()
     rows = [{key: parse_number(options.log, line, key, text) for key, text in zip(COLUMNS, row)} for line, row in read_columns(options.log, COLUMNS)]
     if options.events:

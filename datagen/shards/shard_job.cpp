@@ -76,10 +76,10 @@ SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& optio
 
 void describe(DiffusionOptions& o, OptionTable& table) {
   table.group("Weighting functions");
-  table.add("diffusion_passes", &o.passes, "passes that carry weight round corners", 0, 16);
-  table.add("diffusion_sigma", &o.sigma, "deviation of the diffusion's Gaussian, as a share of the spacing", 1e-3, 10.0);
+  table.add("diffusion_passes", &o.passes, "diffusion passes, which carry weight round corners", 0, 16);
+  table.add("diffusion_sigma", &o.sigma, "standard deviation of the diffusion's Gaussian, as a share of the spacing", 1e-3, 10.0);
   table.add("diffusion_falloff", &o.falloff,
-            "a point's weight fades below a lit share of 1 over this number of its open neighbourhood", 0.0, 1e6);
+            "falloff of the diffusion: weight fades at points of whose open neighbourhood less than 1/falloff is lit", 0.0, 1e6);
 }
 
 void describe(DatagenOptions& o, OptionTable& table) {
@@ -89,13 +89,14 @@ void describe(DatagenOptions& o, OptionTable& table) {
   describe(o.reading, table);
   table.group("Probes");
   table.add("spacing_min_m", &o.probes.spacing_min_m,
-            "finest distance between probes, metres: the scene's own is drawn from here …", 1e-4, 1e5);
-  table.add("spacing_max_m", &o.probes.spacing_max_m, "… to here", 1e-4, 1e5);
+            "lower bound of the finest probe spacing, metres; each scene draws its own between the two bounds", 1e-4, 1e5);
+  table.add("spacing_max_m", &o.probes.spacing_max_m, "upper bound of the finest probe spacing, metres", 1e-4, 1e5);
   table.add("density_growth", &o.probes.density_growth,
-            "how fast probes thin out: their distance from each other over that from the nearest triangle. 0: finest everywhere",
+            "ratio of probe spacing to the distance from the nearest triangle: larger values thin probes out faster. 0: finest "
+            "spacing everywhere",
             0.0, 1e3);
   table.add("extent_m", &o.extent_m,
-            "where there are probes: x,y,z,X,Y,Z, low and high corner, metres, world coordinates. None: the scene's bounds");
+            "box that probes fill: x,y,z,X,Y,Z, low and high corner, metres, world coordinates. None: the scene's bounds");
   table.add("in_solid", &o.in_solid,
             "share of the probes in solid that have functions, as seen from a place in air. 0: none has one", 0.0, 1.0);
   table.add(
@@ -103,25 +104,27 @@ void describe(DatagenOptions& o, OptionTable& table) {
       "keep functions of whose support nothing lies within the level's hull: the walls and sky around its cameras, players' "
       "starts and lamps, where these close it off");
   table.group("Shard");
-  table.add("max_functions", &o.max_functions, "stop after so many functions. Probes are visited in random order", 1, 1 << 30);
-  table.add("max_visited_probes", &o.max_visited_probes, "stop after so many probes, most of which are empty in sparse scenes", 1,
-            2000000000);
-  table.add("test_points", &o.test_points, "held-out shards: points that no fit sees, a multiple of 16", 0, kMaxTestPointCount);
+  table.add("max_functions", &o.max_functions, "maximum number of functions in a shard. Probes are visited in random order", 1,
+            1 << 30);
+  table.add("max_visited_probes", &o.max_visited_probes,
+            "maximum number of probes visited, most of which are empty in sparse scenes", 1, 2000000000);
+  table.add("test_points", &o.test_points, "test points of a held-out shard, which no fit sees: a multiple of 16", 0,
+            kMaxTestPointCount);
   table.group("Weighting functions");
   table.add("duplicate_rms", &o.duplicate_rms,
-            "functions that differ by no more than this RMS, in steps of 1/255, count as one. 0: only the same bytes do", 0.0,
+            "maximum RMS difference, in steps of 1/255, at which two functions count as one. 0: only identical functions do", 0.0,
             16.0);
   table.add("duplicate_validity_points", &o.duplicate_validity_points,
-            "such functions may differ in validity at no more than so many support points", 0, 8192);
+            "maximum number of support points at which two functions that count as one may differ in validity", 0, 8192);
   table.group("Shard");
-  table.add("threads", &o.threads, "threads for one shard. Its bytes do not depend on them", 1, 1024);
+  table.add("threads", &o.threads, "number of threads for one shard. Its bytes do not depend on it", 1, 1024);
   table.group("Jitter");
-  table.add("move_m", &o.jitter.move_m, "objects move by up to this, metres", 0.0, 1e4);
-  table.add("turn_degrees", &o.jitter.turn_degrees, "objects turn by up to this, degrees", 0.0, 180.0);
-  table.add("scale", &o.jitter.scale, "objects grow or shrink by up to this share", 0.0, 0.9);
-  table.add("drop_share", &o.jitter.drop_share, "this share of the objects is left out", 0.0, 1.0);
-  table.add("structure_share", &o.jitter.structure_share, "what is larger than this share of the scene's side stays in place",
-            0.0, 1.0);
+  table.add("move_m", &o.jitter.move_m, "maximum movement of an object, metres", 0.0, 1e4);
+  table.add("turn_degrees", &o.jitter.turn_degrees, "maximum rotation of an object, degrees", 0.0, 180.0);
+  table.add("scale", &o.jitter.scale, "maximum change of an object's size, as a share", 0.0, 0.9);
+  table.add("drop_share", &o.jitter.drop_share, "share of the objects that is left out", 0.0, 1.0);
+  table.add("structure_share", &o.jitter.structure_share,
+            "size of an object, as a share of the scene's largest side, above which it stays in place", 0.0, 1.0);
   describe(o.diffusion, table);
 }
 

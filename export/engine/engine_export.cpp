@@ -208,26 +208,23 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
 }  // namespace
 
 int engineMain(int argc, char** argv) {
-  CLI::App app{"Writes a light grid as files that engines load, and says what their textures get wrong of its look-up.",
+  CLI::App app{"Writes a light grid as files that engines load, and measures the error of their textures against the look-up.",
                "nlg-export engine"};
   EngineRequest request;
   EngineOptions options;
   OptionTable table("export");
-  table.add(
-      "extent_m", &options.volume.extent_m,
-      "the box, --extent-m=x,y,z,X,Y,Z: low and high corner, metres; none: the grid's used cells and a texel on every side");
-  table.add("spacing_m", &options.volume.spacing_m, "widest texel, metres; 0: half of the grid's finest spacing", 0.0, 1e6);
-  table.add("intensity", &options.intensity,
-            "factor on the grid's light; light.json says it, for whoever wants the grid's own unit back", 1e-12, 1e12);
-  table.add(
-      "light_groups", &options.light_groups,
-      "what a texture holds of the grid's groups of light: NAME or NAME=FACTOR, of a group or a whole light set; none: as the "
-      "grid begins");
-  table.add("error_samples", &options.error_samples, "places at which the error is measured", 1, 100000000);
+  table.add("extent_m", &options.volume.extent_m,
+            "box of the texture: --extent-m=x,y,z,X,Y,Z, low and high corner, metres. None: the grid's used cells and a texel on "
+            "every side");
+  table.add("spacing_m", &options.volume.spacing_m, "maximum texel size, metres. 0: half of the grid's finest spacing", 0.0, 1e6);
+  table.add("intensity", &options.intensity, "factor on the grid's light. light.json records it", 1e-12, 1e12);
+  table.add("light_groups", &options.light_groups,
+            "light groups in a texture: NAME or NAME=FACTOR, of a group or a whole light set. None: the grid's default");
+  table.add("error_samples", &options.error_samples, "number of sample points at which the error is measured", 1, 100000000);
   table.common({"grid", "format", "out", "origin_m", "extent_m", "spacing_m", "intensity", "light_groups"});
-  app.add_option("--grid", request.grid, "a light grid with light (.safetensors)")->required();
+  app.add_option("--grid", request.grid, "light grid that holds light (.safetensors)")->required();
   app.add_option("--format", request.format, formatNames())->required();
-  app.add_option("--out", request.out, "the folder to write the format's files to")->required();
+  app.add_option("--out", request.out, "folder for the format's files")->required();
   addOriginOption(app, &request.origin_m);
   return runTool(argc, argv, app, table, [&] { run(request, options, table); });
 }

@@ -80,10 +80,9 @@ void writeShader(const ShaderGrid& grid, const std::string& folder) {
 }
 
 void addOriginOption(CLI::App& app, std::vector<double>* origin_m) {
-  app.add_option(
-         "--origin-m", *origin_m,
-         "x,y,z, metres: the place of the level from which the engine counts positions; for levels far from their origin, since "
-         "files of engines hold floats")
+  app.add_option("--origin-m", *origin_m,
+                 "origin of the engine's coordinates in the level: x,y,z, metres. For levels far from their origin, because "
+                 "engine files hold floats")
       ->delimiter(',')
       ->expected(3);
 }
@@ -102,12 +101,12 @@ PixelReads pixelReads(const ShaderGrid& grid) {
 }
 
 int shaderMain(int argc, char** argv) {
-  CLI::App app{"Writes a light grid as shaders read it, and the shader's look-up for it.", "nlg-export shader"};
+  CLI::App app{"Writes a light grid for shaders, with the shader code of its look-up.", "nlg-export shader"};
   std::string grid, out;
   std::vector<double> origin_m(3, 0.0);
   OptionTable table("export");
-  app.add_option("--grid", grid, "a light grid with light (.safetensors)")->required();
-  app.add_option("--out", out, "the folder to write grid.bin, look_up.glsl, resample.comp and resampled.glsl to")->required();
+  app.add_option("--grid", grid, "light grid that holds light (.safetensors)")->required();
+  app.add_option("--out", out, "folder for grid.bin, look_up.glsl, resample.comp and resampled.glsl")->required();
   addOriginOption(app, &origin_m);
   return runTool(argc, argv, app, table, [&] { run(grid, out, origin_m); });
 }

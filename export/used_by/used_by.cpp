@@ -156,14 +156,13 @@ void copyUsedWeights(const std::vector<BakeWeights>& weights, const std::string&
 }
 
 int usedByMain(int argc, char** argv) {
-  CLI::App app{"Copies of the weights that a bake was given those that its functions use, and says what is left out.",
-               "nlg-export used-by"};
+  CLI::App app{"Copies the weights that a bake used, and prints what is left out.", "nlg-export used-by"};
   std::string bake, out;
   std::vector<std::string> weights;
   OptionTable table("export");
-  app.add_option("--bake", bake, "a light grid (.safetensors), or what nlg-bake wrote with --json (.json)")->required();
+  app.add_option("--bake", bake, "light grid (.safetensors), or the report of nlg-bake --json (.json)")->required();
   app.add_option("--weights", weights, "weights of nlg-export (.safetensors)")->required();
-  app.add_option("--out", out, "the folder to write REPRESENTATION.safetensors to")->required();
+  app.add_option("--out", out, "folder for REPRESENTATION.safetensors")->required();
   return runTool(argc, argv, app, table, [&] { run(bake, weights, out); });
 }
 

@@ -198,32 +198,26 @@ std::pair<UnitFactors, std::string> unitOf(const Scene& scene, const LightOption
 }  // namespace
 
 void describe(LightOptions& options, OptionTable& table) {
-  table.add(
-      "sky", &options.sky,
-      "radiance of the sky: r,g,b; or nine numbers, of zenith, horizon and ground; or FILE.hdr or FILE.exr, all around (its "
-      "middle looks along +x; FILE,DEGREES turns it towards +z, FILE,DEGREES,FACTOR makes it brighter); or 0, no sky. In the "
-      "unit of the scene's own light. None: the scene's own");
+  table.add("sky", &options.sky,
+            "radiance of the sky, in the unit of the scene's light: r,g,b; nine numbers, of zenith, horizon and ground; a "
+            "panorama FILE.hdr or FILE.exr, whose middle lies along +x (FILE,DEGREES turns it towards +z; FILE,DEGREES,FACTOR "
+            "scales it); or 0, no sky. None: the scene's own");
   table.add("sun", &options.sun,
-            "a sun: azimuth,elevation,r,g,b in one word, as 40,50,3,2.8,2.5: degrees, the azimuth from +x towards +z, and "
-            "irradiance; or "
-            "0, no sun. None: the scene's own");
+            "sun: azimuth,elevation,r,g,b, as 40,50,3,2.8,2.5. Angles in degrees, the azimuth from +x towards +z; r,g,b is "
+            "irradiance. 0: no sun. None: the scene's own");
   table.add("light_unit", &options.light_unit,
-            "what a glTF file's lamps and suns are in: file, as it says; watt, they are divided by 683; auto, so are those of a "
-            "file that "
-            "Blender's exporter multiplied, where a sky, a sun or emission shines beside them");
+            "unit of a glTF file's lamps and suns: file, taken as they are; watt, divided by 683; auto, divided if Blender's "
+            "exporter multiplied them and a sky, a sun or emission shines beside them");
   table.add("intensity", &options.intensity, "factor on all light of the scene", 1e-12, 1e12);
-  table.add(
-      "light_groups", &options.light_groups,
-      "what a grid keeps apart, for the engine to dim, colour or switch: one, nothing; kind, sky, suns, lamps and emission; "
-      "name, each sun, lamp and shining material by its name (Lamp and Lamp.001 are one). Both take the text light_group of a "
-      "glTF "
-      "file's extras first");
+  table.add("light_groups", &options.light_groups,
+            "groups of light that the engine can dim, colour or switch: one, a single group; kind: sky, suns, lamps and "
+            "emission; name: each sun, lamp and emissive material by its name (Lamp and Lamp.001 are one). In kind and name, "
+            "light_group in a glTF file's extras overrides the group");
   table.addNote(
-      "Light is linear, and all of a scene's in one unit. Sky and emission: radiance. Sun: irradiance on a plane that faces it. "
-      "Lamp: "
-      "intensity, which is irradiance a metre away. glTF: cd/m², lux, cd. Blender, its factor of 683 taken out: W/m²/sr, W/m², W "
-      "/ 4 pi. "
-      "Levels of Quake III, and the sky and the sun by default: radiance 1 shows a white surface at full brightness.");
+      "Light is linear, and all light of a scene has one unit. Sky and emission: radiance. Sun: irradiance on a plane that faces "
+      "it. Lamp: intensity, which is the irradiance a metre away. glTF: cd/m², lux, cd. Blender, without its exporter's factor "
+      "of 683: W/m²/sr, W/m², W / 4 pi. Levels of Quake III, and the default sky and sun: radiance 1 shows a white surface at "
+      "full brightness.");
 }
 
 bool hasLightFromOutside(const Scene& scene) {

@@ -148,44 +148,48 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.group("Training");
   table.add("seed", &o.seed, "seed of every random choice");
   table.add("steps", &o.steps, "training steps", 1, 100000000);
-  table.add("batch", &o.batch, "functions a step", 1, 65536);
-  table.add("learning_rate", &o.learning_rate, "peak of the one-cycle schedule", 1e-9, 1e3);
-  table.add("warmup_share", &o.warmup_share, "share of the steps over which the rate rises", 0.0, 1.0);
-  table.add("gradient_clip", &o.gradient_clip, "largest norm of the gradient", 1e-9, 1e9);
-  table.add("average_decay", &o.average_decay, "decay of the averaged weights", 0.0, 0.999999);
+  table.add("batch", &o.batch, "functions per step", 1, 65536);
+  table.add("learning_rate", &o.learning_rate, "peak learning rate of the one-cycle schedule", 1e-9, 1e3);
+  table.add("warmup_share", &o.warmup_share, "share of the steps during which the learning rate rises", 0.0, 1.0);
+  table.add("gradient_clip", &o.gradient_clip, "maximum norm of the gradient", 1e-9, 1e9);
+  table.add("average_decay", &o.average_decay, "decay per step of the averaged weights", 0.0, 0.999999);
   table.add("error_power", &o.error_power,
-            "power of each function's loss: 0.5 trains on blend RMSE, 1 gives more weight to the tail", 0.1, 4.0);
-  table.add("point_batches", &o.point_batches, "eighths of a network's points that a sample is judged on: 1, 2, 4 or 8", 1, 8);
-  table.add("coefficients", &o.coefficients, "of the basis, those of largest variance; 0: all", 0, kSupportPointCount);
-  table.add("whitening", &o.whitening, "1: coefficients have deviation 1; 0: their own, but for one factor", 0.0, 1.0);
-  table.add("theta_share", &o.theta_share, "share of a batch drawn from the functions that take a theta alone", 0.0, 0.99);
-  table.add("bare_tent_rmse", &o.bare_tent_rmse, "a function takes no theta where the bare tent's blend RMSE is at most this",
-            0.0, 1.0);
-  table.add("divergence_ratio", &o.divergence_ratio, "a loss over so many running medians takes training back", 1.0, 1e9);
+            "exponent of each function's loss: 0.5 trains on blend RMSE; 1 weighs large errors more", 0.1, 4.0);
+  table.add("point_batches", &o.point_batches,
+            "eighths of the support points on which a sample's loss is computed, for networks: 1, 2, 4 or 8", 1, 8);
+  table.add("coefficients", &o.coefficients, "number of coefficients used, those of largest variance. 0: all of the basis", 0,
+            kSupportPointCount);
+  table.add("whitening", &o.whitening,
+            "exponent of whitening: 1 scales every coefficient to standard deviation 1; 0 scales all by one factor", 0.0, 1.0);
+  table.add("theta_share", &o.theta_share,
+            "share of each batch drawn only from functions that take a theta; the rest is drawn from all", 0.0, 0.99);
+  table.add("bare_tent_rmse", &o.bare_tent_rmse, "maximum blend RMSE of the bare tent at which a function takes no theta", 0.0,
+            1.0);
+  table.add("divergence_ratio", &o.divergence_ratio,
+            "ratio of the loss to its running median above which training returns to its last good state", 1.0, 1e9);
   table.add(
       "dark_weight", &o.loss.dark_weight,
-      "the loss: weight of squared residuals where the function is 0 and the tent is not; training comes to it at its last step",
+      "the loss: weight of squared residuals where the function is 0 and the tent is not; reached at the last step of training",
       1.0, 1e6);
-  table.add(
-      "blend_floor", &o.loss.blend_floor,
-      "the loss: elsewhere the weight is 1 over the square of the sum of all functions there, which is taken as this at least",
-      1e-3, 1.0);
+  table.add("blend_floor", &o.loss.blend_floor,
+            "the loss: lower bound of the blend's sum of functions, by whose inverse square all other residuals are weighted",
+            1e-3, 1.0);
   table.group("Networks");
   table.add("representation_slope", &o.representation_slope, "LeakyReLU slope of the tiny network", 1e-6, 0.9);
   table.add("width", &o.shape.width, "width of the generator's hidden layers", 1, 8192);
-  table.add("layers", &o.shape.layer_count, "layers of the generator, the last one included", 1, 32);
+  table.add("layers", &o.shape.layer_count, "number of the generator's layers, the last one included", 1, 32);
   table.add("generator_slope", &o.shape.slope, "LeakyReLU slope of the generator", 1e-6, 0.9);
-  table.add("output_scale", &o.shape.output_scale, "factor of the last layer's output", 1e-6, 1e3);
+  table.add("output_scale", &o.shape.output_scale, "factor on the last layer's output", 1e-6, 1e3);
   table.add("exact_last_layer", &o.shape.exact_last_layer,
-            "networks with a linear output: solve the last layer after the generator");
-  table.add("dictionary_resolution", &o.shape.dictionary_resolution, "codes: nodes of the dictionary along an axis: 3, 5, 7 or 9",
-            3, 9);
+            "solve the last layer exactly after the generator, for networks with a linear output");
+  table.add("dictionary_resolution", &o.shape.dictionary_resolution,
+            "codes: nodes of the dictionary along each axis: 3, 5, 7 or 9", 3, 9);
   table.group("Run");
-  table.add("start_candidates", &o.start.candidates, "random starts tried for theta0", 1, 1000000);
-  table.add("checkpoint_steps", &o.checkpoint_steps, "steps between checkpoints", 1, 100000000);
-  table.add("validation_functions", &o.validation_functions, "held-out functions in the validation loss", 1, 100000000);
-  table.add("threads", &o.threads,
-            "threads, of which a batch of up to 512 keeps two busy; the result does not depend on their number", 1, 1024);
+  table.add("start_candidates", &o.start.candidates, "number of random starts tried for theta0", 1, 1000000);
+  table.add("checkpoint_steps", &o.checkpoint_steps, "number of steps between checkpoints", 1, 100000000);
+  table.add("validation_functions", &o.validation_functions, "number of held-out functions in the validation loss", 1, 100000000);
+  table.add("threads", &o.threads, "number of threads; a batch of up to 512 keeps two busy. The result does not depend on it", 1,
+            1024);
 }
 
 BasisData usedBasis(const TrainOptions& options, const Basis& basis) {

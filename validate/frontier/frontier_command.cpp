@@ -148,7 +148,7 @@ int frontierMain(int argc, char** argv) {
   describe(options, table);
   describePolicy(options.policy, table);
   table.common({"functions", "repeats"});
-  app.add_option("--weights", request.weights, "exported generators, one a representation")->required();
+  app.add_option("--weights", request.weights, "exported generators, one per representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
   app.add_option("--out", request.out_dir, "folder for frontier.json")->required();
   return runTool(argc, argv, app, table, [&] { measureFrontier(request, options, table); });

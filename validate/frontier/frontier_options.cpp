@@ -32,21 +32,24 @@ FitBudgets FrontierOptions::budgets() const {
 
 void describe(FrontierOptions& o, OptionTable& table) {
   table.group("Measurement");
-  table.add("functions", &o.functions, "held-out functions that take a theta, evenly over scenes: all points run on them", 1,
-            1000000);
-  table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
-  table.add("repeats", &o.interleave.repeats, "timed runs of a short point on every block", 1, 10000);
-  table.add("repeat_seconds", &o.interleave.repeat_seconds, "a point that takes longer for its first block is run once", 0.0,
-            1e6);
-  table.add("corrected_lm_steps", &o.lm_steps, "LM steps from the corrected theta");
-  table.add("corrected_adam_steps", &o.adam_steps, "Adam steps from the corrected theta; product fields and codes: a 32nd");
-  table.add("direct_lm_steps", &o.direct_lm_steps, "LM steps from theta0");
+  table.add("functions", &o.functions,
+            "number of held-out functions that take a theta, evenly over scenes, on which all points run", 1, 1000000);
+  table.add("hard_tent_rmse", &o.hard_tent_rmse, "RMSE of the bare tent from which a function counts as hard", 0.0, 1.0);
+  table.add("repeats", &o.interleave.repeats, "timed runs of a short point per block", 1, 10000);
+  table.add("repeat_seconds", &o.interleave.repeat_seconds,
+            "time of a point's first block, seconds, above which the point runs only once", 0.0, 1e6);
+  table.add("corrected_lm_steps", &o.lm_steps, "budgets of LM steps from the corrected theta");
+  table.add("corrected_adam_steps", &o.adam_steps,
+            "budgets of Adam steps from the corrected theta; product fields and codes take 1/32 as many");
+  table.add("direct_lm_steps", &o.direct_lm_steps, "budgets of LM steps from theta0");
   table.add("direct_adam_steps", &o.direct_adam_steps,
-            "Adam steps from theta0 and from random starts; product fields and codes: a 32nd");
-  table.add("front_time_tolerance", &o.front.time, "front: times that differ by a smaller share are equal", 0.0, 10.0);
-  table.add("front_error_tolerance", &o.front.error, "front: mean blend RMSEs that differ by a smaller share are equal", 0.0,
-            10.0);
-  table.add("bootstrap_draws", &o.bootstrap_draws, "speed at equal error: draws of scenes behind its interval", 1, 1000000);
+            "budgets of Adam steps from theta0 and from random starts; product fields and codes take 1/32 as many");
+  table.add("front_time_tolerance", &o.front.time, "relative difference of two times below which the front treats them as equal",
+            0.0, 10.0);
+  table.add("front_error_tolerance", &o.front.error,
+            "relative difference of two mean blend RMSEs below which the front treats them as equal", 0.0, 10.0);
+  table.add("bootstrap_draws", &o.bootstrap_draws, "bootstrap draws of scenes for the interval of the speed at equal error", 1,
+            1000000);
   table.add("seed", &o.seed, "seed of random starts and draws");
 }
 

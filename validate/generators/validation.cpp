@@ -37,18 +37,19 @@ void describe(ValidateOptions& o, OptionTable& table) {
   table.add("seed", &o.seed, "seed of random starts");
   describePolicy(o.policy, table);
   table.group("Measurement");
-  table.add("theta_precision", &o.theta_precision, "float32, float16 or int8: what the light grid would store");
-  table.add("hard_tent_rmse", &o.hard_tent_rmse, "hard functions: the bare tent's RMSE is at least this", 0.0, 1.0);
+  table.add("theta_precision", &o.theta_precision,
+            "number format in which the light grid would store theta: float32, float16 or int8");
+  table.add("hard_tent_rmse", &o.hard_tent_rmse, "RMSE of the bare tent from which a function counts as hard", 0.0, 1.0);
   table.add("direct_functions", &o.direct_functions,
-            "the sample: functions that take a theta, evenly over scenes, on which long fits run", 1, 1000000);
-  table.add("direct_adam_steps", &o.direct.adam_steps, "direct optimisation: Adam steps a start", 0, 10000000);
-  table.add("direct_lm_iterations", &o.direct.levenberg_iterations, "direct optimisation: LM iterations a start", 0, 100000);
-  table.add("direct_restarts", &o.direct.restarts, "direct optimisation: random starts", 1, 1000);
+            "number of functions in the sample for long fits: they take a theta, and are spread evenly over scenes", 1, 1000000);
+  table.add("direct_adam_steps", &o.direct.adam_steps, "direct optimisation: Adam steps per start", 0, 10000000);
+  table.add("direct_lm_iterations", &o.direct.levenberg_iterations, "direct optimisation: LM iterations per start", 0, 100000);
+  table.add("direct_restarts", &o.direct.restarts, "direct optimisation: number of random starts", 1, 1000);
   table.add("convergence_functions", &o.convergence_functions,
-            "hard functions of the sample on which direct optimisation is run with more and with less, to show that it has "
-            "converged; 0: not shown",
+            "number of hard functions on which direct optimisation also runs with more and with fewer steps, to show that it has "
+            "converged. 0: none",
             0, 100);
-  table.add("threads", &o.threads, "threads; 0: as many as the machine runs at once. No error depends on them", 0, 1024);
+  table.add("threads", &o.threads, "number of threads. 0: one per hardware thread. No error depends on it", 0, 1024);
 }
 
 void validate(const ValidationRequest& request, ValidateOptions options, const OptionTable& table) {

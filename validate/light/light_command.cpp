@@ -344,8 +344,8 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
 
 int lightMain(int argc, char** argv) {
   CLI::App app{
-      "Measures the light that methods give at places in a scene's air and before its surfaces, against ground truth:\n"
-      "trilinear blends, DDGI, the light grid with each of the given weights, with light gathered at probes and solved for.\n"
+      "Measures the light of methods at sample points in a scene's air and before its surfaces, against ground truth: trilinear\n"
+      "blends, DDGI, and the light grid with each of the given weights, with light gathered at probes and with solved light.\n"
       "Settings of the bake: section bake of the configuration.",
       "nlg-validate light"};
   Request request;
@@ -354,52 +354,53 @@ int lightMain(int argc, char** argv) {
   describe(options, table);
   table.passedFrom("validate_light");
   table.group("Measurement");
-  table.add("air_samples", &request.air_samples, "places in air", 8, 10000000);
-  table.add("surface_samples", &request.surface_samples, "places 2 to 50 cm before surfaces, a quarter of them in each class", 8,
-            10000000);
-  table.add("walks", &request.walks, "straight walks in air", 1, 100000);
-  table.add("edge_samples", &request.edge_samples, "places under a roof within 10 cm of an edge, and as many of corners", 0,
-            10000000);
-  table.add("truth_rays", &request.truth.rays, "rays of ground truth at a place", 8, 1 << 24);
-  table.add("probe_rays", &request.probe.rays, "rays of every probe", 8, 1 << 24);
-  table.add("look_up_seconds", &request.look_up_seconds, "how long each method's look-ups are timed, seconds. 0: not at all", 0.0,
-            600.0);
+  table.add("air_samples", &request.air_samples, "number of sample points in air", 8, 10000000);
+  table.add("surface_samples", &request.surface_samples,
+            "number of sample points 2 to 50 cm before surfaces, a quarter in each class of distance", 8, 10000000);
+  table.add("walks", &request.walks, "number of straight walks in air, along which jumps of light are measured", 1, 100000);
+  table.add("edge_samples", &request.edge_samples,
+            "number of sample points under a roof within 10 cm of an edge, and as many near corners", 0, 10000000);
+  table.add("truth_rays", &request.truth.rays, "rays of ground truth per sample point", 8, 1 << 24);
+  table.add("probe_rays", &request.probe.rays, "rays per probe", 8, 1 << 24);
+  table.add("look_up_seconds", &request.look_up_seconds,
+            "time for which each method's look-ups are measured, seconds. 0: not measured", 0.0, 600.0);
   table.add("picture_rays", &request.picture_rays,
-            "rays of ground truth at a pixel of the pictures of worst places; from 32 on, of four samples", 8, 1 << 20);
+            "rays of ground truth per pixel in pictures of the worst sample points; from 32 on, a pixel has four samples", 8,
+            1 << 20);
   table.common({"weights", "spacings", "grids_only", "air_samples", "surface_samples", "truth_rays", "probe_rays", "pictures"});
-  app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
-  app.add_option("--out", request.out, "the result (.json)")->required();
-  app.add_option("--weights", request.weights,
-                 "exported generators, each a bake of its own. Several with commas between them: a bake that chooses");
-  app.add_option("--spacings", request.spacings_m, "finest distances between probes, metres. None: the bake's spacing_m")
+  app.add_option("scene", request.scene, "scene, as for nlg-bake")->required();
+  app.add_option("--out", request.out, "result to write (.json)")->required();
+  app.add_option(
+      "--weights", request.weights,
+      "exported generators, each for a bake of its own; several joined by commas are one bake that chooses among them");
+  app.add_option("--spacings", request.spacings_m, "finest probe spacings, metres. None: spacing_m of the bake")
       ->check(CLI::Range(0.01, 1000.0));
-  app.add_option("--grid-spacings", request.grid_spacings_m, "more of them, at which grids alone are measured")
+  app.add_option("--grid-spacings", request.grid_spacings_m, "further finest spacings, metres, at which only grids are measured")
       ->check(CLI::Range(0.01, 1000.0));
   app.add_option("--thin-errors", request.thin_errors,
-                 "what grids are thinned to, each a method of its own. None: the bake's thin_error")
+                 "values of thin_error, each measured as a method of its own. None: thin_error of the bake")
       ->check(CLI::Range(1e-6, kMostThinError));
   app.add_flag("--grids-only", request.grids_only,
-               "leave out baselines: measure grids and target functions alone, in a fraction of the time");
-  app.add_flag(
-      "--words", request.words,
-      "measure also what network, corrections and fits make of each of the weights before it is stored. Light is solved for, "
-      "at the finest spacing");
+               "measure only grids and target functions, without baselines, in a fraction of the time");
+  app.add_flag("--words", request.words,
+               "also measure theta after the network, after corrections and after fits, with solved light at the finest spacing");
   app.add_flag("--neural", request.neural,
-               "measure also methods that learn the scene's light, at the finest spacing: minutes for each");
-  app.add_option("--neural-samples", request.neural_samples, "places that they learn from: as many times those of the bake")
+               "also measure methods that learn the scene's light, at the finest spacing; minutes for each");
+  app.add_option("--neural-samples", request.neural_samples,
+                 "ratio of the sample points that these methods learn from to those of the bake")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  app.add_option("--neural-steps", request.neural_steps, "steps of training a network of the whole scene, at most")
+  app.add_option("--neural-steps", request.neural_steps, "maximum training steps of a network of the whole scene")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   app.add_option("--source-distance", request.places.source_distance_m,
-                 "places nearer than this to lamps and shining faces are left out, metres; at most a twenty-fifth of the scene's "
-                 "diagonal. 0: none are")
+                 "minimum distance of sample points from lamps and emissive faces, metres; at most 1/25 of the scene's diagonal. "
+                 "0: no minimum")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--pictures", request.pictures,
-                 "a folder for pictures of the ten worst places of each of the weights, light solved for, at the finest spacing: "
-                 "truth, answer, error. None: no pictures");
+                 "folder for pictures of the ten worst sample points of each of the weights, with solved light at the finest "
+                 "spacing: truth, result, error. None: no pictures");
   return runTool(argc, argv, app, table, [&] { measureLight(request, options, table); });
 }
 

@@ -56,18 +56,19 @@ void measure(const Request& request, BakeOptions options, const OptionTable& tab
 
 int lightNoiseMain(int argc, char** argv) {
   CLI::App app{
-      "Bakes one level and lights its probes several times on one thread, by rays of other seeds: the noise of what probes hold\n"
-      "and the probes lit a second. Settings of the bake: section bake of the configuration.",
+      "Bakes one level and lights its probes several times on one thread with different seeds: measures the noise of probe "
+      "light\n"
+      "and the probes lit per second. Settings of the bake: section bake of the configuration.",
       "nlg-validate light-noise"};
   Request request;
   BakeOptions options;
   OptionTable table("bake");
   describe(options, table);
   table.common({"spacing_m", "light_rays", "runs"});
-  app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
-  app.add_option("--weights", request.weights, "an exported generator")->required();
-  app.add_option("--out", request.out, "the result (.json)")->required();
-  app.add_option("--runs", request.runs, "times that the light is baked")->check(CLI::Range(2, 1000));
+  app.add_option("scene", request.scene, "scene, as for nlg-bake")->required();
+  app.add_option("--weights", request.weights, "exported generator")->required();
+  app.add_option("--out", request.out, "result to write (.json)")->required();
+  app.add_option("--runs", request.runs, "number of bakes of the light")->check(CLI::Range(2, 1000));
   return runTool(argc, argv, app, table, [&] { measure(request, options, table); });
 }
 

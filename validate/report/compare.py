@@ -322,14 +322,14 @@ def between(low, high):
 def parse_arguments(arguments=None):
     parser = argparse.ArgumentParser(description="Says what got better or worse between two validations of the same held-out functions, beyond noise; exit code 6 where something is worse.")
     parser.add_argument("old", help="folder or summary.json of the run to compare with")
-    parser.add_argument("new", nargs="+", help="of the runs to judge; functions are paired by the functions.csv beside each summary.json")
-    parser.add_argument("--false-alarms", type=between(1e-12, 0.999), default=0.05, help="paired: the chance that noise alone has anything at all called changed (default: %(default)g)")
-    parser.add_argument("--smallest-change", type=between(0, 10), default=0.01, help="share of the old value below which a change is none (default: %(default)g)")
-    parser.add_argument("--worst-factor", type=between(1, 1e6), default=2.0, help="worse where a function's blend RMSE is above so many times its old one, and tau (default: %(default)g)")
-    parser.add_argument("--tolerance", type=between(0, 10), default=0.05, help="share of the old value that may be noise where functions cannot be paired (default: %(default)g)")
-    parser.add_argument("--time-tolerance", type=between(0, 1000), default=0.0, help="the same for times; 0: they are shown, never judged (default: %(default)g)")
-    parser.add_argument("--all-scenes", action="store_true", help="print scenes where nothing changed too")
-    parser.add_argument("--json", action="store_true", help="a line of JSON for each comparison")
+    parser.add_argument("new", nargs="+", help="folders or summary.json of the runs to judge. Functions are paired by the functions.csv beside each summary.json")
+    parser.add_argument("--false-alarms", type=between(1e-12, 0.999), default=0.05, help="paired: probability that noise alone makes any figure count as changed (default: %(default)g)")
+    parser.add_argument("--smallest-change", type=between(0, 10), default=0.01, help="minimum change, as a share of the old value, that counts (default: %(default)g)")
+    parser.add_argument("--worst-factor", type=between(1, 1e6), default=2.0, help="ratio of a function's blend RMSE to its old one above which it is worse, if it is also above tau (default: %(default)g)")
+    parser.add_argument("--tolerance", type=between(0, 10), default=0.05, help="noise, as a share of the old value, assumed for functions that cannot be paired (default: %(default)g)")
+    parser.add_argument("--time-tolerance", type=between(0, 1000), default=0.0, help="noise of times, as a share of the old value. 0: times are shown, not judged (default: %(default)g)")
+    parser.add_argument("--all-scenes", action="store_true", help="also print scenes where nothing changed")
+    parser.add_argument("--json", action="store_true", help="print one line of JSON per comparison")
     return parser.parse_args(arguments)
 
 

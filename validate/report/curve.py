@@ -126,9 +126,9 @@ def png(summary, statistic, times):
 def main():
     parser = argparse.ArgumentParser(description="Draws blend RMSE against bytes a function and against evaluation time.")
     parser.add_argument("--summary", required=True, help="summary.json of nlg-validate")
-    parser.add_argument("--times", help="another summary.json, of the same representations: evaluation times are taken from it")
-    parser.add_argument("--statistic", choices=inputs_module.QUANTILES, default="mean", help="of the blend RMSE over functions; default: mean")
-    parser.add_argument("--out", required=True, help="the .png to write")
+    parser.add_argument("--times", help="another summary.json of the same representations, from which evaluation times are taken")
+    parser.add_argument("--statistic", choices=inputs_module.QUANTILES, default="mean", help="statistic of the blend RMSE over functions; default: mean")
+    parser.add_argument("--out", required=True, help="picture to write (.png)")
     arguments = parser.parse_args()
 
     def make():

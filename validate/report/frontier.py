@@ -285,7 +285,7 @@ def png(frontier):
 def main():
     parser = argparse.ArgumentParser(description="Draws blend RMSE against run time, and the front that no method beats.")
     parser.add_argument("--frontier", required=True, help="frontier.json of nlg-validate frontier")
-    parser.add_argument("--out", required=True, help="the .png to write")
+    parser.add_argument("--out", required=True, help="picture to write (.png)")
     arguments = parser.parse_args()
     return run("frontier.py", lambda: write_atomically(arguments.out, png(proof_inputs.read_frontier(arguments.frontier))))
 

@@ -73,7 +73,7 @@ def make(arguments):
 def main():
     parser = argparse.ArgumentParser(description="Sums up what nlg-validate light measured of several scenes, and draws error against bytes.")
     parser.add_argument("--light", required=True, nargs="+", help="results of nlg-validate light")
-    parser.add_argument("--out", required=True, help="the folder to write to")
+    parser.add_argument("--out", required=True, help="folder to write")
     arguments = parser.parse_args()
     return run("light.py", lambda: write_files(make(arguments)))
 

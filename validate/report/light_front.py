@@ -72,7 +72,7 @@ def draw(results):
 def main():
     parser = argparse.ArgumentParser(description="Draws error of indirect light against bytes, geometric means over the scenes of a kind.")
     parser.add_argument("--results", required=True, help="docs/results/light.json")
-    parser.add_argument("--out", required=True, help="the .png to write")
+    parser.add_argument("--out", required=True, help="picture to write (.png)")
     arguments = parser.parse_args()
 
     def make():

@@ -168,7 +168,7 @@ def parse_arguments():
     parser.add_argument("--summary", required=True, help="summary.json of nlg-validate")
     parser.add_argument("--functions", required=True, help="functions.csv of nlg-validate")
     parser.add_argument("--slices", required=True, help="slices.json of nlg-validate")
-    parser.add_argument("--basis", required=True, help="what nlg-pca printed")
+    parser.add_argument("--basis", required=True, help="output of nlg-pca")
     parser.add_argument("--logs", required=True, nargs="+", help="training curves of nlg-train, each named after its representation")
     parser.add_argument("--frontier", help="frontier.json of nlg-validate frontier")
     parser.add_argument("--stability", help="what nlg-validate stability wrote")
@@ -179,10 +179,10 @@ def parse_arguments():
     parser.add_argument("--evaluation", action="store_true", help="the scenes are the evaluation, which published figures are of: the page says so")
     parser.add_argument("--left-out", nargs="*", default=[], help="what the run did less of than a full one, a text each: stands in the page's provenance")
     limits = verdict.Limits()
-    parser.add_argument("--max-share-failing", type=float, default=limits.share_failing, help="a generator may ship of whose stored functions that take a theta at most this share fails the check (default: %(default)g)")
-    parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="and whose stored blend RMSE is at most so many times the best known on hard functions, by median (default: %(default)g)")
-    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="and that, fitted, is at least so many times as fast as the fastest direct fit to the same mean blend RMSE (default: %(default)g)")
-    parser.add_argument("--out", required=True, help="the page to write; slices.png and verdict.txt are written beside it")
+    parser.add_argument("--max-share-failing", type=float, default=limits.share_failing, help="maximum share of functions with a theta that fail the check in the stored stage of a generator that may ship (default: %(default)g)")
+    parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="maximum median ratio of stored to best known blend RMSE on hard functions of a generator that may ship (default: %(default)g)")
+    parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="minimum speed, fitted, over the fastest direct fit to the same mean blend RMSE, of a generator that may ship (default: %(default)g)")
+    parser.add_argument("--out", required=True, help="page to write. slices.png and verdict.txt are written beside it")
     return parser.parse_args()
 
 

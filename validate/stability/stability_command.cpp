@@ -127,7 +127,7 @@ void addTraining(const std::string& path, StabilityTable* table) {
   if (path.empty()) {
     return table->addNotRun({{"group", "training"},
                              {"name", "nlg-train while things go wrong"},
-                             {"must_hold", "training stops with the cause or goes on from the last good state"}},
+                             {"must_hold", "training stops with the cause, or resumes from the last good state"}},
                             "it needs --training, the file of training_cases.py");
   }
   try {
@@ -188,20 +188,21 @@ void run(const StabilityRequest& request, const OptionTable& options) {
 }  // namespace
 
 int stabilityMain(int argc, char** argv) {
-  CLI::App app{
-      "Runs stiff and extreme cases and writes what must hold and what was measured. Exit code 6 when some case does not hold.",
-      "nlg-validate stability"};
+  CLI::App app{"Runs stiff and extreme cases, and writes what must hold and what was measured. Exit code 6 if a case fails.",
+               "nlg-validate stability"};
   StabilityRequest request;
   bool is_short = false, is_long = false;
   OptionTable table("stability");  // it has no options of a configuration
-  app.add_option("--out", request.out, "the table to write (.json)")->required();
-  app.add_option("--weights", request.weights, "exported generators; without any the cases that need them are not run");
+  app.add_option("--out", request.out, "table to write (.json)")->required();
+  app.add_option("--weights", request.weights, "exported generators. None: cases that need them are not run");
   app.add_option("--held-out", request.held_out,
-                 "shards of held-out scenes: codes are fitted to their functions from ten starts");
-  app.add_option("--training", request.training, "what training_cases.py wrote: the training cases");
-  app.add_option("--only", request.only, fmt::format("one group: {}", fmt::join(kGroups, ", ")));
-  CLI::Option* short_flag = app.add_flag("--short", is_short, "some seconds: fewer cases, smaller ones");
-  app.add_flag("--long", is_long, "minutes and gigabytes: ten million triangles, a million functions")->excludes(short_flag);
+                 "shards of held-out scenes; codes are fitted to their functions from ten starts");
+  app.add_option("--training", request.training, "training cases, written by training_cases.py");
+  app.add_option("--only", request.only, fmt::format("group of cases to run: {}", fmt::join(kGroups, ", ")));
+  CLI::Option* short_flag = app.add_flag("--short", is_short, "run fewer and smaller cases: some seconds");
+  app.add_flag("--long", is_long,
+               "run the largest cases too, with ten million triangles and a million functions: minutes and gigabytes")
+      ->excludes(short_flag);
   return runTool(argc, argv, app, table, [&] {
     if (is_short) request.depth = StabilityDepth::brief;
     if (is_long) request.depth = StabilityDepth::lengthy;

@@ -334,23 +334,22 @@ int viewsMain(int argc, char** argv) {
   app.add_flag("--target-functions", request.target_functions,
                "add a yardstick: the functions that theta approximate, made at every pixel, which takes minutes");
   app.add_option("--pictures", request.pictures,
-                 "a folder for pictures: of each view a row of truth and methods, and all rows on a sheet. None: no pictures");
+                 "folder for pictures: for each view a row of truth and methods, and a sheet of all rows. None: no pictures");
   app.add_option("--truth", request.truth,
-                 "a folder in which truth is kept, so that another run of these views does not trace it again. None: beside the "
-                 "result");
+                 "folder in which truth is kept for other runs of the same views. None: beside the result");
   const auto whole = [&](const char* flag, int* value, const char* help, int least, int most) {
     app.add_option(flag, *value, help)->check(CLI::Range(least, most))->capture_default_str();
   };
-  whole("--views-per-room", &request.views.views_per_room, "views of every room; the three largest under a roof have one more", 1,
-        100);
+  whole("--views-per-room", &request.views.views_per_room, "views per room; the three largest rooms under a roof have one more",
+        1, 100);
   whole("--most-views", &request.views.most_views,
-        "views in all. Rooms under a roof come before outdoors, of these and of the others the largest", 1, 1000);
+        "maximum number of views. Rooms under a roof come before outdoors, larger rooms before smaller ones", 1, 1000);
   whole("--width", &request.views.width, "pixels of a view", 8, 4096);
   whole("--height", &request.views.height, "pixels of a view", 8, 4096);
-  whole("--truth-rays", &request.truth_rays, "rays of ground truth at a pixel, to begin with", 8, 1 << 20);
+  whole("--truth-rays", &request.truth_rays, "rays of ground truth per pixel in the first pass", 8, 1 << 20);
   app.add_option(
          "--truth-noise", request.truth_noise,
-         "views whose truth is noisier get up to eight times the rays: standard deviation over light, the median of pixels")
+         "noise of truth (standard deviation over light, median of pixels) above which a view gets up to eight times the rays")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
   whole("--probe-rays", &request.probe_rays, "rays of every probe of baselines", 8, 1 << 24);

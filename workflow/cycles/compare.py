@@ -96,12 +96,12 @@ def measure(scene, arguments):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="none: all six")
-    parser.add_argument("--out", type=Path, default=Path("out/cycles"), help="%(default)s")
-    parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="where nlg-render is (%(default)s)")
-    parser.add_argument("--points", type=int, default=600, help="%(default)s")
-    parser.add_argument("--samples", type=int, default=2048, help="of Cycles, a place and run (%(default)s)")
-    parser.add_argument("--rays", type=int, default=4096, help="of nlg-render, a place and run (%(default)s)")
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="scenes to compare. None: all six")
+    parser.add_argument("--out", type=Path, default=Path("out/cycles"), help="folder to write (%(default)s)")
+    parser.add_argument("--bin", type=Path, default=ROOT / "build/release/bin", help="folder of nlg-render (%(default)s)")
+    parser.add_argument("--points", type=int, default=600, help="number of sample points (%(default)s)")
+    parser.add_argument("--samples", type=int, default=2048, help="samples of Cycles per sample point and run (%(default)s)")
+    parser.add_argument("--rays", type=int, default=4096, help="rays of nlg-render per sample point and run (%(default)s)")
     arguments = parser.parse_args()
     for scene in arguments.scenes:
         if scene.removesuffix("@means") not in SCENES:
