@@ -47,7 +47,7 @@ std::vector<std::string> shippedWeights(const std::vector<std::string>& represen
     if (missing.empty()) return found;
     if (!found.empty()) throw UsageError("--weights", joined(names) + " in " + folder, "no " + joined(missing));
   }
-  throw UsageError("--weights", "weights of nlg-export, or shipped ones: " + joined(names), "none in " + joined(folders));
+  throw UsageError("--weights", "weights of nlg-export, or the shipped " + joined(names) + " in " + joined(folders), "none");
 }
 
 }  // namespace nlg

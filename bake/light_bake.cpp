@@ -162,7 +162,7 @@ size_t bytesWith(LightGrid grid, const BakeOptions& options, const GridMetadata&
   takeLight(lit, groups, &grid);
   std::string bytes;
   const FileResult result = serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes);
-  if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": no number that the file can hold");
+  if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": a number that the file cannot hold");
   return bytes.size();
 }
 

@@ -80,12 +80,13 @@ void warnOfDarkness(const BakeScene& scene, const BakeOptions& options, const Li
   const bool has_own =
       std::any_of(lit.begin(), lit.end(), [](const Scene* set) { return !set->light.lamps.empty() || !set->light.suns.empty(); });
   if (options.light_direct != "all" && options.light_direct != "reflected" && !has_own)
-    warn(scene, "light_direct leaves nothing out: the scene keeps no lamps and no suns of its own");
+    warn(scene, "light_direct leaves nothing out: the scene has no lamps and no suns of its own");
 }
 
 void warnOfNothing(const BakeScene& scene, const BakeOptions& options, const BakeStatistics& statistics) {
   if (statistics.counts.functions + statistics.bare_tents.count == 0)
-    warn(scene, "no probe has a weighting function; is extent_m where the scene is, and spacing_m smaller than its rooms?");
+    warn(scene,
+         "no probe has a weighting function; check that extent_m covers the scene, and that spacing_m is smaller than its rooms");
   warnOfDarkness(scene, options, statistics.light);
 }
 
@@ -124,8 +125,8 @@ void checkOutputs(const Request& request, const std::vector<std::string>& inputs
   if (!request.json.empty() && request.json != "-") {
     checkOutput(request.json, kReportFiles, "--json", inputs);
     if (!request.kept.empty() && isSameFile(request.json, request.kept))
-      throw UsageError("--json", "another file than --keep", request.json);
-    if (isSameFile(request.json, request.out)) throw UsageError("--json", "another file than --out", request.json);
+      throw UsageError("--json and --keep name the same file: " + request.json);
+    if (isSameFile(request.json, request.out)) throw UsageError("--json and --out name the same file: " + request.json);
   }
 }
 
@@ -135,7 +136,7 @@ void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, R
     checkOutput(request->out, kGridFiles, "--out", inputs);
   }
   if (!request->kept.empty() && isSameFile(request->kept, request->out))
-    throw UsageError("--keep", "another file than the light grid", request->kept);
+    throw UsageError("--keep and --out name the same file: " + request->kept);
 }
 
 // generators   of the functions that will be made; none: light alone is
@@ -158,7 +159,7 @@ BakeScene readScene(const Request& request, const BakeOptions& options, const st
 std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const GridMetadata& metadata) {
   std::string bytes;
   const FileResult result = serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes);
-  if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": no number that the file can hold");
+  if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": a number that the file cannot hold");
   NLG_CHECK(options.max_bytes == 0.0 || static_cast<double>(bytes.size()) <= options.max_bytes, ==, true);
   return bytes;
 }
@@ -172,7 +173,7 @@ size_t unreadKinds(const SceneSource& source) {
 void runCheck(Request request, const BakeOptions& options, const OptionTable& table) {
   for (const auto& [is_given, what] : {std::pair(!request.relit.empty(), "--relight"), std::pair(request.out_is_given, "--out"),
                                        std::pair(!request.json.empty(), "--json"), std::pair(!request.kept.empty(), "--keep")}) {
-    if (is_given) throw UsageError("--check", std::string("no ") + what + ": nothing is baked", what);
+    if (is_given) throw UsageError(std::string("--check cannot be combined with ") + what + ": nothing is baked");
   }
   const BakedGrid baked = readBakedGrid(request.checked);
   if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders());
@@ -190,7 +191,7 @@ void runCheck(Request request, const BakeOptions& options, const OptionTable& ta
     return;
   }
   for (const std::string& change : changes) std::cout << request.checked << ": " << change << '\n';
-  throw ToolError(ExitCode::check_failed, request.checked + ": stale, a bake would make another grid");
+  throw ToolError(ExitCode::check_failed, request.checked + ": out of date");
 }
 
 // Light alone, for a grid whose functions stay.
@@ -199,10 +200,10 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   inputs.insert(inputs.end(), {request.scene, request.config, request.relit});
   checkOutputs(request, inputs);
   if (!request.weights.empty())
-    throw UsageError("--relight", "no --weights: functions stay what they are", request.weights.front());
-  if (!request.kept.empty()) throw UsageError("--relight", "no --keep: functions stay what they are", request.kept);
-  if (options.light == "none") throw UsageError("--relight", "light to be made", "--light none");
-  if (!request.out_is_given) throw UsageError("--relight", "--out, another file than the grid", "none");
+    throw UsageError("--relight cannot be combined with --weights: it reuses the functions of the grid");
+  if (!request.kept.empty()) throw UsageError("--relight cannot be combined with --keep: it reuses the functions of the grid");
+  if (options.light == "none") throw UsageError("--relight cannot be combined with --light none: it computes light only");
+  if (!request.out_is_given) throw UsageError("--relight needs --out: the grid to write");
   const auto start = std::chrono::steady_clock::now();
   BakedGrid baked = readBakedGrid(request.relit);
   const int threads = threadsOf(options);
@@ -210,7 +211,7 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   requireFunctionsOf(scene, table, options.representation, request.relit, baked);
   if (!baked.grid.groups.empty() && lightGroupNames(scene.source).empty())
     std::cerr << "light: the grid's " << baked.grid.groups.size()
-              << " groups of light become one; --light-groups keeps them apart\n";
+              << " groups of light become one; to keep them, give --light-groups as in its bake\n";
   RelightReport report;
   report.light = relight(scene, options, table, &baked);
   const std::string bytes = fileBytes(baked.grid, options, baked.metadata);
@@ -244,10 +245,11 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   inputs.insert(inputs.end(), {request.scene, request.config});
   checkOutputs(request, inputs);
   if (!request.kept.empty() && options.refine_seconds > 0.0)
-    throw UsageError("--keep", "refine_seconds 0: what a limit of time left is not what a bake makes", "a limit of time");
-  if (options.light == "none" && !options.light_set.empty()) throw UsageError("--light-set", "light to be made", "--light none");
+    throw UsageError("--keep cannot be combined with --refine-seconds: the result of a time limit cannot be reused");
+  if (options.light == "none" && !options.light_set.empty()) throw UsageError("--light-set cannot be combined with --light none");
   if (options.light == "none" && (options.thin_error > 0.0 || options.max_bytes > 0.0))
-    throw UsageError(options.thin_error > 0.0 ? "thin_error" : "max_bytes", "0, since thinning goes by light", "--light none");
+    throw UsageError(std::string(options.thin_error > 0.0 ? "--thin-error" : "--max-bytes") +
+                     " cannot be combined with --light none: thinning needs light");
   const GridPrecision stored{options.policy.theta_precision, options.light_error};
   const auto [generators, weight_files] = loadGenerators(request.weights);
   std::vector<WeightsUsed> weights;

@@ -65,7 +65,7 @@ Scene sceneOf(const LightSet& set, const std::string& request, const SceneReadin
   if (set.scene.empty() || set.scene == request) return level->scene;
   SceneSource source = loadScene(set.scene, reading);
   if (const std::string difference = geometryDifference(level->scene, source.scene); !difference.empty())
-    throw InputError(set.scene, "light set " + set.name, "the geometry of " + request + ", in other light", difference);
+    throw InputError(set.scene, "light set " + set.name, "the geometry of " + request, difference);
   for (const auto& [notes, told] :
        {std::pair(&source.notes, &level->notes), std::pair(&source.light_notes, &level->light_notes)}) {
     for (const std::string& note : *notes) {
@@ -110,17 +110,16 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   }
   // each by itself would be well exposed, and a lamp of both 683 times as bright in one as in the other
   if (!in_lumens[0].empty() && !in_lumens[1].empty())
-    throw UsageError("--light-set", "lamps and suns in one unit in all sets: --light-unit file, or --light-unit watt",
-                     "those of " + in_lumens[1] + " divided by 683, since more shines beside them, and those of " + in_lumens[0] +
-                         " as the file has them");
+    throw UsageError("--light-set: lamps and suns have another unit in " + in_lumens[0] + " than in " + in_lumens[1] +
+                     ", where they were divided by 683; give --light-unit file or --light-unit watt");
   if (std::none_of(sets.begin(), sets.end(), [&](const LightSet& set) { return set.scene.empty() || set.scene == request; }))
     source.light_notes.push_back("what the level's own file is lit by is in no set");
   source.scene = std::move(lit.front());
   source.lit_otherwise.assign(std::move_iterator(lit.begin() + 1), std::move_iterator(lit.end()));
   const std::vector<std::string> groups = lightGroupNames(source);
   if (groups.size() > kMaxLightGroups)
-    throw UsageError("--light-set", fmt::format("{} groups of light in all sets together, at most", kMaxLightGroups),
-                     fmt::format("{}, the first too many '{}'", groups.size(), groups[kMaxLightGroups]));
+    throw UsageError("--light-set", fmt::format("at most {} groups of light in all sets together", kMaxLightGroups),
+                     fmt::format("{}, '{}' being the first beyond the limit", groups.size(), groups[kMaxLightGroups]));
   return source;
 }
 
@@ -260,7 +259,7 @@ bool SceneFunctions::takeKnown(const PlacedProbe& probe, const KeptKey& key, Thr
   // nobody looks at the samples where the bare tent stands for them, and in a bake nobody at what the probe sees
   state.samples.assign(kKeptSampleBytes, 0);
   if (known->function && !unpackSamples(known->function->packed, &state.samples))
-    throw InputError("--keep", "samples of a function", "deflated bytes", "others");
+    throw InputError("--keep", "samples of a function", "compressed samples", "other bytes");
   FunctionRows& rows = block->functions;
   const auto validity = state.samples.begin() + kSupportPointCount, sums = validity + kValidityByteCount;
   rows.phi.insert(rows.phi.end(), state.samples.begin(), validity);

@@ -63,7 +63,7 @@ Statistics verify(const ShardReader& reader) {
     filter.removeKnown(&piece);
     if (piece.functionCount() == count) continue;
     throw InputError(reader.header().path, fmt::format("functions {} to {}", first, first + count - 1),
-                     "no duplicates of each other or of earlier ones", fmt::format("{} of them", count - piece.functionCount()));
+                     "no duplicates within or before them", fmt::format("{} duplicates", count - piece.functionCount()));
   }
   return statistics;
 }

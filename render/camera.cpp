@@ -99,7 +99,7 @@ Camera chooseView(const LightTransport& transport, double fov_y, double aspect, 
     if (isInAir(transport.rays(), place)) places.push_back(place);
   }
   if (places.empty())
-    throw InputError(transport.scene().id, "view", "a place in air to look from", "none found; --eye and --look name one");
+    throw InputError(transport.scene().id, "view: no point in air was found to look from; give --eye and --look");
   return bestView(transport, places, fov_y, aspect);
 }
 

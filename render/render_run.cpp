@@ -56,18 +56,16 @@ void check(const RenderRequest& request) {
     throw UsageError("--show", "light, error, absolute or weights", "'" + request.show + "'");
   const bool needs_grid = asksFor(request, "grid") || request.show == "weights";
   if (needs_grid && request.grid.empty() && !request.bake)
-    throw UsageError("--grid", "a light grid's file, or --bake", "neither");
-  if (request.bake && !request.grid.empty()) throw UsageError("--bake", "no --grid beside it", request.grid);
-  if (!request.look.empty() && request.eye.empty()) throw UsageError("--eye", "a place to look from, with --look", "none");
-  if (!request.camera.empty() && !request.eye.empty())
-    throw UsageError("--camera", "no --eye beside it", "'" + request.camera + "'");
-  if (request.eye.empty() != request.look.empty()) throw UsageError("--look", "a place to look at, with --eye", "none");
+    throw UsageError("a light grid is needed: give --grid GRID, or --bake");
+  if (request.bake && !request.grid.empty()) throw UsageError("--bake cannot be combined with --grid");
+  if (!request.look.empty() && request.eye.empty()) throw UsageError("--look needs --eye");
+  if (!request.camera.empty() && !request.eye.empty()) throw UsageError("--camera cannot be combined with --eye");
+  if (request.eye.empty() != request.look.empty()) throw UsageError("--eye needs --look");
   if (!request.eye.empty() && !(glm::length(vectorOf(request.look) - vectorOf(request.eye)) > 1e-9))
-    throw UsageError("--look", "another place than --eye", "the same");
+    throw UsageError("--look and --eye are the same point");
   if (request.show == "weights" && request.probe < 0 && request.probe_near.empty())
-    throw UsageError("--probe", "the probe whose weights to show, or --probe-near", "neither");
-  if (request.show == "weights" && !request.panel.empty())
-    throw UsageError("--panel", "none with --show weights", std::to_string(request.panel.size()) + " methods");
+    throw UsageError("--show weights needs --probe or --probe-near");
+  if (request.show == "weights" && !request.panel.empty()) throw UsageError("--panel cannot be combined with --show weights");
 }
 
 double askedFov(const RenderRequest& request) { return (request.fov > 0.0 ? request.fov : kDefaultFov) * kDegree; }

@@ -102,9 +102,9 @@ std::vector<std::string> differencesOf(const std::string& path, const BakedAs& b
   std::vector<std::string> differences;
   const auto warn = [&](const std::string& what) { differences.push_back(path + ": " + what); };
   const auto isOther = [](const std::string& a, const std::string& b) { return !a.empty() && a != b; };
-  if (isOther(baked.scene, asked.scene)) warn("baked of " + baked.scene + ", and drawn in " + asked.scene);
+  if (isOther(baked.scene, asked.scene)) warn("baked from " + baked.scene + ", and drawn in " + asked.scene);
   if (isOther(baked.light_of_scene, asked.light_of_scene))
-    warn("baked with other light of the scene than it has here; --sky, --sun, --light-groups and --light-set say which");
+    warn("baked with other light than the scene has here; give the same --sky, --sun, --light-groups and --light-set");
   if (isOther(baked.light_direct, asked.light_direct))
     warn("baked with light_direct " + baked.light_direct + ", and drawn with " + asked.light_direct);
   if (has_baselines && baked.spacing_m > 0.0 && static_cast<float>(baked.spacing_m) != static_cast<float>(asked.spacing_m))
@@ -169,7 +169,7 @@ void checkMethodName(const std::string& place, const std::string& name) {
   if (name == "truth" || name == "grid" || isBaseline(name)) return;
   std::string stems;
   for (const BaselineGroup& group : kBaselineGroups) stems += std::string(", ") + group.stem;
-  throw UsageError(place, "truth, grid" + stems + " and their kin", "'" + name + "'");
+  throw UsageError(place, "truth, grid" + stems + ", or one of these with :solved", "'" + name + "'");
 }
 
 std::string baselineName(const LightMethod& method) {
@@ -213,8 +213,8 @@ void RenderedScene::makeGrid(bool has_baselines) {
     for (const std::string& warning : warnings_) std::cerr << request_.program << ": " << warning << '\n';
   }
   if (!grid_ || !grid_->light.empty() || request_.show == "weights") return;
-  if (request_.bake) throw UsageError("--light", "solved, integrated or point: a view needs light", "none");
-  throw InputError(request_.grid, "light", "a light grid that holds light", "none");
+  if (request_.bake) throw UsageError("--light", "solved, integrated or point", "none, and a view needs light");
+  throw InputError(request_.grid, "light", "a grid that was baked with light", "a grid without light");
 }
 
 void RenderedScene::makeBaselines() {

@@ -160,12 +160,11 @@ SceneSource readScene(const std::string& request, const SceneReading& reading) {
   refuseOtherFormats(request, extension);
   const bool is_other = extension == ".obj" || extension == ".bsp" || archiveColon(request) != std::string::npos;
   if (is_other && !(reading.gltf.scene_name.empty() && reading.gltf.leave_out.empty()))
-    throw UsageError(reading.gltf.scene_name.empty() ? "--leave-out" : "--scene-name", "a glTF file, whose nodes have names",
-                     request);
+    throw UsageError(reading.gltf.scene_name.empty() ? "--leave-out" : "--scene-name", "a glTF file", request);
   if (extension == ".obj") return readObjFile(request, reading);
   if (extension == ".glb" || extension == ".gltf") return readGltfFile(request, reading);
   if (reading.unit_m != 1.0)
-    throw UsageError("--unit", "1 for a scene that is no glTF or .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
+    throw UsageError("--unit", "1 for any scene but a glTF or .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
   uint64_t seed = 0;
   for (const std::string& family : proceduralFamilies()) {
     if (readSeed(request, family, false, &seed)) return sourceOf(family, seed, makeProceduralScene(family, seed));
@@ -182,7 +181,7 @@ SceneSource readScene(const std::string& request, const SceneReading& reading) {
   if (extension == ".bsp") return sourceOf(readBsp(request));
   std::error_code error;
   if (!fs::exists(request, error) && !error)
-    throw InputError(request, "scene", sceneForms(), "a name that is none of these, and of no file");
+    throw InputError(request, "scene", sceneForms(), "a name that is none of these, and no file");
   return readGltfFile(request, reading);
 }
 

@@ -37,19 +37,23 @@ class ToolError : public std::runtime_error {
 // A command line or setting that cannot be used.
 // place      file with line and column, or the flag: "pipeline.yaml:12:3", "--jitter"
 // expected   what would have been right; got: what stood there
+// line       all of it, where options conflict: "--check cannot be combined with --out: nothing is baked"
 class UsageError : public ToolError {
  public:
   UsageError(const std::string& place, const std::string& expected, const std::string& got)
       : ToolError(ExitCode::usage_error, place + ": expected " + expected + ", got " + got) {}
+  explicit UsageError(const std::string& line) : ToolError(ExitCode::usage_error, line) {}
 };
 
 // A file that is missing, damaged, hostile, or belongs to something else.
 // path       the file; place: where in it ("mesh 3, primitive 0: POSITION", "dataset phi", "byte 17")
+// problem    what is wrong, where no one value is at fault: "has no provenance; bake the grid again"
 class InputError : public ToolError {
  public:
   InputError(const std::string& path, const std::string& place, const std::string& expected, const std::string& got)
       : ToolError(ExitCode::input_error,
                   (path.empty() ? "\"\"" : path) + ": " + place + ": expected " + expected + ", got " + got) {}
+  InputError(const std::string& path, const std::string& problem) : ToolError(ExitCode::input_error, path + ": " + problem) {}
 };
 
 // An input file whose own bytes prove that it is damaged: cut short, a checksum that does not hold. What the system refused to
@@ -84,8 +88,7 @@ class ThreadError : public ToolError {
  public:
   ThreadError(int made, int wanted, const std::string& reason)
       : ToolError(ExitCode::internal_error, "threads: expected " + std::to_string(wanted) + " more, got " + std::to_string(made) +
-                                                " and then: " + reason +
-                                                "; ulimit -u or the container's limit on processes says how many there may be") {}
+                                                ": " + reason + "; raise ulimit -u, or the container's limit on processes") {}
 };
 
 // What an InputError got where its path leads to nothing.

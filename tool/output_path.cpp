@@ -41,7 +41,7 @@ void refuseToReplaceInputs(const std::string& out, const std::vector<std::string
   if (out.ends_with('/')) throw UsageError(flag, "the name of a file", out + ", a folder");
   for (const std::string& input : inputs) {
     std::error_code error;
-    if (fs::equivalent(out, input, error)) throw UsageError(flag, "a file that is no input", out);
+    if (fs::equivalent(out, input, error)) throw UsageError(flag, "a file that is not an input", out);
   }
 }
 
@@ -56,7 +56,7 @@ bool mayReplace(const std::string& out, const OwnFiles& own) {
 
 void refuseToReplaceOthers(const std::string& out, const OwnFiles& own, const char* flag) {
   if (!mayReplace(out, own))
-    throw UsageError(flag, std::string("a new file, or ") + own.name + " to replace", out + ", which is something else");
+    throw UsageError(flag, std::string("a new file, or ") + own.name + " to overwrite", out + ", which is another kind of file");
 }
 
 void requireOutputFolder(const std::string& out, const char* flag) {

@@ -145,7 +145,7 @@ void refuseOtherBytes(int argc, char** argv) {
 // What a tool prints on stdout is its result: losing it on a full disk or a closed pipe must not look like success.
 void flushStandardOutput() {
   std::cout.flush();
-  if (!std::cout) throw OutputError("standard output", "the other end refused it (disk full or pipe closed)");
+  if (!std::cout) throw OutputError("standard output", "disk full or pipe closed");
 }
 
 // An option's name without its value, and what stands before a "=".
@@ -160,9 +160,9 @@ void refuseExtras(const CLI::App& app) {
   if (extras[0].find('-') != 0) {
     const bool is_number = extras[0].find_first_not_of("0123456789.,+-e") == std::string::npos;
     throw UsageError(
-        "command line", "options and what they take",
+        "command line", "options and their values",
         "'" + extras[0] + "'" +
-            (is_number ? ", which belongs to no option: a list of numbers is one word, with commas and no blanks" : ""));
+            (is_number ? ", which belongs to no option; write a list of numbers with commas and without blanks" : ""));
   }
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options()) {

@@ -45,7 +45,7 @@ void readSlurm(ProcessGroup::Options& processes, bool is_given) {
   processes.rank = std::atoi(rank);
   processes.count = std::atoi(count);
   if (asked == 1 || asked == processes.count) return;
-  throw UsageError("processes", "as many as srun started, " + std::to_string(processes.count), std::to_string(asked));
+  throw UsageError("processes", std::to_string(processes.count) + ", which srun started", std::to_string(asked));
 }
 
 // What makes a run the run that it is. Threads change no bit, and processes none but by rounding: a run may go on with others.
@@ -63,20 +63,20 @@ void check(const Request& request, const TrainOptions& options) {
   };
   const ProcessGroup::Options& processes = request.processes;
   require(request.shards.empty() != request.cache.empty(), "--cache", "either --shards or --cache",
-          request.cache.empty() ? "none of them" : "both");
+          request.cache.empty() ? "neither" : "both");
   require(processes.count >= 1 && processes.rank >= 0 && processes.rank < processes.count, "--rank",
           "a number from 0 to --processes - 1", std::to_string(processes.rank) + " of " + std::to_string(processes.count));
   require(processes.count == 1 || !processes.rendezvous.empty(), "--rendezvous", "a file through which the processes meet",
           "none");
   require((options.point_batches & (options.point_batches - 1)) == 0, "point_batches", "1, 2, 4 or 8",
           std::to_string(options.point_batches));
-  require(processes.count <= options.batch, "processes", "at most as many as the batch", std::to_string(processes.count));
+  require(processes.count <= options.batch, "processes", "at most batch", std::to_string(processes.count));
 }
 
 torch::Device findDevice(const std::string& name) {
   if (name == "cpu") return torch::kCPU;
   if (name != "cuda") throw UsageError("--device", "cpu or cuda", "'" + name + "'");
-  if (!torch::cuda::is_available()) throw UsageError("--device", "cpu: this libtorch finds no CUDA device", "cuda");
+  if (!torch::cuda::is_available()) throw UsageError("--device", "cpu, since libtorch finds no CUDA device", "cuda");
   return torch::kCUDA;
 }
 
@@ -103,7 +103,8 @@ void requireBasisOf(const GeneratorData& init, const BasisData& used, const Requ
   if (own.class_count == used.class_count && own.mean == used.mean && own.components == used.components &&
       own.deviation == used.deviation)
     return;
-  throw InputError(request.basis, "basis", "the one of " + request.init + ": nlg-pca --from " + request.init, "another");
+  throw InputError(request.basis, "basis", "the basis of " + request.init + " (nlg-pca --from " + request.init + ")",
+                   "another basis");
 }
 
 // used   the basis, or as much of it as the options say
@@ -117,7 +118,7 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis, co
   auto cache = std::make_unique<FunctionCache>(request.cache);
   const std::string basis_sha256 = fileSha256(request.basis);
   if (cache->origin().basis_sha256 != basis_sha256) {
-    throw InputError(request.cache, "basis", "one made with " + request.basis + ", " + basis_sha256,
+    throw InputError(request.cache, "basis", "a cache made with " + request.basis + ", " + basis_sha256,
                      cache->origin().basis_sha256);
   }
   return TrainingData(std::move(cache), basis.basis.data, used);
@@ -183,7 +184,7 @@ void requireSameRun(const ProcessGroup& processes, const RunIdentity& identity) 
     if (torch::equal(digests[rank], digests[processes.rank()])) continue;
     throw InputError("--rank", "process " + std::to_string(rank),
                      "the representation, options, basis and training set of process " + std::to_string(processes.rank()),
-                     "others");
+                     "other ones");
   }
 }
 
@@ -192,7 +193,7 @@ void requireSeparate(const Request& request, const TrainingData& training, const
   const std::vector<std::string>& scenes = training.sceneIds();
   for (const std::string& scene : held_out.sceneIds()) {
     if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) continue;
-    throw InputError(request.held_out.front(), "scene " + scene, "scenes that no training shard holds", "one that is trained on");
+    throw InputError(request.held_out.front(), "scene " + scene, "a scene that no training shard holds", "a training scene");
   }
 }
 

@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
       if (app.get_option("--truth-samples")->count() == 0) request.places = 0;
       return watchScene(request, bake, table);
     }
-    if (app.get_option("--port")->count() > 0) throw UsageError("--port", "--watch beside it", "none");
+    if (app.get_option("--port")->count() > 0) throw UsageError("--port needs --watch");
     const nlohmann::ordered_json said = makeView(request, bake);
     std::cerr << "open " << said["page"].get<std::string>() << '\n';
     std::cout << said.dump() << '\n';

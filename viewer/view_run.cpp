@@ -411,7 +411,7 @@ Json makeView(ViewRequest request, BakeOptions options) {
   for (const PageFile& file : pageFiles()) refuseToReplaceInputs((fs::path(request.out) / file.name).string(), inputs);
   refuseToReplaceOthersOf(request);
   if (!request.grid.empty() && !request.weights.empty())
-    throw UsageError("--weights", "none beside --grid", request.weights.front());
+    throw UsageError("--weights cannot be combined with --grid: nothing is baked");
   if (!request.grid.empty()) {
     LightGrid grid;
     GridMetadata metadata;
@@ -420,8 +420,7 @@ Json makeView(ViewRequest request, BakeOptions options) {
     // probes stand as far apart as the nearest float says
     const bool is_other = static_cast<float>(options.spacing_m) != static_cast<float>(spacing_m);
     if (options.spacing_m != 0.0 && is_other)
-      throw UsageError("spacing_m", fmt::format("with --grid, that of the grid: {:g}", spacing_m),
-                       fmt::format("{:g}", options.spacing_m));
+      throw UsageError("spacing_m", fmt::format("{:g}, as in --grid", spacing_m), fmt::format("{:g}", options.spacing_m));
     options.spacing_m = spacing_m;
   }
   RenderRequest render;

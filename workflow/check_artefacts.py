@@ -92,7 +92,7 @@ def check(run, tools):
     shards = dict.fromkeys(shard for split in configuration.SPLITS for shard in run.shards(split))
     artefacts = Artefacts(run.folder)
     if artefacts.fault:
-        say(f"{artefacts.fault}; what was made before must prove itself, and is recorded anew")
+        say(f"{artefacts.fault}; earlier results are verified by their own digests, and recorded again")
     recorded = {os.path.join(run.folder, relative): state for relative, state in artefacts.files.items()}
     made, folders = run.artefacts(), run.picture_folders()
     # what was put aside stays wanted until it is there: an earlier check may have been of a run that then did not get far enough
@@ -105,7 +105,7 @@ def check(run, tools):
         if is_own(run, path):
             there.append(path)
         else:
-            say(f"{path} leads elsewhere through a link: left as it is")
+            say(f"{path} is reached through a link: not touched")
 
     def judge(path):
         if path in shards:
@@ -125,7 +125,7 @@ def check(run, tools):
         if code == DAMAGED_FILE and whole not in again:
             aside = free_name(whole)
             os.rename(whole, aside)
-            say(f"{line}; put aside as {aside}, it will be made again")
+            say(f"{line}; moved to {aside}; it will be made again")
             again.append(whole)
     # what is sound, whoever put it there, is what the run has from now on
     artefacts.take(path for path, (code, _) in verdicts if code == 0 and path not in shards)

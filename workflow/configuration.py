@@ -67,7 +67,7 @@ def find_scenes(options, environment):
         for path in files:
             require(path, path.name, not set(path.stem) & set("{}") and path.name.isprintable(), "a name of one line without braces")
             if path.stem in scenes:
-                raise ConfigurationError(f"{path}: expected a name of its own, got one that {scenes[path.stem][0]} has too")
+                raise ConfigurationError(f"{path}: another scene has this name: {scenes[path.stem][0]}")
             # a text file's buffers or materials lie beside it
             pattern = {".gltf": "*.bin", ".obj": "*.mtl"}.get(path.suffix.lower())
             beside = sorted(str(p) for p in path.parent.glob(pattern)) if pattern else []
@@ -76,7 +76,7 @@ def find_scenes(options, environment):
     for found in (find_levels(options["archives"], root), find_levels(archives_in(folder)), find_interiors(options["furniture"], root, MAX_SHARDS)):
         for name, scene in found.items():
             if name in scenes:
-                raise ConfigurationError(f"{scene[0]}: expected a name of its own, got one that {scenes[name][0]} has too")
+                raise ConfigurationError(f"{scene[0]}: another scene has this name: {scenes[name][0]}")
             scenes[name] = scene
     require("scenes", "none", scenes, "families, a folder, archives or furniture")
     return scenes
@@ -95,7 +95,7 @@ class Run:
         config = judged("top level", "", config, beside=SECTIONS)
         folder = (config.get("scenes") or {}).get("folder") or ""
         if not config["name"] and not folder:
-            raise ConfigurationError("expected a name, or a folder of levels whose name it is, got missing key 'name'")
+            raise ConfigurationError("expected the key 'name', or scenes.folder, whose name is taken, got neither")
         self.name = config["name"] or re.sub(r"[^\w.-]+", "_", Path(os.path.abspath(folder)).name)
         for key, name in (("name", self.name), ("data", config["data"] or self.name)):
             require(key, name, len(name) <= 100 and re.fullmatch(r"[\w.-]*\w[\w.-]*", name), "a folder's name")
@@ -174,7 +174,7 @@ class Run:
         require("split", f"{len(self.held_out)} of {len(self.scenes)}", self.held_out and self.training,
                 "some of the scenes held out, but not all; held_out names them, held_out_share draws them")
         for scene in sorted({*self.held_out} & {*self.evaluation}):
-            raise ConfigurationError(f"split: expected scenes that are held out or for the evaluation, got {scene} in both")
+            raise ConfigurationError(f"split: {scene} is in held_out and in evaluation; a scene can be in one of them")
 
     def _draw_held_out(self, share, seed):
         """Holds out a share of the scenes of the folder, or of all scenes where there is none; whole scenes, the same ones for the same names and
@@ -183,7 +183,7 @@ class Run:
         if {*self.held_out} & {*candidates}:
             return
         lot = sorted(scene for scene in candidates if scene not in self.evaluation)
-        require("split: held_out_share", f"{len(lot)}", len(lot) >= 2, "two levels at least, one to train on and one to hold out")
+        require("split: held_out_share", f"{len(lot)}", len(lot) >= 2, "at least two levels, one to train on and one to hold out")
         drawn = {*random.Random(seed).sample(lot, max(round(share * len(lot)), 1))}
         self.held_out = [scene for scene in self.scenes if scene in drawn or scene in self.held_out]
 
@@ -286,7 +286,7 @@ def of_snakemake(config, path):
     content = read(path)
     for key in sorted(set(config) - {"file"}, key=str):
         if not isinstance(content, dict) or key not in content or content[key] != config[key]:
-            raise ConfigurationError(f"--config: expected file=FILE and nothing else beside one --configfile, got {key!r}")
+            raise ConfigurationError(f"--config: only file=FILE can be combined with --configfile, got {key!r}")
     return judge(content, path)
 
 
@@ -327,7 +327,7 @@ def refuse_overruled(content, key):
     if content.get("effort") == "full" and isinstance(full, dict) and name in (full.get(section) or {}):
         over.append(f"full.{key}")
     for other in over:
-        raise ConfigurationError(f"--set {key}: expected a key that nothing goes over, got {other} beside it: set that")
+        raise ConfigurationError(f"--set {key} has no effect, because {other} overrides it; set that instead")
 
 
 def add_arguments(parser):

@@ -304,7 +304,7 @@ def collect(folder, ours=OURS):
     """The results of a folder of light."""
     files = sorted(folder.glob("*.json"))
     if not files:
-        fail(folder, "a folder of light, with what nlg-validate light wrote of scenes", "no .json in it")
+        fail(folder, "results of nlg-validate light", "no .json")
     points, scenes, revisions = measured(folder, files, ours, "all")
     kinds = {point.scene: point.kind for point in points}
     out = {"schema_version": 1, "run": NAME, "command": "workflow/results.py collect-light FOLDER", "ours": ours, "revisions": revisions, "scenes": scenes,

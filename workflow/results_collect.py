@@ -273,7 +273,7 @@ def collect(run, configuration, earlier=None):
         earlier, known = what_stays(earlier, out)
         out = added_to(earlier, out)
     if "frontier" in out and "evaluation" in out and out["frontier"]["held_out_sha256"] != out["evaluation"]["held_out_sha256"]:
-        fail(run / "evaluation/frontier.json", "the shards that summary.json is of", "others")
+        fail(run / "evaluation/frontier.json", "the shards of summary.json", "other shards")
     out["weights"] = check_weights(out, run, files, known)
     return rounded(out, str(run))
 

@@ -121,11 +121,11 @@ class Parser {
     const size_t probes = a.outcome.size(), functions = a.has_theta.size(), thetas = a.generator.size();
     require(a.probe_key.size() == 2 * probes && a.flags.size() == probes && a.eye.size() == 3 * probes &&
                 a.tent_rmse.size() == probes && a.function.size() == probes && a.question_count.size() == probes,
-            "probe", "one of everything for each");
+            "probe", "lists of one length");
     require(std::all_of(a.eye.begin(), a.eye.end(), [](float e) { return e >= -1.0f && e <= 1.0f; }), "probe.eye",
-            "a place of the support");
+            "a point of the support");
     require(std::accumulate(a.question_count.begin(), a.question_count.end(), uint64_t{0}) == a.question.size(), "question",
-            "as many as probes have");
+            "as many questions as probes have");
     uint64_t points = 0;
     for (const uint8_t bits : a.question) {
       const size_t count = questionOf(bits).point_count;
@@ -134,24 +134,25 @@ class Parser {
     }
     require(points == a.point.size() &&
                 std::all_of(a.point.begin(), a.point.end(), [](uint16_t p) { return p < kSupportPointCount; }),
-            "question.point", "support points, as many as questions have");
+            "question.point", "as many support points as questions have");
     require(a.function_key.size() == 2 * functions && a.packed_bytes.size() == functions &&
                 std::accumulate(a.packed_bytes.begin(), a.packed_bytes.end(), uint64_t{0}) == a.packed.size(),
-            "function", "one of everything for each");
+            "function", "lists of one length");
     require(static_cast<size_t>(std::count(a.has_theta.begin(), a.has_theta.end(), 1)) == thetas &&
                 std::all_of(a.has_theta.begin(), a.has_theta.end(), [](uint8_t has) { return has <= 1; }),
             "function.has_theta", "1 for each theta, else 0");
     require(a.chosen_first.size() == thetas && a.bits.size() == thetas && a.ended.size() == thetas && a.stop.size() == thetas &&
                 a.check.size() == kCheckNumbers * thetas && a.check_count.size() == kCheckCounts * thetas,
-            "theta", "one of everything for each");
+            "theta", "lists of one length");
     uint64_t numbers = 0;
     for (size_t t = 0; t < thetas; ++t) {
       require(a.generator[t] < representations_.size() && a.chosen_first[t] < representations_.size(), "theta.generator",
-              "one of the bake's");
-      require(a.ended[t] < kThetaStageCount && a.stop[t] < kFitStopCount, "theta.ended", "a stage, and how its fit stopped");
+              "a representation of the bake");
+      require(a.ended[t] < kThetaStageCount && a.stop[t] < kFitStopCount, "theta.ended",
+              "a stage, and a reason why its fit stopped");
       numbers += static_cast<uint64_t>(representations_[a.generator[t]].thetaCount());
     }
-    require(numbers == a.theta.size(), "theta", "as many numbers as its representations have");
+    require(numbers == a.theta.size(), "theta", "as many numbers as the representations have");
     // of what a network said, before anything mended it, even a check need not be
     require(allFinite(a.theta), "theta", "finite numbers");
   }
@@ -206,9 +207,9 @@ class Parser {
       const uint32_t function = arrays_.function[p];
       require(function < functions_.size() || function == kNoFunction, "probe.function", "a function, or none");
       if (function != kNoFunction) probe.function = functions_[function];
-      require(probe.function == nullptr || !probe.bare_tent_rmse, "probe.function", "none beside a bare tent");
+      require(probe.function == nullptr || !probe.bare_tent_rmse, "probe.function", "no function of a bare tent");
       require((probe.outcome == ProbeOutcome::function) == (probe.function != nullptr || probe.bare_tent_rmse.has_value()),
-              "probe.function", "a function where the outcome is one");
+              "probe.function", "a function if the outcome says so");
       for (uint16_t q = 0; q < arrays_.question_count[p]; ++q) {
         FarQuestion asked = questionOf(arrays_.question[question++]);
         for (size_t i = 0; i < asked.point_count; ++i) asked.points[i] = arrays_.point[point++];
@@ -305,7 +306,7 @@ KeptProbes readKept(const std::string& path, const Json& origin, const std::vect
   TensorFileReader reader;
   requireRead(path, reader.openFile(path), kExpected);
   if (!isKept(reader))
-    throw InputError(path, "kind", std::string(kExpected) + ", or no file yet", "a file of something else, which stays as it is");
+    throw InputError(path, "kind", std::string(kExpected) + ", or a new name", "another kind of file, which is not overwritten");
   const std::string version = textOf(reader, "version");
   const Json before = Json::parse(textOf(reader, "origin"), nullptr, false);
   if (version != kVersion || before != origin) {

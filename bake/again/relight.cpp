@@ -27,9 +27,9 @@ Json originOf(const std::string& path, const BakedGrid& baked) {
   const auto found = baked.metadata.find("provenance");
   Json origin = found == baked.metadata.end() ? Json() : Json::parse(found->second, nullptr, false);
   if (!origin.is_object() || !origin["options"].is_object() || !origin["inputs"].is_object())
-    throw InputError(path, "provenance", "a grid that nlg-bake wrote", "a text that does not say what it was baked of");
+    throw InputError(path, "has no provenance; bake the grid again");
   if (!origin["inputs"].contains(kLightRole))
-    throw InputError(path, "provenance", "a grid of this version of nlg-bake: bake it again", "one of another version");
+    throw InputError(path, "was baked by another version of nlg-bake; bake the grid again");
   return origin;
 }
 
@@ -67,33 +67,30 @@ void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const 
                         const std::string& path, const BakedGrid& baked) {
   const Json origin = originOf(path, baked);
   if (!sameGeometry(scene.source, baked, origin)) {
-    throw InputError(path, "scene", "the scene that the grid was baked of; other geometry needs a whole bake",
-                     "geometry of another one: " + scene.source.id);
+    throw InputError(path, "scene: the geometry of " + scene.source.id + " is not that of the grid; bake the grid again");
   }
   const std::set<std::string> of_light = lightSettings(table);
   forEachChange(table, origin, [&](const std::string& name, const std::string& before, const std::string& now) {
-    if (of_light.count(name) == 0) throw InputError(path, name, before + ", as the grid was baked with", now);
+    if (of_light.count(name) == 0) throw InputError(path, name, before + ", as in the bake of the grid", now);
   });
   for (const char* name : {"thin_error", "max_bytes"}) {
     if (const Json thinned_by = origin["options"].value(name, Json(0.0)); thinned_by != Json(0.0))
-      throw InputError(path, name, "0, since what thinning leaves out other light may need", thinned_by.dump());
+      throw InputError(path,
+                       std::string(name) + ": a thinned grid cannot be relit; bake it with 0 instead of " + thinned_by.dump());
   }
   // else a grid of several would become one of a single light without a word
   if (const Json sets = origin["options"].value("light_set", Json::array()); !sets.empty() && scene.source.light_sets.empty())
-    throw InputError(path, "light_set", "--light-set beside --relight for each that the grid shall have",
-                     "none; it has " + sets.dump());
+    throw InputError(path, "light_set: --relight needs a --light-set for each set to keep of " + sets.dump());
   std::vector<std::string> representations;
   for (const Representation& representation : baked.grid.representations)
     representations.emplace_back(representationName(representation));
   const bool is_default = asked == BakeOptions().representation;
   const auto isAsked = [&](const std::string& name) { return std::find(asked.begin(), asked.end(), name) != asked.end(); };
   if (!is_default && !std::all_of(representations.begin(), representations.end(), isAsked)) {
-    throw InputError(path, "representation", Json(representations).dump() + ", as functions of the grid have",
-                     Json(asked).dump());
+    throw InputError(path, "representation", Json(representations).dump() + ", as in the bake of the grid", Json(asked).dump());
   }
   if (!standsWhere(scene, baked)) {
-    throw InputError(path, "probes", "probes that stand where they stand in the grid",
-                     "others: lamps, too, say how far probes reach, and extent_m does; this needs a whole bake");
+    throw InputError(path, "probes: lamps or extent_m would move the probes of the grid; bake the grid again");
   }
 }
 

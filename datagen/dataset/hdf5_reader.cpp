@@ -41,7 +41,7 @@ void requireOurSuperblock(const std::string& path) {
   InputFile file(path);
   char start[9] = {};
   if (file.read(start, sizeof start) != sizeof start || std::memcmp(start, "\x89HDF\r\n\x1a\n", 8) != 0) {
-    place.refuseDamage("an HDF5 file", "another or a truncated one");
+    place.refuseDamage("an HDF5 file", "another kind of file, or a truncated one");
   }
   if (start[8] != 3) place.refuse("an HDF5 superblock of version 3", std::to_string(start[8]));
 }
@@ -53,7 +53,7 @@ Handle openDataset(hid_t file, const Place& place, const std::string& name) {
   H5L_info_t link{};
   place.require(H5Lget_info(file, name.c_str(), &link, H5P_DEFAULT) >= 0, "an array");
   // any other link may lead into a file that nobody named
-  if (link.type != H5L_TYPE_HARD) place.refuse("an array", "a link to elsewhere");
+  if (link.type != H5L_TYPE_HARD) place.refuse("an array", "a link to another place");
   Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
   place.require(dataset.ok(), "an array");
   return dataset;
@@ -74,7 +74,7 @@ void requireOurLayout(hid_t dataset, const Place& place, uint64_t element_bytes)
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
   place.require(properties.ok(), "a storage layout");
   const H5D_layout_t layout = H5Pget_layout(properties);
-  if (H5Pget_external_count(properties) != 0 || layout == H5D_VIRTUAL) place.refuse("data in this file", "data in another");
+  if (H5Pget_external_count(properties) != 0 || layout == H5D_VIRTUAL) place.refuse("data in this file", "data in another file");
   const int filter_count = H5Pget_nfilters(properties);
   for (int i = 0; i < filter_count; ++i) {
     unsigned flags = 0;
@@ -105,7 +105,7 @@ void requirePlausibleSize(hid_t file, hid_t dataset, const Place& place, const s
   const uint64_t stored_bytes = H5Dget_storage_size(dataset);
   if (stored_bytes > file_bytes || bytes > stored_bytes * kDeflateMaxRatio) {
     place.refuse("an array that its stored bytes can hold",
-                 fmt::format("shape {} in {} stored bytes", shapeText(shape), stored_bytes));
+                 fmt::format("shape {} for {} stored bytes", shapeText(shape), stored_bytes));
   }
 }
 
@@ -117,7 +117,7 @@ Handle openArray(hid_t file, const Place& place, const std::string& name, const 
   if (shape != expected_shape) place.refuse("shape " + shapeText(expected_shape), shapeText(shape));
   const Handle type(H5Dget_type(dataset), H5Tclose);
   place.require(type.ok(), "an element type");
-  if (H5Tequal(type, element.file) <= 0) place.refuse("the element type of the contract", "another");
+  if (H5Tequal(type, element.file) <= 0) place.refuse("the element type of the format", "another type");
   requireOurLayout(dataset, place, element_bytes);
   requirePlausibleSize(file, dataset, place, shape, element_bytes);
   return dataset;
@@ -171,7 +171,7 @@ void fillRows(hid_t dataset, const Place& place, const std::vector<uint64_t>& sh
     place.require(H5Dget_chunk_storage_size(dataset, offset.data(), &encoded_bytes) >= 0, "undamaged data");
     // deflate stores what it cannot compress: a few bytes more than the data
     if (encoded_bytes > chunk_bytes + chunk_bytes / 8 + 1024)
-      place.refuseDamage("undamaged data", "a chunk larger than its rows");
+      place.refuseDamage("undamaged data", "a chunk that is larger than its rows");
     encoded.resize(encoded_bytes);
     uint32_t skipped_filters = 0;
     place.require(H5Dread_chunk(dataset, H5P_DEFAULT, offset.data(), &skipped_filters, encoded.data()) >= 0, "undamaged data");
@@ -251,9 +251,8 @@ void Hdf5Reader::verifyDigest() const {
   const std::vector<uint8_t> stored = read<uint8_t>(kDigestName, {kDigestBytes});
   const Handle dataset = openDataset(file_, place, kDigestName);
   const haddr_t offset = H5Dget_offset(dataset);
-  if (offset == HADDR_UNDEF) place.refuse("bytes in one piece", "chunks");
-  if (fileSha256Bytes(path_, {offset, kDigestBytes}) != stored)
-    place.refuseDamage("the SHA-256 of the file", "that of other bytes");
+  if (offset == HADDR_UNDEF) place.refuse("contiguous bytes", "chunks");
+  if (fileSha256Bytes(path_, {offset, kDigestBytes}) != stored) place.refuseDamage("the SHA-256 of the file", "another digest");
 }
 
 uint64_t Hdf5Reader::storedBytes(const std::string& name) const {

@@ -231,9 +231,9 @@ std::string farObjects(const Scene& scene) {
 [[noreturn]] void refuse(const Scene& scene, const ExtentBox& box, double spacing_m, double probes, const NearbyTriangles& nearby,
                          const ProbePlacementOptions& options) {
   const double fitting = fittingSpacing(box, nearby, spacing_m, options.density_growth, options.max_probes);
-  const std::string expected =
-      "at most " + std::to_string(options.max_probes) + " probes" + (options.max_probes < kMaxTreeProbes ? " (max_probes)" : "") +
-      (std::isfinite(fitting) ? ", which a finest spacing of " + numberText(1.001 * fitting) + " m keeps" : "");
+  const std::string expected = "at most " + std::to_string(options.max_probes) + " probes" +
+                               (options.max_probes < kMaxTreeProbes ? " (max_probes)" : "") +
+                               (std::isfinite(fitting) ? "; a finest spacing of " + numberText(1.001 * fitting) + " m fits" : "");
   const glm::dvec3 side_m = box.high_m - box.low_m;
   const std::string smaller = options.extent || scene.extent ? "" : farObjects(scene);
   throw UsageError(scene.id, expected,

@@ -96,9 +96,9 @@ LightGrid readGrid(const std::string& path, double intensity, GridMetadata* meta
   if (intensity != 1.0) {
     grid.packed_light.unit *= static_cast<float>(intensity);
     if (const FileResult result = takePackedLight(&grid); !result.ok())
-      throw UsageError("intensity", "one that light bears", result.detail);
+      throw UsageError("intensity: light overflows: " + result.detail);
   }
-  if (grid.tree.cellCount() == 0) throw InputError(path, "tree", "a cell that is used", "none");
+  if (grid.tree.cellCount() == 0) throw InputError(path, "tree", "a used cell", "none");
   return grid;
 }
 
@@ -161,8 +161,8 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   if (format == nullptr && grid_format == nullptr) throw UsageError("--format", formatNames(), "'" + request.format + "'");
   if (grid_format != nullptr &&
       (!options.volume.extent_m.empty() || options.volume.spacing_m > 0.0 || !options.light_groups.empty()))
-    throw UsageError("--format", "one with texels beside extent_m, spacing_m and light_groups",
-                     request.format + ", which has none");
+    throw UsageError("--format " + request.format +
+                     " cannot be combined with extent_m, spacing_m and light_groups: it has no texels");
   if (request.out.empty()) throw UsageError("--out", "the name of a folder", "an empty text");
   GridMetadata metadata;
   LightGrid grid = readGrid(request.grid, options.intensity, &metadata);
@@ -182,7 +182,7 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   }
   if (!colours.empty()) {
     if (const FileResult result = mixLight(colours, &grid); !result.ok())
-      throw UsageError("light_groups", "factors that light bears", result.detail);
+      throw UsageError("light_groups: light overflows: " + result.detail);
   }
   const LightVolume volume = readVolume(grid, request, options);
   const LightBox& box = volume.box;

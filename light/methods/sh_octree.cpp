@@ -92,7 +92,7 @@ class CellSides {
     };
     ProbeTree tree;
     if (ProbeTree::build(frame_, judge, kMaxTreeProbes, &tree) != ProbeTreeStatus::ok)
-      throw UsageError("octree", "a scene that a tree of cells of 25 cm can cover", "a larger one");
+      throw UsageError("octree", "a scene that cells of 25 cm can cover", "a larger scene");
     return tree;
   }
 

@@ -165,9 +165,10 @@ nlg_status refuseArgument(std::string_view what, char* detail, size_t detail_siz
 // load(Held*) returns a FileResult; Handle{held} is what is handed out.
 template <class Held, class Handle, class Load>
 nlg_status loadHandle(bool has_source, const Load& load, Handle** handle, char* detail, size_t detail_size) noexcept {
-  if (handle == nullptr) return refuseArgument("handle: expected where it goes, got a null pointer", detail, detail_size);
+  if (handle == nullptr)
+    return refuseArgument("handle: expected an address for the result, got a null pointer", detail, detail_size);
   *handle = nullptr;
-  if (!has_source) return refuseArgument("path or bytes: expected what to load, got a null pointer", detail, detail_size);
+  if (!has_source) return refuseArgument("path or bytes: expected a source, got a null pointer", detail, detail_size);
   const nlg_status status = withMemory([&] {
     Held loaded;
     const nlg::FileResult result = load(&loaded);

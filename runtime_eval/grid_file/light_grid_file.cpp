@@ -162,8 +162,8 @@ FileResult takeIdentity(GridMetadata* metadata) {
   if (!result.ok()) return result;
   if (kind != kKind) return refuseText(FileStatus::value_out_of_range, "kind", kKind, kind);
   if (version != kVersion) {
-    return refuseText(FileStatus::version_unknown, "version",
-                      std::string(kVersion) + " (grids of earlier versions are to be baked again)", version);
+    return refuseText(FileStatus::version_unknown, "version", std::string(kVersion) + " (bake grids of earlier versions again)",
+                      version);
   }
   if (pattern != patternHash()) return refuseText(FileStatus::pattern_unknown, "pattern_hash", patternHash(), pattern);
   return {};
@@ -200,8 +200,7 @@ FileResult takeHasLight(GridMetadata* metadata, bool* has_light) {
   if (!result.ok()) return result;
   *has_light = text == kPackedLight;
   if (*has_light || text == kNoLight) return {};
-  return refuseText(FileStatus::value_out_of_range, "light", "none or axes (grids of earlier versions are to be baked again)",
-                    text);
+  return refuseText(FileStatus::value_out_of_range, "light", "none or axes (bake grids of earlier versions again)", text);
 }
 
 // The lines of a text of the metadata, which is taken out of it; false where there is none.

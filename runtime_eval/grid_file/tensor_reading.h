@@ -38,9 +38,9 @@ FileResult readNumbers(const TensorFileReader& reader, const std::string& name, 
 inline FileResult checkMemory(const TensorFileReader& reader, const GridCounts& counts) {
   const uint64_t most = mostGridMemory(reader.byteCount());
   if (counts.memory() <= most) return {};
-  return refuse(FileStatus::value_out_of_range, "memory: expected a grid that takes at most " + std::to_string(most) +
-                                                    " bytes, as one of a file of " + std::to_string(reader.byteCount()) +
-                                                    " may, got one that takes more; bake it again");
+  return refuse(FileStatus::value_out_of_range, "memory: expected a grid of at most " + std::to_string(most) +
+                                                    " bytes for a file of " + std::to_string(reader.byteCount()) +
+                                                    " bytes, got a larger one; bake it again");
 }
 
 // A tensor of bytes that codedBytes made, of which there are columns, or at most so many.

@@ -44,7 +44,7 @@ FileResult checkDictionaries(const LightGrid& grid) {
       return refuse(FileStatus::value_out_of_range, place + ": a code without a dictionary");
     if (representation.dictionary->codeCount() != representation.code_count ||
         representation.dictionary->resolution() != representation.resolution)
-      return refuse(FileStatus::value_out_of_range, place + ": a dictionary of other codes");
+      return refuse(FileStatus::value_out_of_range, place + ": a dictionary that does not fit its codes");
   }
   return {};
 }
@@ -124,7 +124,7 @@ FileResult checkGroups(const LightGrid& grid) {
     if (group.name.empty() || std::any_of(group.name.begin(), group.name.end(), isControl))
       return refuse(FileStatus::value_out_of_range, place + ": expected a name without control characters");
     if (std::any_of(&grid.groups[0], &grid.groups[g], [&](const LightGroup& other) { return other.name == group.name; }))
-      return refuse(FileStatus::value_out_of_range, place + ": its name is another one's");
+      return refuse(FileStatus::value_out_of_range, place + ": two groups have its name");
     if (group.light.size() != grid.light.size())
       return refuse(FileStatus::tensor_unexpected, sized(place.c_str(), group.light.size(), "as all light", grid.light.size()));
     FileResult result = checkValues(place.c_str(), group.light, kMaxGridLight);

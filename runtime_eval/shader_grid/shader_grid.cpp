@@ -100,11 +100,11 @@ class Packer {
   explicit Packer(const LightGrid& grid) : grid_(grid) {}
 
   FileResult pack(ShaderGrid* result) {
-    if (grid_.light.empty()) return refuse("a grid without light; shaders have nothing to show of it");
+    if (grid_.light.empty()) return refuse("a grid without light");
     const ProbeTreeFrame& frame = grid_.tree.frame();
     if (!(cornerErrorM(frame) <= kMostCornerError * frame.spacing_m))
-      return refuse("its lattice begins so far from the origin that a float is " + std::to_string(cornerErrorM(frame)) +
-                    " m off: an origin nearer to it is needed (--origin-m)");
+      return refuse("its corner is so far from the origin that a float is " + std::to_string(cornerErrorM(frame)) +
+                    " m off; give --origin-m");
     packLightOfProbes();
     findClasses();
     for (const ProbeClass& of : classes_) {
@@ -210,7 +210,7 @@ class Packer {
   FileResult addTree(ShaderGrid* result) {
     const ProbeTreeData tree = probeTreeData(grid_.tree);
     const ProbeTreeLists lists = probeTreeLists(grid_.tree);
-    if (lists.slots.size() > kIndexMask) return refuse(std::to_string(lists.slots.size()) + " slots; shaders name 2^27");
+    if (lists.slots.size() > kIndexMask) return refuse(std::to_string(lists.slots.size()) + " slots; shaders address 2^27");
     // the box of all blocks that a used cell reaches into
     std::array<int32_t, 3> low{INT32_MAX, INT32_MAX, INT32_MAX}, high{0, 0, 0};
     grid_.tree.forEachCell([&](const ProbeCell& cell) {
@@ -225,7 +225,7 @@ class Packer {
       block_count_[axis] = grid_.tree.cellCount() > 0 ? high[axis] - low[axis] : 0;
       count *= static_cast<uint64_t>(block_count_[axis]);
     }
-    if (count > kMaxShaderBlocks) return refuse(std::to_string(count) + " blocks of 4³ units; shaders take 2^26");
+    if (count > kMaxShaderBlocks) return refuse(std::to_string(count) + " blocks of 4³ units; shaders address 2^26");
     first_block_word_ = words_.size();
     words_.resize(words_.size() + toFours(count), kNoBlock);
     first_slot_word_ = words_.size();
@@ -290,7 +290,7 @@ class Packer {
       end += classes_[k].stride * (next - classes_[k].first_probe);
     }
     placeBricks(&end);
-    if (end > kMostWords) return refuse(std::to_string(end) + " words; shaders count 2^29");
+    if (end > kMostWords) return refuse(std::to_string(end) + " words; shaders address 2^29");
     words_.resize(end, 0);
     result->probe_record.assign(number_.size(), 0);
     const auto stored_words = static_cast<size_t>(lightWords(light_));
@@ -311,7 +311,8 @@ class Packer {
       if (function >= kNoWeight) continue;
       if (of.representation.isCode()) {
         const int exponent = std::ilogb(grid_.function_brick[function].step);
-        if (exponent > kMostExponent) return refuse("function " + std::to_string(function) + ": logits beyond what shaders take");
+        if (exponent > kMostExponent)
+          return refuse("function " + std::to_string(function) + ": logits beyond the range of shaders");
         record[light_words_] = brick_four_[function] | static_cast<uint32_t>(exponent - kLeastStepExponent) << kBrickBits;
       } else if (!addTheta(of, grid_.functionTheta(function), record + thetaWord(of))) {
         return refuse("function " + std::to_string(function) + ": a number beyond float16");

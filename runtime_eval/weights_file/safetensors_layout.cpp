@@ -49,7 +49,7 @@ bool tensorBytes(const std::vector<uint64_t>& shape, uint64_t element_bytes, uin
 
 FileResult readHeader(const ByteSource& source, WeightsHeader* header, uint64_t* data_offset) {
   uint64_t length = 0;
-  if (source.size < kLengthBytes) return refuse(FileStatus::too_short, "no 8 bytes for the header's length");
+  if (source.size < kLengthBytes) return refuse(FileStatus::too_short, "shorter than the 8 bytes of the header's length");
   if (!source.read(0, &length, kLengthBytes)) return refuse(FileStatus::cannot_read, "header length");
   if (length > kMaxHeaderBytes || length > source.size - kLengthBytes) {
     return refuse(FileStatus::header_too_large,
@@ -140,7 +140,8 @@ FileResult checkDigest(const ByteSource& source, WeightsHeader* header) {
     digest.add(block.data(), count);
   }
   if (digest.finish() == named) return {};
-  return refuse(FileStatus::digest_mismatch, "its bytes are not those that its file_sha256 is of: damaged, or changed by hand");
+  return refuse(FileStatus::digest_mismatch,
+                "its bytes do not match its file_sha256: the file is damaged, or was changed by hand");
 }
 
 }  // namespace

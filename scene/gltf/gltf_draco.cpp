@@ -122,7 +122,7 @@ class DracoPrimitive {
       uint8_t traversal = 0;
       is_read = is_read && buffer.Decode(&traversal) && draco::DecodeVarint(&vertices, &buffer);
     }
-    if (!is_read || !draco::DecodeVarint(&faces, &buffer)) fail("a Draco mesh", "a beginning that is cut or damaged");
+    if (!is_read || !draco::DecodeVarint(&faces, &buffer)) fail("a Draco mesh", "a truncated or damaged header");
     return {faces, is_edgebreaker};
   }
 
@@ -140,9 +140,9 @@ class DracoPrimitive {
       const std::string words = status.error_msg_string();
       fail("a Draco mesh", words.empty() ? "bytes that do not unpack" : words.substr(0, 80));
     } catch (const std::bad_alloc&) {
-      fail("a Draco mesh", "one that takes more memory than there is");
+      fail("a Draco mesh", "a mesh that takes more memory than there is");
     } catch (const std::length_error&) {
-      fail("a Draco mesh", "one that takes more memory than there is");
+      fail("a Draco mesh", "a mesh that takes more memory than there is");
     }
   }
 

@@ -213,7 +213,7 @@ class JsonChecker {
     const auto check = [&] {
       require(Kind::object, element, place);
       checkMembers(section, element, place, false);
-      if (!isWhole(section.name, element, place)) fail(place, "all that glTF asks of it", element.dump());
+      if (!isWhole(section.name, element, place)) fail(place, "all members that glTF requires", element.dump());
     };
     if (section.blank == nullptr) return check();
     if (odd_.attempt(kMended, check)) return;

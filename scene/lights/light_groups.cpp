@@ -69,7 +69,7 @@ class Grouping {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found != names.end()) return static_cast<uint8_t>(found - names.begin());
     if (names.size() == kMaxLightGroups) {
-      throw InputError(scene_.id, "light_groups", std::to_string(kMaxLightGroups) + " groups of light at most",
+      throw InputError(scene_.id, "light_groups", "at most " + std::to_string(kMaxLightGroups) + " groups of light",
                        "more, the first too many '" + name + "': --light-groups kind, or lamps put together by light_group");
     }
     names.push_back(name);

@@ -65,7 +65,7 @@ def ends_in_one_line(exit_code, words, *command, environment=None):
 def check_broken_configurations():
     """Files that are no configuration, by the script, by pipeline.sh and by Snakemake: one line, with line and column where there is one."""
     broken = {"empty": (b"", "bad.yaml: top level"), "null": (b"null\n", "bad.yaml: top level"), "map": (b"{}\n", "'name'"), "list": (b"- 1\n", "bad.yaml: top level"),
-              "nameless": (b"representations: [mlp]\n", "missing key 'name'"), "cut": (b"name: x\nscenes: [1,\n", "bad.yaml:3:1"), "bytes": (b"name: x\n#\xff", "bad.yaml:2:2"),
+              "nameless": (b"representations: [mlp]\n", "expected the key 'name'"), "cut": (b"name: x\nscenes: [1,\n", "bad.yaml:3:1"), "bytes": (b"name: x\n#\xff", "bad.yaml:2:2"),
               "control": (b"name: x\nsplit: \x01\n", "bad.yaml:2:8"), "date": (b"\nname: 2020-13-45\n", "bad.yaml:2:7"), "digits": (b"name: " + b"9" * 5000, "bad.yaml:1:7"),
               "surrogate": (b'name: "a\\ud800"\n', "name"), "deep": (b"[" * 100000, "bad.yaml"), "loop": (b"&a [*a]\n", "bad.yaml"), "key": (b"? [a]\n: b\n", "bad.yaml:1:3"),
               "twice": (b"name: a\nname: b\n", "bad.yaml:2:1"), "two": (b"a: b\n---\nc: d\n", "bad.yaml:2:1"), "tag": (b"a: !!python/object:os.system x\n", "bad.yaml:1:4")}
@@ -215,7 +215,7 @@ def check_workflow():
         (basis, "held_out_share: 1", "a number from 0 to 0.9"),
         (basis.replace("''", os.path.abspath("own")), "held_out_share: 0.5", "two levels at least, one to train on and one to hold out, got '1'"),
         (basis.replace("''", os.path.abspath("homes")), held_out, "/homes, got 'none'"),
-        (basis, held_out + ", evaluation: [house_2]", "house_2 in both"),
+        (basis, held_out + ", evaluation: [house_2]", "house_2 is in held_out and in evaluation"),
         (basis, held_out + ", evaluation: house_1", "a list of texts"),
         (basis.replace("per_family: 3", "per_family: 200000, jitters: 200").replace(", jitters: 1", ""), held_out, "at most 1000000 shards"),
         (*archives("{folder: /game, maps: ['*'], colour: red}"), "unknown key 'colour'"),

@@ -88,7 +88,7 @@ age=$(stat -c '%Y %Z' "${shards[1]}")
 mapfile -t again < <(check "$NLG_BIN" configs/smoke.yaml | sort)
 [ "${again[*]}" = "${shards[2]} ${shards[0]}" ] || fail "to make again: ${again[*]}; $(cat "$temporary/messages")"
 [ "$(grep -c 'made again' "$temporary/messages")" = 2 ] || fail "messages: $(cat "$temporary/messages")"
-grep -q "clutter_0.0.h5 leads elsewhere" "$temporary/messages" || fail "nothing was said of a link: $(cat "$temporary/messages")"
+grep -q "clutter_0.0.h5 is reached through a link" "$temporary/messages" || fail "nothing was said of a link: $(cat "$temporary/messages")"
 [ "$(sha256sum <"${shards[0]}.damaged")" = "$damaged" ] || fail "a damaged shard was not kept as it was"
 for stranger in "$dataset/notes.h5" "$dataset/training/house_0.1.h5" "$dataset/training/clutter_0.0.h5" "$temporary/elsewhere/linked.h5"; do
   [ "$(cat "$stranger")" = notes ] || fail "$stranger, which is none of the run's files, was touched"

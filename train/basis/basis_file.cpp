@@ -92,7 +92,8 @@ BasisFile readBasisFile(const std::string& path) {
   checkFinite(path, "spectrum", file.basis.spectrum);
   checkFinite(path, "kept_variance", file.kept_variance);
   const bool positive = std::all_of(data.deviation.begin(), data.deviation.end(), [](float d) { return d > 0; });
-  if (!positive || data.deviation.empty()) throw InputError(path, "dataset deviation", "positive numbers", "none or others");
+  if (!positive || data.deviation.empty())
+    throw InputError(path, "dataset deviation", "positive numbers", "none, or other numbers");
   return file;
 }
 

@@ -90,7 +90,7 @@ void readCheckpoint(const CheckpointFile& file, const RunIdentity& identity, Tra
   const std::string other = differences(file.identity(), identity);
   if (!other.empty()) {
     throw InputError(file.path(), "the run",
-                     "that which is asked for; --restart-on-change starts afresh, another --run keeps both", other);
+                     "a checkpoint of the same run (--restart-on-change starts a new one; another --run keeps both)", other);
   }
   loadNetwork(file, kNetwork, state->network);
   loadNetwork(file, kAverage, state->average);

@@ -62,19 +62,19 @@ FunctionCache::FunctionCache(const std::string& path) : path_(path), mapped_(map
     const bool is_footer_whole = has_footer && sha256(footer) == std::string(head.footer_sha256, sizeof head.footer_sha256);
     if (std::memcmp(head.magic, kCacheMagic, sizeof kCacheMagic) != 0) {
       // of anything but a cache these bytes are no SHA-256 of the others
-      if (is_footer_whole) throw DamageError(path, "first bytes", "those of a function cache", "others: the file is damaged");
-      throw InputError(path, "first bytes", "those of a function cache", "others");
+      if (is_footer_whole)
+        throw DamageError(path, "first bytes", "those of a function cache", "other bytes: the file is damaged");
+      throw InputError(path, "first bytes", "those of a function cache", "other bytes");
     }
     if (head.version != kCacheVersion) {
-      throw InputError(path, "version", std::to_string(kCacheVersion) + ", as this nlg-cache makes it",
-                       std::to_string(head.version));
+      throw InputError(path, "version", std::to_string(kCacheVersion) + ", as of this nlg-cache", std::to_string(head.version));
     }
     if (std::any_of(mapped_ + sizeof head, mapped_ + kFirstRecord, [](uint8_t byte) { return byte != 0; })) {
-      throw DamageError(path, "bytes behind the head", "zeros", "others: the file is damaged");
+      throw DamageError(path, "bytes behind the head", "zeros", "other bytes: the file is damaged");
     }
-    if (!has_footer) throw DamageError(path, "footer", "a whole file", "one of " + std::to_string(mapped_count_) + " bytes");
+    if (!has_footer) throw DamageError(path, "footer", "a whole file", "a file of " + std::to_string(mapped_count_) + " bytes");
     if (!is_footer_whole) {
-      throw DamageError(path, "SHA-256 of the footer", "that of the head", "another: the file is truncated or damaged");
+      throw DamageError(path, "SHA-256 of the footer", "that of the head", "another digest: the file is truncated or damaged");
     }
     readFooter(footer);
     const size_t expected = kFirstRecord + recordBytes(coefficient_count_) * static_cast<size_t>(function_count_);
@@ -149,7 +149,8 @@ void FunctionCache::loadBlock(int64_t block) {
   if (!checked_[static_cast<size_t>(block)]) {
     const std::string_view bytes(reinterpret_cast<const char*>(span.first), span.count);
     if (sha256(bytes) != block_sha256_[static_cast<size_t>(block)]) {
-      throw DamageError(path_, "SHA-256 of block " + std::to_string(block), "that of the footer", "another: the file is damaged");
+      throw DamageError(path_, "SHA-256 of block " + std::to_string(block), "that of the footer",
+                        "another digest: the file is damaged");
     }
     checked_[static_cast<size_t>(block)] = true;
     return;

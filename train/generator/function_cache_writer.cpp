@@ -88,7 +88,7 @@ class CacheWriter {
   void add(const Shard& shard) {
     const int64_t count = static_cast<int64_t>(shard.functionCount());
     if (count_ + count > static_cast<int64_t>(places_.size())) {
-      throw InputError(shard.path, "functions", "as many as when the cache was begun", "more: the file has changed meanwhile");
+      throw InputError(shard.path, "functions", "as many as at the start", "more: the file has changed since");
     }
     const size_t K = static_cast<size_t>(projection_.coefficientCount());
     std::vector<float> coefficients(K * kBatchCount);

@@ -20,8 +20,7 @@ namespace {
 [[noreturn]] void fail(const ProcessGroup::Options& options, const std::exception& error) {
   const std::string text = error.what();
   throw InputError(options.rendezvous, "process " + std::to_string(options.rank) + " of " + std::to_string(options.count),
-                   "all processes to take part, none longer than " + std::to_string(options.timeout_s) + " s away",
-                   text.substr(0, text.find('\n')));
+                   "all processes within " + std::to_string(options.timeout_s) + " s", text.substr(0, text.find('\n')));
 }
 
 std::shared_ptr<::gloo::transport::Device> networkDevice() {

@@ -67,7 +67,7 @@ std::shared_ptr<void> RunFolder::lock() const {
   if (file < 0) throw OutputError(path, std::generic_category().message(errno));
   // held by the open file: gone with the process, however it ends
   std::shared_ptr<void> held(nullptr, [file](void*) { ::close(file); });
-  if (::flock(file, LOCK_EX | LOCK_NB) != 0) throw UsageError("--run", "a folder in which no other nlg-train is at work", path_);
+  if (::flock(file, LOCK_EX | LOCK_NB) != 0) throw UsageError("--run", "a folder that no other nlg-train uses", path_);
   return held;
 }
 

@@ -102,7 +102,7 @@ void agree(const TrainingState& state, const ProcessGroup& processes) {
     if (steps[rank].item<double>() != static_cast<double>(state.step)) {
       throw InputError("--run", "process " + std::to_string(rank),
                        "the same checkpoint in all processes, of step " + std::to_string(state.step),
-                       "one of step " + std::to_string(steps[rank].item<int64_t>()));
+                       "step " + std::to_string(steps[rank].item<int64_t>()));
     }
   }
   for (const GeneratorNetwork& network : {state.network, state.average}) {

@@ -317,7 +317,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   if (!scene->source.sha256.empty()) hashes["scene"] = scene->source.sha256;
   const LightMeasurement measurement(request, options, *scene);
   if (measurement.places().places.empty())
-    throw InputError(request.scene, "air", "places in air that are far enough from what shines", "none");
+    throw InputError(request.scene, "air", "sample points in air at --source-distance from lamps and emissive faces", "none");
   Json json = {{"schema_version", 1},
                {"provenance", provenance("nlg-validate light", used, hashes)},
                {"scene", scene->source.id},

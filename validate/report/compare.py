@@ -190,7 +190,7 @@ def paired_changes(name, old, new, options):
     for word in WORDS:
         a, b = pairs[word] = old.samples[name, word], new.samples[name, word]
         if len(a) != len(b) or any((getattr(a, key) != getattr(b, key)).any() for key in ("function", "scene", "takes_theta", "hard")):
-            raise InputError(new.path, f"rows of '{name}', '{word}' in functions.csv beside it", "the functions of the old run, in its order", "others")
+            raise InputError(new.path, f"rows of '{name}', '{word}' in functions.csv beside it", "the functions of the old run, in its order", "other functions")
         (theta_a, hard_a), (theta_b, hard_b) = [(some.of("theta"), some.of("hard")) for some in (a, b)]
         yield "", f"{word}, mean blend RMSE", mean_change(theta_a.blend_rmse, theta_b.blend_rmse)
         yield "", f"{word}, mean blend RMSE of hard functions", mean_change(hard_a.blend_rmse, hard_b.blend_rmse)
@@ -347,7 +347,7 @@ def main():
             worse += [f"{name} is gone" for name in comparison.lost] + [", ".join(filter(None, (change.representation, change.scene))) + f": {change.figure}" for change in comparison.of("worse")]
         if not worse:
             return 0
-        say("compare.py", f"new run against old: expected nothing worse beyond noise, got {len(worse)} worse, the first of them {worse[0]}")
+        say("compare.py", f"the new run is worse than the old one beyond noise in {len(worse)} figures; the first: {worse[0]}")
         return CHECK_FAILED
     return run("compare.py", work)
 

@@ -162,7 +162,7 @@ def read_all(paths):
         of_path = read_points(path)
         for scene in {point.scene for point in of_path}:
             if scene in seen:
-                raise InputError(path, "scene", "scenes of one file each", f"'{scene}', which {seen[scene]} has too")
+                raise InputError(path, "scene", "one file per scene", f"'{scene}', which {seen[scene]} holds too")
             seen[scene] = path
         points += of_path
     return points

@@ -65,7 +65,7 @@ class ViewsMeasurement {
         views_(request.cameras ? cameraViews(transport_)
                                : findViews(transport_, lightExtent(scene.source.scene, options.extent_m), request.views)) {
     if (views_.views.empty() && request.cameras) throw InputError(request.scene, "cameras", "one or more", "none");
-    if (views_.views.empty()) throw InputError(request.scene, "air", "places where somebody can stand", "none");
+    if (views_.views.empty()) throw InputError(request.scene, "air", "points where a player can stand", "none");
     ViewTruthOptions truth;
     truth.gather.rays = request.truth_rays;
     truth.noise = request.truth_noise;
@@ -90,8 +90,8 @@ class ViewsMeasurement {
       known_views_ += ready_[v].truth.isKnown();
     }
     if (known_views_ == 0)
-      throw InputError(request.scene, "truth", fmt::format("a view whose noise is at most {:.2f}; more --truth-rays", kMostNoise),
-                       fmt::format("none of {}", ready_.size()));
+      throw InputError(request.scene, "truth", fmt::format("a view whose noise is at most {:.2f}", kMostNoise),
+                       fmt::format("none of {}; raise --truth-rays", ready_.size()));
   }
 
   Json measure(const GeneratorSets& sets) {
@@ -105,7 +105,7 @@ class ViewsMeasurement {
       LightGrid grid;
       GridMetadata metadata;
       requireRead(path, readLightGridFile(path, &grid, &metadata), "a light grid");
-      if (grid.light.empty()) throw InputError(path, "light", "a light grid that holds light", "none");
+      if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
       measureLighting(std::filesystem::path(path).stem().string(), "of its file",
                       gridLighting(grid, scene_.source.scene.origin_m));
     }
@@ -274,7 +274,7 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
   inputs.insert(inputs.end(), request.grids.begin(), request.grids.end());
   refuseToReplaceInputs(request.out, inputs);
   requireOutputFile(request.out);
-  if (options.light == "none") throw UsageError("--light", "solved, integrated or point: a view needs light", "none");
+  if (options.light == "none") throw UsageError("--light", "solved, integrated or point", "none, and a view needs light");
   if (!request.pictures.empty()) requireOutputFolder(request.pictures, "--pictures");
   if (request.truth.empty()) request.truth = std::filesystem::absolute(request.out).parent_path().string();
   requireOutputFolder(request.truth, "--truth");

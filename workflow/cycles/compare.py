@@ -49,7 +49,7 @@ def blender():
         raise UsageError("blender", "Blender 3.4 on the PATH (apt-get install --no-install-recommends blender python3-numpy)", "none")
     version = printed([found, "--version"], found).partition("\n")[0]
     if not re.match(r"Blender 3\.4\.", version):
-        raise UsageError(found, "Blender 3.4, as Debian 12 has it", version or "no version")
+        raise UsageError(found, "Blender 3.4, as in Debian 12", version or "no version")
     return found
 
 

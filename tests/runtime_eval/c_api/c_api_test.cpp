@@ -174,7 +174,7 @@ TEST(CApi, RefusesWithAStatusAndAReason) {
   };
   EXPECT_EQ(statusOf(sampleBytes().substr(0, 5)), NLG_TOO_SHORT);
   EXPECT_EQ(generator, nullptr);
-  EXPECT_STREQ(detail, "no 8 bytes for the header's length");
+  EXPECT_STREQ(detail, "shorter than the 8 bytes of the header's length");
   EXPECT_EQ(statusOf(sampleBytes() + "x"), NLG_TENSOR_MALFORMED);
   EXPECT_EQ(statusOf(serializeWeights({})), NLG_TENSOR_MISSING);
   EXPECT_EQ(nlg_generator_load("/no/such/file", &generator, detail, sizeof detail), NLG_CANNOT_OPEN);

@@ -562,7 +562,7 @@ TEST(LightGridCheck, NamesWhatDoesNotBelongTogether) {
       {"pf4", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[3].resolution = 4; }},
       {"code40", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[6].code_count = 40; }},
       {"no dictionary", FileStatus::value_out_of_range, [](LightGrid& g) { g.representations[6].dictionary = nullptr; }},
-      {"a dictionary of other codes", FileStatus::value_out_of_range,
+      {"a dictionary that does not fit its codes", FileStatus::value_out_of_range,
        [](LightGrid& g) { g.representations[6].dictionary = g.representations[7].dictionary; }},
       {"bricks of another resolution", FileStatus::value_out_of_range,
        [](LightGrid& g) { g.representations[6].dictionary = sampleDictionary(7, 64, 1), g.representations[6].resolution = 7; }},

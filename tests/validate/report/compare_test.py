@@ -193,7 +193,7 @@ class Comparisons(unittest.TestCase):
         self.assertEqual(run(old, old).returncode, 0)
         found = run(old, worse)
         self.assertEqual(found.returncode, CHECK_FAILED)
-        self.assertRegex(found.stderr, r"^compare.py: error: new run against old: .*worse, the first of them mlp: network, mean blend RMSE\n$")
+        self.assertRegex(found.stderr, r"^compare.py: error: the new run is worse than the old one beyond noise in .*; the first: mlp: network, mean blend RMSE\n$")
         changes = json.loads(run(old, worse, "--json").stdout)["changes"]
         self.assertEqual({some["trend"] for some in changes if some["figure"] == "stored, mean blend RMSE"}, {"worse"})
         self.assertEqual(run(old).returncode, USAGE_ERROR)

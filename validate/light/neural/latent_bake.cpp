@@ -161,7 +161,7 @@ LearnedLight trainLatentBake(const LitPlaces& lit, const PlaceSplit& split, cons
   });
   for (size_t i = 0; i < order.size(); ++i) half[is_own ? 0 : i % 2].push_back(&voxels[order[i]]);
   if (!is_own && half[1].empty())
-    throw InputError("the scene", "air", "two voxels with places enough to learn light from", "one");
+    throw InputError("the scene", "air", "two voxels with enough sample points to learn light from", "one");
 
   LearnedLight learned;
   LearnedCost& cost = learned.cost;

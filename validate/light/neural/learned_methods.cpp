@@ -64,7 +64,7 @@ LearnedMethod learnedRow(const Row& row) {
 std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOptions& options) {
   const PlaceSplit split = splitPlaces(lit.light.size(), mixSeed(options.seed, kSplitStream));
   if (split.learned.size() < kFewestPlaces)
-    throw InputError("the scene", "air", fmt::format("{} places to learn light from", kFewestPlaces),
+    throw InputError("the scene", "air", fmt::format("{} sample points to learn light from", kFewestPlaces),
                      std::to_string(split.learned.size()));
   std::vector<Row> rows;  // the longest first
   for (const LatentVoxels voxels : {LatentVoxels::own, LatentVoxels::other}) {

@@ -49,7 +49,7 @@ std::vector<VoxelPlaces> placesByVoxel(const VoxelLattice& lattice, const LitPla
   for (size_t voxel = 0; voxel < of_voxel.size(); ++voxel) {
     if (of_voxel[voxel].learned.size() >= kFewestVoxelPlaces) enough.push_back({voxel, std::move(of_voxel[voxel])});
   }
-  if (enough.empty()) throw InputError("the scene", "air", "a voxel with places enough to learn light from", "none");
+  if (enough.empty()) throw InputError("the scene", "air", "a voxel with enough sample points to learn light from", "none");
   return enough;
 }
 
