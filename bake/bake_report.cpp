@@ -117,8 +117,9 @@ std::string lightText(const BakeStatistics& s) {
       fmt::format("air: {} of {} cells hold none and were left out, with {} of {} probes; {:.2f} s by the clock\n",
                   s.air.airless_cells, s.air.cells, s.air.probes - s.counts.grid_probes, s.air.probes, s.air.wall_s);
   if (s.air.in_cavities + s.function_times.cavity_probes > 0) {
-    text += fmt::format("cavities: {} of {} places tried and {} of {} probes lie in closed hollows, and count as in solid\n",
-                        s.air.in_cavities, s.air.drawn, s.function_times.cavity_probes, s.counts.grid_probes);
+    text +=
+        fmt::format("cavities: {} of {} sample points tried and {} of {} probes lie in closed hollows, and count as in solid\n",
+                    s.air.in_cavities, s.air.drawn, s.function_times.cavity_probes, s.counts.grid_probes);
   }
   const LightStatistics& light = s.light;
   if (!light.is_lit) return text + "light: none\n";
@@ -141,10 +142,10 @@ std::string firstLine(const std::string& path, uint64_t probes, uint64_t file_by
 std::string placesSummary(const std::string& set, uint64_t places, const LightAtPlaces& light) {
   const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
   return fmt::format(
-      "light{}: half of {} err by less than {:.1f} % of what was measured there, 1 in 20 by more than {:.0f} %, noise "
-      "included, most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
-      set.empty() ? "" : " set " + set, countText(places, "place"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x,
-      worst.y, worst.z, light.mean);
+      "light{}: the error is below {:.1f} % at half of {}, and above {:.0f} % at 1 in 20, noise included; largest at {:.1f}, "
+      "{:.1f}, {:.1f}; mean radiance {:.3g}\n",
+      set.empty() ? "" : " set " + set, 100.0 * light.median_error, countText(places, "sample point"), 100.0 * light.p95_error,
+      worst.x, worst.y, worst.z, light.mean);
 }
 
 std::string lightSummary(const LightStatistics& light) {
@@ -300,7 +301,7 @@ std::string toTable(const BakeReport& report) {
   text += lightText(s);
   text += fmt::format(
       "probes: {} free space, {} all but the bare tent, {} in solid, {} without weight, {} duplicates ({:.2f} s to find)\n"
-      "probes in solid that have weights, as seen from a place in air: {}\n",
+      "probes in solid that have weights, as seen from a point in air: {}\n",
       counts.free_space, s.bare_tents.count, counts.in_solid, counts.empty, counts.duplicates, s.function_times.duplicates_s,
       counts.solid_functions);
   for (const ThetaWord word : kWords) {

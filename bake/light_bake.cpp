@@ -233,7 +233,7 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
   if (!statistics.is_lit) return warnings;
   const auto warnOfDarkness = [&](const std::string& of, double mean) {
     if (mean == 0.0) {
-      warnings.push_back(of + "no light reaches any place in air: what shines is switched off, or walled in");
+      warnings.push_back(of + "no light reaches any point in air: lights are switched off, or walled in");
     } else if (mean < kNearlyBlack) {
       warnings.push_back(
           of +

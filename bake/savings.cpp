@@ -130,7 +130,7 @@ class SavingsCount {
     const std::optional<double> light_s =
         light.is_lit ? each(light.measure_wall_s * threads_, air.cells - air.airless_cells) : std::nullopt;
     add("cells without air", air.airless_cells, air.cells, times(air.airless_cells, light_s), {},
-        "air_only; seconds: light at as many places as other cells have");
+        "air_only; seconds: light at as many sample points as other cells have");
     const uint64_t unread = air.probes - counts_.grid_probes;
     const std::optional<double> probe_bytes = each(static_cast<double>(bytes_.total()), counts_.grid_probes);
     const std::optional<double> bytes = times(unread, probe_bytes);

@@ -107,7 +107,7 @@ std::vector<SurfaceCache::Found> SurfaceCache::outermost(std::vector<Found> foun
 
 void SurfaceCache::findCells(const LightTransport& transport, const std::vector<glm::dvec3>& places,
                              const SurfaceCacheOptions& options, int thread_count) {
-  Progress progress("places that look for surfaces", static_cast<int64_t>(places.size()));
+  Progress progress("sample points that look for surfaces", static_cast<int64_t>(places.size()));
   std::vector<std::vector<Found>> blocks(blockCount(places.size(), kDiscoveryBlock));
   parallelForBlocks(places.size(), kDiscoveryBlock, thread_count, [&](uint64_t first, uint64_t end, int) {
     std::vector<Found> found;

@@ -21,7 +21,7 @@
 namespace nlg {
 
 struct Stage {
-  std::string name;             // "places lit"; empty: none is known
+  std::string name;             // "sample points lit"; empty: none is known
   std::optional<double> share;  // of it, 0 … 1; of what cannot be counted: none
 };
 

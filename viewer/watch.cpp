@@ -50,8 +50,8 @@ std::string lastLine(std::string text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-// Of one line: "nlg-bake: places lit: 64 of 512 (12.5 %), 500/s, 1 s left", or what cannot be counted, "nlg-bake: light of probes". Lines
-// for people have a second colon, and no count behind it.
+// Of one line: "nlg-bake: sample points lit: 64 of 512 (12.5 %), 500/s, 1 s left", or what cannot be counted, "nlg-bake: light of
+// probes". Lines for people have a second colon, and no count behind it.
 std::optional<Stage> stageOfLine(const std::string& line) {
   static const std::regex progress(R"(nlg-\w+: ([^:]+)(?:: (\d+) of (\d+)(?: \(|, ).*)?)");
   std::smatch parts;

@@ -201,7 +201,7 @@ class Run:
         self.light_scenes = {}
         for scene in light["scenes"]:
             name = re.sub(r"[^\w.-]+", "_", Path(scene).stem if scene.lower().endswith((".glb", ".gltf", ".obj", ".bsp")) else scene)
-            require("validate_light: scenes", scene, re.search(r"[^\W_]", name) and name not in self.light_scenes, "scenes with names of their own")
+            require("validate_light: scenes", scene, re.search(r"[^\W_]", name) and name not in self.light_scenes, "scenes with different names")
             self.light_scenes[name] = scene
         require("validate_light: spacings", light["spacings"], len(light["spacings"]) <= MAX_LIGHT_SPACINGS, f"at most {MAX_LIGHT_SPACINGS} distances")
         self.light_spacings = [str(value) for value in light["spacings"]]

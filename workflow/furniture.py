@@ -47,6 +47,6 @@ def find_interiors(entries, root="", most=100000):
                 for seed in range(first, first + entry["seeds"]):
                     name = f"{plan}_{seed}_{stem_of(archive)}"
                     if name in scenes:
-                        raise ValueError(f"{place}: expected scenes with names of their own, got {name} twice")
+                        raise ValueError(f"{place}: two scenes are named {name}")
                     scenes[name] = (f"{path}:{plan}:{seed}", [path])
     return scenes

@@ -39,7 +39,7 @@ def matching(place, patterns, names):
     for pattern in patterns:
         matched = {name for name in names if fnmatch(name, pattern)}
         if not matched:
-            raise ValueError(f"{place}: expected patterns of maps that are there, got {pattern!r}")
+            raise ValueError(f"{place}: expected patterns of existing maps, got {pattern!r}")
         found |= matched
     return found
 
@@ -60,6 +60,6 @@ def find_levels(archives, root=""):
         chosen = matching(f"{place}: maps", entry["maps"], names) - matching(f"{place}: without", entry.get("without", []), names)
         for name in sorted(chosen):
             if name in levels:
-                raise ValueError(f"{place}: expected levels with names of their own, got {name} of {folder} and of {levels[name][0]}")
+                raise ValueError(f"{place}: two levels are named {name}, in {folder} and in {levels[name][0]}")
             levels[name] = (f"{folder}:{name}", files)
     return levels

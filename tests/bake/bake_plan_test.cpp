@@ -134,7 +134,7 @@ TEST(BakeReport, EndsInThreeLinesOrFourWithPluralsWhereTheyBelong) {
   report.statistics.light.mean = 0.656;
   report.statistics.light.worst_m = {-1.25, 2, 10};
   const std::string text = toSummary(report, "level.safetensors");
-  EXPECT_NE(text.find("light: half of 7,560 places err by less than 3.2 % of what was measured there, 1 in 20 by more than 12 %"),
+  EXPECT_NE(text.find("light: the error is below 3.2 % at half of 7,560 sample points, and above 12 % at 1 in 20"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("most at -1.3, 2.0, 10.0; mean radiance 0.656\n"), std::string::npos) << text;

@@ -168,8 +168,8 @@ def check_workflow():
                         ("train: {steps: 2001-01-01}", "a text, a number"), ("train: {1: 2}", "keys that are texts"), ("train: {a: 1, a: 2}", "workflow.yaml:6:15: expected each key once"),
                         ("effort: full\nfull: {report: {savings: [house_0]}}", "held out or for the evaluation")]:
         refuses_configuration(basis, held_out, "{}", words, more)
-    for light, words in [("{colour: red}", "unknown key 'colour'"), ("{scenes: 'cornell:0'}", "a list of texts"), ("{scenes: ['cornell:0', 'cornell:0']}", "names of their own"),
-                         ("{scenes: ['::']}", "names of their own"), ("{spacings: []}", "a list of numbers"), ("{spacings: [0]}", "a list of numbers"), ("{spacings: [true]}", "a list of numbers"),
+    for light, words in [("{colour: red}", "unknown key 'colour'"), ("{scenes: 'cornell:0'}", "a list of texts"), ("{scenes: ['cornell:0', 'cornell:0']}", "scenes with different names"),
+                         ("{scenes: ['::']}", "scenes with different names"), ("{spacings: []}", "a list of numbers"), ("{spacings: [0]}", "a list of numbers"), ("{spacings: [true]}", "a list of numbers"),
                          ("{air_samples: 4}", "an integer from 8 to 10000000, got 4"), ("{walks: 1.5}", "an integer from 1"), ("{look_up_seconds: -1}", "a number from 0 to 600")]:
         refuses_configuration(basis, held_out, "{}", words, f"validate_light: {light}")
     cases += 1
@@ -200,7 +200,7 @@ def check_workflow():
         (*furniture(f"{{{shop}, plans: [flat], seeds: true}}"), "an integer from 1"),
         (*furniture(f"{{{shop}, plans: [flat], seeds: 1, first_seed: -1}}"), "an integer from 0"),
         (*furniture(f"{{{shop}, plans: [flat], seeds: 1000000000}}"), "at most 1000000 scenes"),
-        (*furniture(f"{{{shop}, plans: [flat, flat], seeds: 1}}"), "flat_0_big-shop twice"),
+        (*furniture(f"{{{shop}, plans: [flat, flat], seeds: 1}}"), "two scenes are named flat_0_big-shop"),
         (*furniture("{archives: [/game/a.pk3], plans: [flat], seeds: 1}"), "a list of .sh3f files"),
         (*furniture("{archives: [/nowhere/A.sh3f], plans: [flat], seeds: 1, install: apt install some-furniture}"),
          "nowhere/A.sh3f, got none; install it: apt install some-furniture"),
@@ -224,7 +224,7 @@ def check_workflow():
         (*archives("{folder: /game, maps: one}"), "a list of names or patterns"),
         (*archives("{folder: /game, maps: [four]}"), "got 'four'"),
         (*archives("{folder: /game, maps: ['*'], without: [four]}"), "got 'four'"),
-        (*archives("{folder: /game, maps: ['*']}, {folder: /game, maps: [one]}"), "names of their own"),
+        (*archives("{folder: /game, maps: ['*']}, {folder: /game, maps: [one]}"), "scenes with different names"),
         (*archives("{folder: /nowhere, maps: ['*'], install: apt install some-game}"), "nowhere, got none; install them: apt install some-game"),
         (*archives("{folder: /bad_game, maps: ['*']}"), "a b"),
         (*archives("{folder: /text_game, maps: ['*']}"), "text_game/a.pk3"),

@@ -291,10 +291,10 @@ class Served(Case):
         watch.waited(lambda: waiting in watch.state()["text"], "preview")
         bake = self.child_of(watch)
         # how far it is
-        far = watch.waited(lambda: (state := watch.state())["stage"] == "places lit" and state["share"] is not None and state, "stage of the bake")
+        far = watch.waited(lambda: (state := watch.state())["stage"] == "sample points lit" and state["share"] is not None and state, "stage of the bake")
         self.assertTrue(far["busy"])
         self.assertTrue(0 <= far["share"] <= 1, far)
-        self.assertNotIn("places lit", watch.said(), "the terminal has the stages alone")
+        self.assertNotIn("sample points lit", watch.said(), "the terminal has the stages alone")
         shown = watch.state()["shown"]
         self.level.candela["warm"] = 100.0
         self.level.save()

@@ -111,7 +111,7 @@ def light(scene, baseline, ours, direct="all"):
     methods = [light_method("valid trilinear", "point", 1.5 * baseline, 400), light_method("exact visibility", "point", ours, 400), light_method("DDGI as shipped", "own", baseline, 10000),
                light_method("tent_mlp4", "point", 2 * ours, 480), light_method("tent_mlp4", "solved", ours, 480),
                light_method("tent_mlp4, thinned 0.03", "solved", 2 * ours, 360), light_method("tent_mlp4, thinned 0.2", "solved", 9 * ours, 320)]
-    return {"schema_version": 1, "scene": scene, "provenance": {"revision": "0123abc", "options": {"light_direct": direct}}, "floor": light_method("harmonics at the place", "point", 0.01, 1),
+    return {"schema_version": 1, "scene": scene, "provenance": {"revision": "0123abc", "options": {"light_direct": direct}}, "floor": light_method("harmonics at the point", "point", 0.01, 1),
             "truth": {"all_bounces_in_one_ray": True, "noise": 0.01, "places": {"air": 300, "surface": 300, "dark": 20}}, "spacings": [{"spacing_m": 1.0, "methods": methods}]}
 
 

@@ -114,7 +114,7 @@ class LightMeasurement {
 
   // Harmonics gathered at the place itself: what is left is what they cannot hold.
   Json floorFigures() const {
-    const LightMethod method = {"harmonics at the place",
+    const LightMethod method = {"harmonics at the point",
                                 "point",
                                 [&](const glm::dvec3& position_m, const glm::vec3& normal) {
                                   const GatheredLight light =

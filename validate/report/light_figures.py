@@ -25,7 +25,7 @@ TEST_BOXES = ("cornell", "two_rooms")
 BY_ROOM = {group: f"{group}_by_room" for group in GROUPS}
 LEAKS = ("edge", "corner", "beside_light")  # excess; these and the ones by room: not in results of before 25 November 2026
 DAYLIGHT = "daylight"
-FLOOR, TARGET = "harmonics at the place", "target φ"  # steps before the words
+FLOOR, TARGET = "harmonics at the point", "target φ"  # steps before the words
 SCENE_KINDS = {"levels": "levels that hold their own light", "furnished": "furnished and thin-walled scenes", "daylight": "rooms beside daylight", "boxes": "test boxes"}
 
 

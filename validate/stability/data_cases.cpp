@@ -222,7 +222,7 @@ StabilityCase sampledCase(const std::string& name, const std::function<SampledFu
       "functions",
       name,
       "every generator's theta is finite, no stage of the bake makes it worse, and the error of what a bake stores is at most "
-      "what the check allows, or 1.01 times what one constant does at best in the place of the whole network or field",
+      "what the check allows, or 1.01 times that of the best constant in place of the network or field",
       StabilityDepth::brief,
       true,
       [make](const StabilityInputs& inputs, StabilityFigures* figures) {

@@ -3,7 +3,7 @@
 
     workflow/cycles/compare.py [--out FOLDER] [--bin FOLDER] [--points N] [--samples N] [--rays N] [SCENE …]
 
-Of every scene: Blender models it, exports it and bakes irradiance at places (scenes.py), nlg-render irradiance traces the file that was exported,
+Of every scene: Blender models it, exports it and bakes irradiance at sample points (scenes.py), nlg-render irradiance traces the file that was exported,
 and the means are compared (ratios.py) → FOLDER/SCENE.result.json, and a line on stdout. What is there of the same settings and scripts is not made
 again by Blender. workflow/results.py collect-cycles FOLDER makes the page of it. Scenes: images mask blend emission transmission sum; SCENE@means is a
 scene whose images have been replaced by their means.
@@ -69,7 +69,7 @@ def baked(scene, folder, places, samples):
 
 
 def traced(scene, folder, found, tools, rays):
-    """Irradiance by run, place and channel, of nlg-render: as many runs as Cycles has, of other seeds."""
+    """Irradiance by run, sample point and channel, of nlg-render: as many runs as Cycles has, of other seeds."""
     places = folder / f"{scene}.places.csv"
     rows = [",".join(f"{number:.9g}" for number in place) for place in found["places"]]
     write_atomically(places, "\n".join([",".join(PLACE), *rows, ""]).encode())
@@ -91,7 +91,7 @@ def measure(scene, arguments):
     channels = compare(traced(scene, arguments.out, found, arguments.bin, arguments.rays), found["runs"])
     result = {"scene": scene, "revision": revision, "blender": found["blender"], "places": len(found["places"]), "runs": len(found["runs"]), "samples": found["samples"], "rays": arguments.rays, "channels": channels}
     write_atomically(arguments.out / f"{scene}.result.json", (json.dumps(result, indent=1) + "\n").encode())
-    print(f"{scene:14}" + "  ".join(f"{name} {c['ratio']:.4f} ± {c['error']:.4f} (places differ by {c['difference']:.4f}, noise {c['noise']:.4f})" for name, c in channels.items()), flush=True)
+    print(f"{scene:14}" + "  ".join(f"{name} {c['ratio']:.4f} ± {c['error']:.4f} (sample points differ by {c['difference']:.4f}, noise {c['noise']:.4f})" for name, c in channels.items()), flush=True)
 
 
 def main():

@@ -14,7 +14,7 @@ def over(ours, our_errors, theirs, their_errors):
     count = len(ours)
     sums = sum(ours), sum(theirs)
     if not sums[1] > 0.0:
-        raise ValueError("irradiance that is above 0 is needed at some place")
+        raise ValueError("no sample point has irradiance above 0")
     ratio = sums[0] / sums[1]
     variance = sum(e * e for e in our_errors) + ratio * ratio * sum(e * e for e in their_errors)
     square = sum(t * t for t in theirs)

@@ -7,7 +7,7 @@ import threading
 
 from .errors import ToolError
 
-# nlg-bake: places lit: 64 of 2160 (3.0 %), 3.553e+04/s, 0.1 s left
+# nlg-bake: sample points lit: 64 of 2160 (3.0 %), 3.553e+04/s, 0.1 s left
 PROGRESS = re.compile(r"nlg-\w+: (?P<stage>[^:]+): \d+ of \d+ \((?P<percent>[\d.]+) %\)")
 # a stage that cannot be counted is one line of its name
 STAGE = re.compile(r"nlg-\w+: (?P<stage>[a-z -]+)$")

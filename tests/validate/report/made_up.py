@@ -204,7 +204,7 @@ def light(scene, harder):
     fine, coarse = methods(1, 800), methods(1.6, 120)
     for rank, place in enumerate(fine[3]["worst"] if harder > 1 else ()):
         place["picture"] = f"pictures/{harder}_{rank}.png"
-    return {"schema_version": 1, "scene": scene, "truth": {"all_bounces_in_one_ray": True}, "floor": method("harmonics at the place", "point", .05 * harder, 33, 800),
+    return {"schema_version": 1, "scene": scene, "truth": {"all_bounces_in_one_ray": True}, "floor": method("harmonics at the point", "point", .05 * harder, 33, 800),
             "spacings": [{"spacing_m": 1.0, "methods": fine, "words": words}, {"spacing_m": 2.0, "methods": coarse}]}
 
 

@@ -116,7 +116,7 @@ def check_page(needed, proof):
     expect(text.count('<tr class="fails-check">') == 1, "a case that holds but fails the bake's check is not marked as what it is")
     expect(text.count('<tr class="not-run">') == 1 and "19 of 21 cases hold; 1 fails and is explained; 1 fails without an explanation; the bake’s check fails 1 of those that hold; 1 was not run." in text,
            "a case that was not run counts as one that held or failed")
-    expect(text.count('alt="Worst place ') == 10 and text.count("; truth 0.50, 0.40, 0.30, answer 0.90, 0.40, 0.30") == 10, "the worst places have no pictures, or do not say what is seen there")
+    expect(text.count('alt="Worst sample point ') == 10 and text.count("; truth 0.50, 0.40, 0.30, answer 0.90, 0.40, 0.30") == 10, "the worst places have no pictures, or do not say what is seen there")
     expect("brings back 2 settings" in text and "<li>train, steps: 3,000 instead of 8,000</li>" in text and "doorway, table instead of two_rooms, doorway, table" in text, "a short run does not say what it left out")
     came = text[text.index('<section id="data">'):text.index('<section id="provenance">')]
     row = lambda *cells: "".join(f">{cell}</td>" for cell in cells)
@@ -349,7 +349,7 @@ def check_light():
     heads, distances = some.distances()
     expect(heads == ["2–5 cm", "5–10 cm", "10–20 cm", "20–50 cm"] and distances[3]["texts"][0] == f"{.2 * 1.02:.3f}", f"{heads}, {distances[3]}")
     steps = light_section.LightSection(some.points, "tent_mlp", [step for path in files for step in light_figures.read_steps(path)]).step_rows()
-    expect([(row["step"], row["representation"]) for row in steps] == [("harmonics at the place", None), ("target φ", None), *((word, "tent_mlp") for word in inputs.WORDS)], f"steps: {steps}")
+    expect([(row["step"], row["representation"]) for row in steps] == [("harmonics at the point", None), ("target φ", None), *((word, "tent_mlp") for word in inputs.WORDS)], f"steps: {steps}")
     # of .05, .1 and .15; .098, .196 and .294; .104, .208 and .312
     expect([row["added in air"] and round(row["added in air"], 4) for row in steps] == [None, .096, .012, .006, .004, .004] and round(steps[1]["RMSE in air"], 4) == .196, f"steps: {steps}")
     expect("3 scenes, probes 1 and 2 m apart. At 1 m tent_mlp with light solved for has an RMSE of 0.200 in air" in some.sentence() and "The least has tent_mlp, solved for (in air, before surfaces, there with any normal)." in some.sentence(), some.sentence())
