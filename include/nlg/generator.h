@@ -1,7 +1,8 @@
-// The generator: a network that predicts theta, the parameters that stand for a weighting function, in one pass.
+// The generator: a network that predicts theta, the parameters of a weighting function, in one pass.
 //
-// It reads the weights that nlg-export wrote (docs/reference/formats.md lists the tensors). No exceptions but for memory; no allocation after
-// load. A Generator is constant: any number of threads may use one, each with a GeneratorScratch of its own. Copies share the weights.
+// It runs weights of nlg-export (docs/reference/formats.md lists the tensors). Nothing here throws but for memory, and nothing
+// allocates after load. A Generator is constant: any number of threads may use one, each with its own GeneratorScratch. Copies
+// share the weights.
 #pragma once
 
 #include <cstddef>
@@ -20,27 +21,31 @@ class GeneratorScratch;
 
 class Generator {
  public:
-  // Without weights: only load and parse may be called.
+  // Makes a generator without weights, for load and parse. Its other functions must not be called.
   Generator() = default;
   explicit Generator(const GeneratorData& data);
 
-  // Reads a weights file, or its bytes, and checks every byte; *generator is changed only on success. Obeys the environment variable NLG_SIMD
-  // (simd.h): a name that is no target of this build and machine is refused (simd_unavailable), so the first call should precede other
-  // threads' work.
-  // path   "weights/tent_mlp4.safetensors"
+  // Reads a weights file, or its bytes, and verifies every byte. The first call sets the SIMD target that the environment
+  // variable NLG_SIMD names (simd.h), and should precede the work of other threads.
+  //
+  // path        as "weights/tent_mlp4.safetensors"
+  // generator   changed only on success
+  // returns     ok; otherwise the status and one line that says where and why. simd_unavailable: NLG_SIMD names no target of this
+  //             machine
   static FileResult load(const std::string& path, Generator* generator);
   static FileResult parse(std::string_view bytes, Generator* generator);
 
-  // What theta stands for, and D = representation().thetaCount().
+  // Returns the representation that theta is of. D = representation().thetaCount().
   const Representation& representation() const;
-  // D floats: where fits start that take no prediction.
+  // Returns D floats: the start of fits that use no prediction.
   const float* theta0() const;
-  // The generator was trained for a last layer that is solved for each function.
+  // Returns whether the weights are for a last layer that is solved exactly for each function.
   bool exactLastLayer() const;
 
-  // Predicts theta of `count` functions. A function's theta depends on the function, the weights and the SIMD target, not on the functions
-  // beside it. It is neither checked nor fitted: ThetaPolicy (policy.h) does what a bake does.
-  // phi       count x P, in the order of supportPattern(); bytes: round(255 phi); floats: phi in [0, 1]
+  // Predicts theta of `count` functions. The theta of a function depends on the function, the weights and the SIMD target, not on
+  // the other functions of the call. It is neither checked nor fitted: ThetaPolicy (policy.h) does both.
+  //
+  // phi       count x P, in the order of supportPattern(): bytes round(255 phi), or floats in [0, 1]
   // theta     count x D, overwritten
   // scratch   made for this generator
   void generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const;

@@ -1,10 +1,10 @@
-// The policy: from a weighting function to the theta that a light grid stores. The bake, validation and every measurement call this one.
+// The policy: computes from a weighting function the theta that a light grid stores. The bake and every measurement use this one.
 //
-//     bare tent, where it is enough → network → check → exact last layer → check → short fit → check → choice of representation
+//     bare tent, if it is good enough → network → check → exact last layer → check → short fit → check → choice of representation
 //     → refinement of what fails the check → rounding
 //
-// ThetaStage names the stages, ThetaRecord holds what became of a function. The check (check.h) alone decides whether a theta may stand for
-// its function.
+// ThetaStage names the stages, and ThetaRecord holds the result of each for one function. Only the check (check.h) decides
+// whether a theta is good enough.
 #pragma once
 
 #include <array>
@@ -21,7 +21,8 @@
 
 namespace nlg {
 
-// Defaults, ranges and what each option means: policy_options.def. The settings of the tools and the fields of C have the same names.
+// Meaning, default and range of each option are in policy_options.def. Settings of the tools and fields of nlg.h have the same
+// names.
 struct StageOptions {
 #define NLG_STAGE_OPTION(type, name, value, low, high, help) type name = value;
 #include "nlg/policy_options.def"
@@ -38,19 +39,19 @@ struct ChoiceOptions {
 #define NLG_CHOICE_OPTION(type, name, value, low, high, help) type name = value;
 #include "nlg/policy_options.def"
 
-  // The same choice on the errors of predicted theta, which have further to fall.
+  // Returns the options of the same choice by errors of predicted theta, which fits still lower.
   ChoiceOptions forPredicted() const { return {choice_flat_ratio, choice_enough_rmse * choice_generator_excess, 1.0}; }
 };
 
 struct PolicyOptions : StageOptions, CodeOptions, CheckOptions, RefinementOptions, ChoiceOptions {
-  ThetaPrecision theta_precision = ThetaPrecision::int8;  // what stored theta are rounded to, as a light grid holds them
+  ThetaPrecision theta_precision = ThetaPrecision::int8;  // number format that stored theta are rounded to
 
   const CheckOptions& check() const { return *this; }
   CheckOptions& check() { return *this; }
 };
 
-// The name of the first option that is not finite or not in its range, "refine_first_steps"; null where all of them are. What the policy
-// makes of other options is not defined.
+// Returns the name of the first option that is not finite or not in its range, as "refine_first_steps"; null if all are valid.
+// With invalid options the policy is undefined.
 const char* outOfRange(const PolicyOptions& options);
 
 // The stages, in the order in which a function meets them.
@@ -62,47 +63,47 @@ enum class ThetaStage : uint8_t {
   lm_theta0,   // Levenberg–Marquardt from theta0
   adam,        // a short run of Adam
   refinement,  // fits in rounds until the check passes
-  larger,      // the same for the next larger representation
+  larger,      // refinement in the next larger representation
   rounding,    // to the light grid's precision
-  check,       // whether theta may stand for its function: after each of the words below
+  check,       // the check, after each of the words below
 };
 inline constexpr int kThetaStageCount = 10;
 
-// What every table sums stages up to: *network* (one pass of the generator's network), *corrected* (and the last layer solved exactly),
-// *fitted* (and any step of Adam or Levenberg–Marquardt), *stored* (what the grid holds).
+// Groups of stages, by which every table reports errors and times: *network*, one pass of the generator; *corrected*, with the
+// last layer solved exactly; *fitted*, after all steps of Adam and Levenberg–Marquardt; *stored*, what the grid holds.
 enum class ThetaWord : uint8_t { network, corrected, fitted, stored };
 inline constexpr int kThetaWordCount = 4;
 
-// "exact last layer"; a key for files: "last_layer"; "corrected".
+// Return the title of a stage ("exact last layer"), its key in files ("last_layer"), and the key of a word ("corrected").
 const char* stageTitle(ThetaStage stage);
 const char* stageName(ThetaStage stage);
 const char* wordName(ThetaWord word);
-// The word that theta has earned with this stage; rounding and bare tents: stored. Not of `check`.
+// Returns the word that a stage belongs to; rounding and bare tents belong to stored. The stage must not be `check`.
 ThetaWord wordOf(ThetaStage stage);
-// Whether it takes steps of Adam or Levenberg–Marquardt.
+// Returns whether a stage takes steps of Adam or Levenberg–Marquardt.
 bool isFit(ThetaStage stage);
 
 // Why a fit ended.
 enum class FitStop {
   budget,      // all steps taken
   gradient,    // the gradient vanished
-  progress,    // steps stopped paying
-  damping,     // no damping made a step downhill (a minimum, or numbers at their end)
+  progress,    // steps lower the loss too little
+  damping,     // no damping gives a step that lowers the loss: a minimum, or the precision of floats is reached
   no_points,   // no valid point: theta returned as it was given
   not_finite,  // start or function not finite: theta returned as it was given
 };
 inline constexpr int kFitStopCount = 6;
 const char* fitStopName(FitStop stop);
 
-// What became of one function in one representation.
+// Result of every stage for one function in one representation.
 struct ThetaRecord {
   std::array<FunctionCheck, kThetaWordCount> check;  // of theta, by ThetaWord
-  std::array<float, kThetaWordCount> word_us{};      // microseconds from the word before to this one, by the steady clock
-  std::array<float, kThetaStageCount> stage_us{};    // the same by ThetaStage; of what runs in batches, a function's share
-  ThetaStage ended = ThetaStage::network;            // that made theta what it is; bare_tent: there is none
+  std::array<float, kThetaWordCount> word_us{};      // time from the word before to this one, microseconds of a steady clock
+  std::array<float, kThetaStageCount> stage_us{};    // time of each ThetaStage, microseconds; of a batch, the function's share
+  ThetaStage ended = ThetaStage::network;            // last stage that changed theta; bare_tent: there is no theta
   bool took_fit = false;                      // any step of Adam or Levenberg–Marquardt, kept or not, in any representation
-  bool refined = false;                       // took the refinement
-  FitStop refinement_stop = FitStop::budget;  // why its last fit ended
+  bool refined = false;                       // whether the refinement ran
+  FitStop refinement_stop = FitStop::budget;  // why the last fit of the refinement ended
 
   const FunctionCheck& at(ThetaWord word) const { return check[static_cast<size_t>(word)]; }
   FunctionCheck& at(ThetaWord word) { return check[static_cast<size_t>(word)]; }
@@ -110,22 +111,23 @@ struct ThetaRecord {
     stage_us[static_cast<size_t>(stage)] += elapsed_us;
     word_us[static_cast<size_t>(word)] += elapsed_us;
   }
-  // Microseconds from the function to this word.
+  // Returns the time up to this word, microseconds.
   double elapsedUs(ThetaWord word) const {
     return std::accumulate(word_us.begin(), word_us.begin() + static_cast<ptrdiff_t>(word) + 1, 0.0);
   }
 };
 
-// Whether a function has no theta: the check of its bare tent says so.
+// Returns whether the bare tent is good enough, so that the function needs no theta.
+// tent   result of checkBareTent
 bool takesBareTent(const FunctionCheck& tent, const PolicyOptions& options);
 
-// What the policy made of a function.
+// The policy's result for one function.
 struct MadeTheta {
-  uint8_t generator = 0;    // index of the one whose representation stands for it
+  uint8_t generator = 0;    // index of the generator whose representation was chosen
   bool larger_ran = false;  // whether more than the smallest representation was tried
-  Theta theta;              // D floats; empty where the bare tent is enough
-  // Of the representation that was chosen; where refinement took a larger one, fitted and stored are of that. Times and took_fit are of
-  // all that were tried.
+  Theta theta;              // D floats; empty for a bare tent
+  // Of the chosen representation; if refinement took a larger one, fitted and stored are of the larger one. Times and took_fit
+  // cover all representations that were tried.
   ThetaRecord record;
 
   bool isBareTent() const { return record.ended == ThetaStage::bare_tent; }
@@ -135,12 +137,12 @@ struct MadeTheta {
 struct StagePlan;   // runtime_eval/policy/stage_plan.h
 struct ThetaTrace;  // runtime_eval/policy/theta_trace.h
 
-// One of these a thread.
+// Runs the policy. Each thread needs its own.
 class ThetaPolicy {
  public:
-  // generators   one a representation, by rising D; 1 to 256 of them; they must outlive the policy
-  // options      in their ranges (outOfRange)
-  // last         no stage after this one runs
+  // generators   1 to 256, one per representation, by rising D; they must outlive the policy
+  // options      valid by outOfRange
+  // last         the last stage that runs, as ThetaStage::network to measure predictions
   ThetaPolicy(std::vector<const Generator*> generators, const PolicyOptions& options, ThetaStage last = ThetaStage::rounding);
   ~ThetaPolicy();
   ThetaPolicy(ThetaPolicy&&) noexcept;
@@ -149,19 +151,24 @@ class ThetaPolicy {
   const PolicyOptions& options() const;
   const std::vector<StagePlan>& plan(size_t generator) const;
 
-  // All stages. A function's theta does not depend on the functions beside it. Fastest with thousands of functions a call.
-  // made     count of them, overwritten
-  // trace    for measurements; may be null
+  // Runs all stages. The theta of a function does not depend on the other functions of the call. Fastest with thousands of
+  // functions per call.
+  //
+  // functions   count functions
+  // made        count results, overwritten
+  // trace       for measurements; may be null
   void bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace = nullptr);
 
-  // The same in parts, for a bake that refines the worst functions first: checkBareTent and takesBareTent, make, refine, round.
+  // The parts of bake, for callers that refine the worst functions first: call checkBareTent, takesBareTent, make, refine, round,
+  // in this order. checkBareTent returns the errors of the bare tent.
   FunctionCheck checkBareTent(const StoredFunction& function);
-  // Network, exact last layer, short fits and the choice of representation.
+  // Runs network, exact last layer, short fits and the choice of representation.
   void make(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace = nullptr);
-  // Where the check fails: fits on, in the next larger representation where this one is not enough.
+  // Fits further if the check fails, in the next larger representation if this one does not suffice. Does nothing if the check
+  // passes.
   void refine(const StoredFunction& function, MadeTheta* made);
-  // Rounds to theta_precision; a number beyond float16 becomes the largest that it has. The check of the result is recorded. Where a theta
-  // that passed would fail now, it is fitted to a stricter check and rounded again.
+  // Rounds theta to theta_precision and records its check; numbers beyond float16 become its largest. A theta that passed the
+  // check, and fails after rounding, is fitted to a stricter check and rounded again.
   void round(const StoredFunction& function, MadeTheta* made);
 
  private:

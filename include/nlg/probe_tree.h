@@ -1,13 +1,12 @@
 // The tree of probes over a level, and the look-up of the 8 probes around a position.
 //
-// Everything stands on an integer lattice of the finest spacing: lattice point i lies at first_m + spacing_m * i. A regular array
-// of root nodes, 64 units a side, covers the extent; each is a tree of at most 3 levels that splits every axis in 4: node sides
-// are 64, 16 and 4 units. A node's brick of 2³, 3³ or 5³ probes cuts it into cells of its whole, half or quarter side, so that
-// cell sides are powers of two from 1 to 64 units. The cells of a 5³ brick coincide with the node's 64 children; each is a child,
-// or is used itself, or is left out where nobody needs probes. What happens at the borders of levels: docs/theory/probes.md.
+// Probes stand on an integer lattice of the finest spacing: lattice point i lies at first_m + spacing_m * i. A regular array of
+// root nodes, 64 units wide, covers the extent. Each is a tree of at most 3 levels that splits every axis in 4: nodes are 64, 16
+// and 4 units wide. A node's brick of 2³, 3³ or 5³ probes cuts it into cells of its whole, half or quarter width, so that cell
+// sides are powers of two from 1 to 64 units. The cells of a 5³ brick coincide with the node's 64 children; each cell is a child,
+// is used, or is left out if no look-up needs it. Borders between levels: docs/theory/probes.md.
 //
-// Needs a compiler and nothing else. A built tree is constant: any number of threads may look up; a look-up takes no memory and
-// cannot fail.
+// A built tree is constant: any number of threads may look up. A look-up allocates nothing and cannot fail.
 #pragma once
 
 #include <array>
@@ -25,7 +24,7 @@ using PositionM = std::array<double, 3>;  // metres, in the frame of ProbeTreeFr
 
 inline constexpr int32_t kRootSide = 64;                    // units
 inline constexpr int32_t kMaxLatticeSide = (1 << 21) - 64;  // units along an axis, over all roots
-inline constexpr uint32_t kNoProbe = 0xffffffffu;           // no index of a probe
+inline constexpr uint32_t kNoProbe = 0xffffffffu;           // in place of an index: no probe
 inline constexpr uint64_t kMaxTreeProbes = 1ull << 27;      // of one tree
 
 struct ProbeTreeFrame {
@@ -41,11 +40,11 @@ struct ProbeCell {
   bool operator==(const ProbeCell&) const = default;
 };
 
-// What the builder asks of every cell that it may use.
+// Verdict on a cell that the builder may use.
 enum class CellVerdict : uint8_t {
-  unneeded,    // nobody looks up inside this cube
-  fits,        // 8 probes, a cell's side apart, are enough for it
-  too_coarse,  // it needs smaller cells; a cell of side 1 is used all the same
+  unneeded,    // no look-up inside this cube
+  fits,        // 8 probes, a cell's side apart, are enough
+  too_coarse,  // smaller cells are needed; a cell of side 1 is used nevertheless
 };
 // Must be a pure function of the cell.
 using CellJudge = std::function<CellVerdict(const ProbeCell&)>;
@@ -53,7 +52,7 @@ using CellJudge = std::function<CellVerdict(const ProbeCell&)>;
 enum class ProbeTreeStatus {
   ok,
   invalid_frame,    // a number of the frame lies outside its range
-  too_many_probes,  // the tree would hold more probes than the limit; found before much more memory than theirs is taken
+  too_many_probes,  // the tree would hold more probes than the limit; detected before it takes much more memory than these
 };
 
 // One of the 8 probes around a position.
@@ -63,26 +62,26 @@ struct ProbeAround {
   float tent_ratio = 1.0f;    // in [0, 1]: the cell's tent over the tent of the probe's own support; 1 inside one level
 };
 
-// Corner c stands at the cell's low (bit 0 for x, 1 for y, 2 for z is clear) or high side. The sum over the corners of
-// tent(local) * tent_ratio is 1; a weight φ(local) * tent_ratio fades to 0 at the faces of the cell that the probe is not on.
+// The cell around a position and the probes at its 8 corners. Bits 0, 1, 2 of a corner's index are set on the high side in x, y,
+// z. The sum over the corners of tent(local) * tent_ratio is 1; a weight φ(local) * tent_ratio fades to 0 at the faces that the
+// probe is not on.
 struct ProbesAround {
   ProbeCell cell;
   std::array<ProbeAround, 8> corners;
 };
 
-// Where a position lies: its cell, as ProbeTree::cornersOf takes it, and the place in it. For look-ups of many positions, of which
-// neighbours often share a cell.
+// The cell of a position, for ProbeTree::cornersOf, and the position in it. For look-ups of many positions that share cells.
 struct CellPlace {
-  uint32_t first_slot = 0;  // names the cell: no two cells of a tree have the same
-  uint8_t edge = 0;         // slots along an edge of the cell's brick; 0 of no cell
-  uint8_t cell_log2 = 0;    // side, units
+  uint32_t first_slot = 0;  // identifies the cell: unique in a tree
+  uint8_t edge = 0;         // slots along an edge of the cell's brick; 0: no cell
+  uint8_t cell_log2 = 0;    // log2 of the side, units
   LocalPoint from_low{};    // in shares of the cell's side, [0, 1]
 };
 
 // The probes of a cell, in the order of ProbesAround's corners.
 struct CellCorners {
   uint32_t probe[8];
-  uint8_t spacing_log2[8];  // of the probe's spacing over the cell's side: 0 inside one level, up to 6 elsewhere
+  uint8_t spacing_log2[8];  // log2 of the probe's spacing over the cell's side: 0 inside one level, up to 6 elsewhere
 };
 
 // A node, for drawing.
@@ -90,20 +89,22 @@ struct ProbeNode {
   LatticePoint low{};
   int32_t side = kRootSide;  // units: 64, 16, 4
   int level = 0;             // 0, 1, 2
-  int brick_side = 2;        // probes along an edge of its brick: 2, 3, 5; 0 when the node is not needed at all
+  int brick_side = 2;        // probes along an edge of its brick: 2, 3, 5; 0: the node is not needed
 };
 
 class ProbeTree {
  public:
-  // Builds the tree: a node takes the smallest brick whose cells all fit; where even the cells of a 5³ brick are too coarse they
-  // become children, at the last level they are used as they are. Probes that no used cell reads are left out; a probe that
-  // several bricks name is stored once. The same frame and verdicts give the same tree, bit for bit.
-  // probe_limit   <= kMaxTreeProbes
-  // On failure *tree is empty.
+  // Builds a tree. A node takes the smallest brick whose cells all fit; cells of a 5³ brick that are too coarse become children,
+  // and at the last level are used nevertheless. Probes that no used cell reads are left out; a probe of several bricks is stored
+  // once. The same frame and verdicts give the same tree, bit for bit.
+  //
+  // judge         a pure function of the cell
+  // probe_limit   <= kMaxTreeProbes, as 1000000
+  // tree          overwritten; empty on failure
   static ProbeTreeStatus build(const ProbeTreeFrame& frame, const CellJudge& judge, uint64_t probe_limit, ProbeTree* tree);
 
-  // Moves all probes: a tree that was built around a scene's middle into the world's coordinates.
-  // by_m   finite, and so is the frame's first_m after it
+  // Moves all probes, for instance from coordinates around a scene's middle to world coordinates.
+  // by_m   metres; finite, and the frame's first_m must stay finite
   void moveBy(const PositionM& by_m) {
     for (int axis = 0; axis < 3; ++axis) frame_.first_m[axis] += by_m[axis];
   }
@@ -112,30 +113,35 @@ class ProbeTree {
   size_t probeCount() const { return probe_keys_.size(); }
   size_t nodeCount() const { return nodes_.size(); }
   size_t cellCount() const { return cell_count_; }  // cells in use
-  size_t byteCount() const;                         // of memory
+  size_t byteCount() const;                         // memory of the tree, bytes
 
-  // Of a probe, index < probeCount(). Probes are numbered along a Morton curve: neighbours in space are neighbours in memory.
+  // Return the position of a probe, on the lattice and in metres. Probes are numbered along a Morton curve: neighbours in space
+  // are neighbours in memory.
+  // index   < probeCount()
   LatticePoint probeLattice(size_t index) const;
   PositionM probePosition(size_t index) const;
-  // Half the side of its support, metres: the largest side of the cells that have it as a corner, so that its support covers all
-  // of them.
+  // Returns half the side of a probe's support, metres: the largest side of the cells that it is a corner of, so that the support
+  // covers them.
   float probeSpacing(size_t index) const;
 
-  // The cell around a position and its 8 probes. False, and *around unchanged, when no cell holds the position: outside the
-  // roots, in a cell that was left out, or not finite. Cells are half open: a position on the face between two belongs to the
-  // upper one.
+  // Finds the cell around a position and its 8 probes. Cells are half open: a position on the face between two is in the upper
+  // one.
+  // returns   false, with *around unchanged, if no cell holds the position: it is outside the roots, in a cell that was left out,
+  //           or not finite
   bool lookUp(const PositionM& position_m, ProbesAround* around) const;
 
-  // The two halves of lookUp, for many positions: their cells, whose edge is 0 where lookUp is false, and the corners of one.
-  // places   count of them
+  // The two halves of lookUp, for many positions: findCells finds their cells, with edge 0 where lookUp returns false, and
+  // cornersOf returns the probes of one.
+  // places   count results, overwritten
   void findCells(const PositionM* positions_m, size_t count, CellPlace* places) const;
   CellCorners cornersOf(const CellPlace& place) const;
 
-  // The same as lookUp, and for a position in no cell that of the nearest point of a used cell, if one lies within less than one unit along
-  // every axis. False, and *around unchanged, when there is none, or when the position is not finite.
+  // As lookUp; a position in no cell is moved to the nearest point of a used cell, if one is less than one unit away along every
+  // axis.
+  // returns   false, with *around unchanged, if there is none, or the position is not finite
   bool lookUpNear(const PositionM& position_m, ProbesAround* around) const;
 
-  // Nodes parents first, and cells in use, in a fixed order.
+  // Visit all nodes, parents first, and all cells in use, in a fixed order.
   void forEachNode(const std::function<void(const ProbeNode&)>& visit) const;
   void forEachCell(const std::function<void(const ProbeCell&)>& visit) const;
 

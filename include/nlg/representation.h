@@ -1,4 +1,4 @@
-// The representations: what stands for a weighting function at run time, and how its parameters theta lie in memory.
+// The representations: forms of a weighting function at run time, and the layout of their parameters theta.
 //
 //     mlp          phi(x) ≈           net(x)               3 → 8 → 8 → 1      113 numbers
 //     tent_mlp     phi(x) ≈ tent(x) * net(x)               3 → 8 → 8 → 1      113
@@ -7,11 +7,12 @@
 //     pf r         phi(x) ≈ clamp(A(x), 0, 1) * sigmoid(B(x))      product field, r = 3, 5, 7, 9
 //     code K       phi(x) ≈ tent(x) * sigmoid(L(x))                a code, K = 16, 32, 48, 64, 128
 //
-// net is a tiny network with one or two hidden layers; LeakyReLU stands after each of them. theta of widths m, n:
-//     W1 m x 3 | b1 m | W2 n x m | b2 n | w3 n | b3 1        (row-major, one row an output)
+// net is a tiny network with one or two hidden layers, each followed by LeakyReLU. Layout of theta for widths m, n:
+//     W1 m x 3 | b1 m | W2 n x m | b2 n | w3 n | b3 1        (row-major, one row per output)
 //     W1 m x 3 | b1 m | w3 m | b3 1                          (one hidden layer: n = 0)
-// A and B are trilinear in r³ nodes that cover [-1, 1]³. theta, 2 r³ floats: the pair (A, B) of every node, x fastest, as a
-// texture of two channels holds them. L is a sum of K logits that all functions share, in a dictionary; theta are the factors of its terms.
+// A and B are trilinear in r³ nodes that cover [-1, 1]³. theta has 2 r³ floats: the pair (A, B) of every node, x fastest, as in a
+// texture of two channels. L is a sum of K fields of a dictionary that all functions share, each times a factor; theta are the
+// factors.
 #pragma once
 
 #include <array>
@@ -31,7 +32,7 @@ using SharedDictionary = std::shared_ptr<const Dictionary>;
 
 enum class OutputFunction : uint8_t { linear, sigmoid };
 
-// What the kernels of a network are compiled for. Widths are even; `second` is 0 when there is one hidden layer.
+// The shape of a network, for which kernels are compiled. Widths are even; `second` is 0 for one hidden layer.
 struct NetworkShape {
   int first = 8, second = 8;
   OutputFunction output = OutputFunction::linear;
@@ -80,15 +81,15 @@ struct CodeKind {
 // All codes.
 inline constexpr CodeKind kCodes[] = {{"code16", 16}, {"code32", 32}, {"code48", 48}, {"code64", 64}, {"code128", 128}};
 
-// Networks by their place in kNetworks.
+// Networks have their index in kNetworks.
 enum class RepresentationKind : uint8_t { mlp, tent_mlp, tent_mlp44, tent_mlp4, code = 254, product_field = 255 };
 
 struct Representation {
   RepresentationKind kind = RepresentationKind::mlp;
-  float slope = 0.01f;  // networks: LeakyReLU, x for x > 0, slope * x below; 0 < slope < 1; travels in the weights file
+  float slope = 0.01f;  // networks: LeakyReLU is x for x > 0, else slope * x; 0 < slope < 1; stored in the weights file
   int resolution = 0;   // product fields, and bricks of codes: nodes along an axis
   int code_count = 0;   // codes: K
-  // Codes: what theta is a code of. Null where only the name is known: nothing can be evaluated then.
+  // Codes: the shared dictionary. Null if only the name is known; then nothing can be evaluated.
   SharedDictionary dictionary;
 
   static Representation mlp(float slope = 0.01f) { return {RepresentationKind::mlp, slope, 0, 0, nullptr}; }
@@ -102,20 +103,20 @@ struct Representation {
   bool isCode() const { return kind == RepresentationKind::code; }
   bool isNetwork() const { return !isField() && !isCode(); }
   bool tentFactor() const { return isCode() || (isNetwork() && network().tent_factor); }
-  // D: how many numbers theta has.
+  // Returns D, the number of floats in theta.
   int thetaCount() const {
     return isField() ? 2 * resolution * resolution * resolution : isCode() ? code_count : network().shape.thetaCount();
   }
-  // Of networks alone.
+  // Only for networks.
   const NetworkKind& network() const { return kNetworks[static_cast<int>(kind)]; }
   const NetworkShape& shape() const { return network().shape; }
   bool hasLinearOutput() const { return isNetwork() && shape().output == OutputFunction::linear; }
 };
 
-// D numbers of one representation.
+// The D parameters of one function in one representation.
 using Theta = std::vector<float>;
 
-// What a light grid stores theta in.
+// The number format in which a light grid stores theta.
 enum class ThetaPrecision : uint8_t { float32, float16, int8 };
 
 // The names of all representations, in the order of the report.
@@ -128,19 +129,21 @@ inline constexpr auto kRepresentationNames = [] {
   return names;
 }();
 
-// One of kRepresentationNames.
+// Returns one of kRepresentationNames, as "tent_mlp4".
 const char* representationName(const Representation& representation);
 
-// "mlp, tent_mlp, … or code128", for messages.
+// Returns all names in one text for messages, with commas between them and "or" before the last.
 std::string representationNames();
 
-// The representation of a name, with the default slope and without a dictionary; false when there is none of that name.
+// Finds the representation of a name, with the default slope and without a dictionary.
+// name      as "tent_mlp4"
+// returns   false if there is none of that name
 bool findRepresentation(std::string_view name, Representation* representation);
 
-// Evaluates one theta at any number of points, on vectors.
-// points   in [-1, 1]³
+// Evaluates one theta at `count` points, on vectors.
+// points   count points in [-1, 1]³, one unit being one probe spacing
 // theta    D floats
-// phi      count floats, overwritten; not clamped
+// phi      count floats, overwritten; not clamped to [0, 1]
 void evaluate(const Representation& representation, const LocalPoint* points, size_t count, const float* theta, float* phi);
 
 }  // namespace nlg

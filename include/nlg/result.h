@@ -1,5 +1,4 @@
-// What became of reading or checking a file, or what stands in one: the status of weights, light grids, checkpoints and whatever else
-// runtime_eval reads.
+// The result of reading or checking a file, such as weights or a light grid: a status, and one line that says where and why.
 #pragma once
 
 #include <string>
@@ -8,7 +7,7 @@ namespace nlg {
 
 enum class FileStatus {
   ok,
-  cannot_open,        // the system refused, or it is no regular file: a pipe, a device, a folder
+  cannot_open,        // the system refused, or the path is not a regular file but a pipe, a device or a folder
   cannot_read,        // the system refused, or the file is too large: weights above 1 GiB, other files above 16 GiB
   too_short,          // no header length, or fewer bytes than the tensors of the header need
   header_too_large,   // header length above 1 MiB or past the end of the file
@@ -21,14 +20,14 @@ enum class FileStatus {
   version_unknown,
   pattern_unknown,   // made for another support pattern
   simd_unavailable,  // NLG_SIMD names a target that this build or machine does not have
-  digest_mismatch,   // the file's bytes are not those that its SHA-256 is of: damaged
+  digest_mismatch,   // the bytes do not match the file's SHA-256: it is damaged
 };
 
-// A short English name of a status, for messages: "tensor_missing"; "unknown" for a number that is no status.
+// Returns a short English name for messages, as "tensor_missing"; "unknown" for a number that is no status.
 const char* fileStatusName(FileStatus status);
 
-// A status and, when it is not ok, one line that says where and why. A reader's ok has an empty text, or says that the file names no
-// digest, so that nobody knows whether it is damaged: a safetensors file that is none of this project.
+// A status and, if it is not ok, one line that says where and why. With ok the line is empty, or says that the file has no
+// digest, so that damage cannot be detected: a safetensors file that this project did not write.
 struct FileResult {
   FileStatus status = FileStatus::ok;
   std::string detail;

@@ -1,8 +1,7 @@
-// The vector instruction set that the whole library runs on.
+// The choice of vector instructions (SIMD target) for the whole library.
 //
-// By itself every kernel takes the best one that this build and this machine have. Forcing one is for comparing bakes between
-// machines, for measurements and for tests: results of different targets differ by rounding, except where a header says
-// otherwise.
+// By default every kernel uses the best target of this build and machine. Forcing one is for comparing bakes between machines,
+// for measurements and for tests. Results of different targets differ by rounding, unless a header says otherwise.
 #pragma once
 
 #include <string>
@@ -17,21 +16,25 @@ enum class SimdStatus {
   unavailable,   // not compiled for this architecture, or not supported by this machine
 };
 
-// What can be forced here, best first: some of avx512dl (AVX-512 of Ice Lake and Zen 4), avx512, avx2, sse4, ssse3, neon, scalar.
+// Returns the targets of this build and machine, best first: a subset of avx512dl (AVX-512 of Ice Lake and Zen 4), avx512, avx2,
+// sse4, ssse3, neon, scalar.
 std::vector<std::string_view> availableSimdTargets();
 
-// The one in use.
+// Returns the target in use, as "avx2".
 std::string_view chosenSimdTarget();
 
-// Makes every kernel of the library use one target; an empty name goes back to the best. Without ok nothing changes.
-// Call it while no other thread is inside the library: a call in progress could otherwise change targets half-way.
+// Makes every kernel of the library use one target. No other thread may be inside the library: its call could change targets
+// half-way.
+//
+// name      as "avx2"; empty: the best one again
+// returns   ok; otherwise nothing has changed
 SimdStatus forceSimdTarget(std::string_view name);
 
-// Forces what the environment variable NLG_SIMD names; without it, or with an empty one, nothing. The variable is read once a
-// process: later calls return the first one's status and leave a target forced since then alone. Generator::load calls this.
+// Forces the target that the environment variable NLG_SIMD names; does nothing if it is not set or empty. The variable is read
+// once per process: later calls return the status of the first and change nothing. Generator::load calls this.
 SimdStatus forceSimdTargetFromEnvironment();
 
-// Why a name was refused, in one line: "SIMD target 'neon' is not available here; expected one of avx512, avx2, …".
+// Returns in one line why a name was refused: "SIMD target 'neon' is not available here; expected one of avx512, avx2, …".
 std::string simdRefusal(std::string_view name, SimdStatus status);
 
 }  // namespace nlg
