@@ -1,4 +1,4 @@
-// The settings of a bake: section `bake` of pipeline.yaml.
+// Options of a bake: section `bake` of pipeline.yaml.
 #pragma once
 
 #include <cstdint>

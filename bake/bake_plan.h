@@ -1,4 +1,4 @@
-// What a bake is going to be, before anything expensive: its first line.
+// Estimates probes, memory and time of a bake before it starts.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// What a bake says of itself: a few lines for everybody, the talk's table for who asks, one line of JSON for programs.
+// Reports of a bake: a summary for everybody, tables with --verbose, one line of JSON for programs.
 #pragma once
 
 #include <string>

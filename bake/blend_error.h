@@ -1,5 +1,5 @@
-// How far the blends of a grid are from what its functions should make of them, judged from both sides: probes that are missing, and
-// probes that have no business there. Formulas: docs/theory/math.md §7.
+// Errors of a grid's blends against its target functions, from both sides: holes, where probes are missing, and leaks, from
+// probes that must have no weight. Formulas: docs/theory/math.md §7.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Sample points of a scene, and what each of the 8 probes around them should weigh there: what blends are held against (blend_error.h).
+// Sample points of a scene, with the target weights of the 8 probes around each (for blend_error.h).
 //
 // Points are in air: in cells that hold some, where a known place in air of the cell sees them. A probe's *target weight* is its tent
 // (with its tent_ratio) where its eye sees the point, by a ray; elsewhere what diffusion brought there, as a share of the tent: the

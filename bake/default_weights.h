@@ -1,4 +1,4 @@
-// The weights that a bake takes when none are named: those that ship with the project.
+// Finds the weights that ship with the project, for bakes without --weights.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The generators of several weights files, as a bake takes them: for every tool that is given weights.
+// Loads the generators of several weights files.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The settings of the policy from function to theta, as one table: the same keys for the bake and for who measures what it does.
+// Adds the policy's options to an option table, with the same keys for every tool.
 #pragma once
 
 #include <string>

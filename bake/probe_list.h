@@ -1,4 +1,4 @@
-// The probes of a light grid as a table, for programs that show them and read no grids themselves.
+// Prints the probes of a light grid as CSV (`nlg-bake probes`).
 #pragma once
 
 #include <string>

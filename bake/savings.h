@@ -1,4 +1,4 @@
-// What a bake left out because its scene does not need it: a line for each kind, counted by the bake itself.
+// Counts what a bake left out because its scene did not need it, one line for each kind.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The bake of one scene: functions, the policy from function to theta, light → a light grid.
+// Bakes one scene into a light grid: weighting functions, the policy, light.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// A scene made ready for its bake, and the distinct weighting functions of all its probes.
+// Prepares a scene for its bake, and computes the distinct weighting functions of all its probes.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What nlg-datagen does: one scene under one jitter → one shard of weighting functions, and what there is to know about both.
+// Commands of nlg-datagen: computes the shard of one scene under one jitter, estimates it, describes and draws it.
 #pragma once
 
 #include <cstring>

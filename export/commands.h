@@ -1,5 +1,5 @@
-// The commands of nlg-export that need no libtorch: of weights what they are, and those that a baked scene uses; light grids → shaders
-// and engines.
+// Commands of nlg-export that need no libtorch: describe weights, copy those that a grid uses, and convert light grids for
+// shaders and engines.
 #pragma once
 
 #include <optional>

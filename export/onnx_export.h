@@ -1,4 +1,4 @@
-// Weights → ONNX: what `nlg-export onnx` and `nlg-export … --onnx FILE` write.
+// Converts weights to ONNX (`nlg-export onnx`, `nlg-export --onnx FILE`).
 #pragma once
 
 #include <string>

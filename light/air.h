@@ -1,4 +1,4 @@
-// Where light is asked for: the air of a scene.
+// Finds the air of a scene, where objects can be and light is looked up.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Places in air, cell by cell of a probe tree: where light is measured for probes, and which cells and probes nobody reads.
+// Sample points in air for each cell of a probe tree, at which light is measured; and the cells and probes that have no air.
 //
 // Half and more of a real level's cells lie wholly in solid. Nothing is ever looked up in them: they are left out of the tree,
 // and with them the probes that no other cell reads. Every probe that is left is live.

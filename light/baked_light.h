@@ -1,4 +1,4 @@
-// Light that a level's compiler left on a surface, looked up.
+// Looks up light that a level's compiler stored on a surface (lightmaps, vertex light).
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The shining triangles of a scene, chosen one at a time by how much light each may send to a place.
+// Samples the emissive triangles of a scene by the light that each may send to a point.
 //
 // A triangle that shines by an image is cut into patches, each with the mean luminance of its part of the image; any other is one
 // patch. Patches are gathered into clusters of neighbours. A place draws a cluster by power over squared distance, without asking what

@@ -1,4 +1,4 @@
-// Light for probes by least squares: what probes must hold so that their blends give the light that was measured at places.
+// Solves for probe light by least squares, so that blends give the light measured at sample points.
 //
 // The talk states the whole reconstruction as one minimisation and then gives every probe the integral of light under its own
 // function instead; here the linear half of that minimisation is solved, with the functions as they are. Minimised is

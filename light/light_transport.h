@@ -1,4 +1,4 @@
-// Light that arrives at places of a scene: what probes are lit by, and the ground truth that they are measured against.
+// Path tracer: light that arrives at points of a scene, for probes and for ground truth.
 //
 // Surfaces are diffuse. Where the level's own compiler left light on them (SceneLight::baked) one ray holds all bounces: what it
 // meets shines with that light times the base colour, and with its own emission. Elsewhere paths are traced: next-event

@@ -1,4 +1,4 @@
-// The light that probes hold, made of light measured at places in air: three ways.
+// Computes probe light from light measured at sample points in air, in three ways.
 //
 // Neighbouring supports overlap eightfold, so that light is measured once at places of every cell, and each place serves the
 // eight probes around it.

@@ -1,4 +1,4 @@
-// Where suns shine.
+// Tests where suns shine.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// What arrives at a scene's surfaces, kept in cells of surface: all bounces behind a ray's first hit, found once for all places.
+// Caches the irradiance at a scene's surfaces, in cells of surface: all bounces after a ray's first hit, traced once.
 //
 // A cell is what of the surfaces lies in one cube of a lattice and faces one of six ways. Each cell measures direct light and
 // notes where its rays end; what cells send each other is then iterated to its end, without rays. Cells that a wall divides (a

@@ -1,5 +1,5 @@
-// What a grid can do without for the light that it holds: functions in whose place the bare tent does as well, and probes without which
-// those around do as well. What is left out is chosen by light, so that other light may miss it.
+// Thins a grid for the light that it holds: functions that the bare tent can replace, and probes that those around can
+// replace, are left out. Other light may need them.
 //
 // Held against each other are what look-ups give and what was measured at places in air. Close to surfaces, where few of those places
 // are and where leaks are seen, a look-up is held against what it gave with everything.

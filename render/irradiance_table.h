@@ -1,4 +1,4 @@
-// Irradiance by ground truth at places that a file names: what holds the path tracer against another renderer.
+// Ground truth of irradiance at sample points of a file, for comparisons with another renderer.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// A picture in numbers: radiance and irradiance by pixel, and how far one method's are from another's.
+// Radiance and irradiance of a picture by pixel, and the error of one method's picture against another's.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Pictures of one view by several methods, side by side, with their errors below.
+// Draws one view by several methods, side by side, with their errors below.
 #pragma once
 
 #include <optional>

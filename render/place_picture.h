@@ -1,4 +1,4 @@
-// A picture of one place where light was measured: truth, a method's answer, and the error, side by side.
+// Draws one sample point: truth, a method's result, and the error, side by side.
 //
 // A grey ball hangs at the place, lit by what arrives at its centre, and a needle stands on it along the normal that was measured.
 // The ball's colour at the needle's foot is the measured irradiance.

@@ -1,4 +1,4 @@
-// One run of nlg-render: what is asked for, and what comes of it.
+// One run of nlg-render: its request and its result.
 #pragma once
 
 #include <cstdint>

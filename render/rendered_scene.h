@@ -1,4 +1,4 @@
-// A scene, and what can light it: the methods that a picture names.
+// A scene with the methods that light its pictures.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// What the samples of a picture see, before any light is known: the same for all methods.
+// Geometry that the samples of a picture see, before light is known: the same for all methods.
 #pragma once
 
 #include <cstdint>

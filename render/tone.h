@@ -1,4 +1,4 @@
-// From light to colours: exposure and tone of pictures, and the colours of errors.
+// Converts light to colours: exposure and tone of pictures, and the colours of errors.
 //
 // A pixel shows its radiance times the exposure, through Khronos PBR Neutral (neutral_tone.glsl), which loses no light at 1 but bends
 // towards white from .8 on. Then sRGB's transfer.

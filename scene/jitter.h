@@ -1,4 +1,4 @@
-// Variants of a scene: the talk's "shift the geometry, generate more".
+// Jitters a scene: variants for training with moved, turned, scaled and dropped objects.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What is odd in a file, told once for each way of being odd: which part is, and how many others are so too.
+// Collects the oddities of a file: each kind is told once, with the first part and the number of others.
 #pragma once
 
 #include <map>

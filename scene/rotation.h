@@ -1,4 +1,4 @@
-// A turn about the vertical axis, by arithmetic that gives the same bits on every machine (libm's sine and cosine do not).
+// Rotation about the vertical axis, with the same bits on every machine (unlike libm's sine and cosine).
 #pragma once
 
 #include <cmath>

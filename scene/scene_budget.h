@@ -1,4 +1,4 @@
-// What reading one scene may take: no small file takes the machine.
+// Limits what reading one scene may take, so that a small file cannot exhaust the machine.
 //
 // Files pack: a byte of an archive holds a thousand, a scan of an image a few bytes that ask for all its pixels again, an accessor
 // of glTF as many zeros as it says. Each budget is of a whole scene, however many files and entries it is made of, and far above

@@ -1,4 +1,4 @@
-// Files that scenes are read from: whole, and none outside of the scene's folder.
+// Opens files of scenes, whole, and only inside the scene's folder.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Whether a scene's size is that of a level: what has another was most likely made in another unit.
+// Checks a scene's size for that of a level; another size most likely means another unit.
 #pragma once
 
 #include <limits>

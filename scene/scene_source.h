@@ -1,4 +1,4 @@
-// Where a scene comes from: the one text by which users, configurations and shards name it.
+// Loads a scene by the text with which users, configurations and shards name it.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Files that are either whole or not there.
+// Writes files atomically: whole, or not at all.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Bytes as text, for files that hold text alone.
+// Encodes and decodes base64.
 #pragma once
 
 #include <string>

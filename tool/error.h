@@ -1,4 +1,4 @@
-// Errors that a user can act on, and the exit code that each of them ends a tool with.
+// Errors that a user can act on, and the exit code of each.
 //
 // Two families, never mixed. A wrong file, setting or number is an exception of this header: only `runTool` (tool_main.h)
 // catches it, prints one line on stderr and exits with the documented code. A broken promise of our own code is

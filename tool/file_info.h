@@ -1,4 +1,4 @@
-// The command `info` of every tool that writes files: what such a file is, once every byte of it has been verified.
+// The command `info` of every tool that writes files: verifies every byte of a file and describes it.
 #pragma once
 
 #include <functional>

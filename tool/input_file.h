@@ -1,4 +1,4 @@
-// A file that a tool reads.
+// Reads input files of tools, with errors that name the file.
 #pragma once
 
 #include <cstddef>

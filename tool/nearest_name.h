@@ -1,4 +1,4 @@
-// What a misspelt name was meant to be.
+// Suggests the name that a misspelt one was meant to be.
 #pragma once
 
 #include <optional>

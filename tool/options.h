@@ -1,4 +1,4 @@
-// One table of options a tool: documentation, default, range, YAML section and command-line flags in one place.
+// A tool's table of options: documentation, default, range, YAML section and command-line flags in one place.
 //
 // A stage keeps its options in a plain struct whose member initialisers are the defaults, and describes each member once:
 //

@@ -1,4 +1,4 @@
-// Where a tool may write.
+// Checks where a tool may write.
 #pragma once
 
 #include <string>

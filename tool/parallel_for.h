@@ -1,5 +1,5 @@
-// Work on several threads: a loop over independent items, and what it is made of. Threads are started here and nowhere else, so that a
-// system that refuses one ends in one line, with none of the others left behind.
+// Runs a loop over independent items on several threads. Only this code starts threads, so that a system that refuses one ends
+// the tool with one line and leaves no thread behind.
 #pragma once
 
 #include <cstdint>

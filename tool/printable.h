@@ -1,4 +1,4 @@
-// What people are shown: texts of files and command lines, and quantities.
+// Formats texts of files and command lines, and quantities, for people.
 #pragma once
 
 #include <cstdint>

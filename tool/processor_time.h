@@ -1,4 +1,4 @@
-// What work takes: of the processors, whatever else the machine does meanwhile, and by the clock.
+// Measures processor time and wall-clock time.
 #pragma once
 
 #include <chrono>

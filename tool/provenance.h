@@ -1,4 +1,4 @@
-// Where an artefact comes from: stored inside every file that a stage writes.
+// The provenance of an artefact, stored in every file that a stage writes.
 #pragma once
 
 #include <map>

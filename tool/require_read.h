@@ -1,4 +1,4 @@
-// What tools make of the result of reading weights or a light grid.
+// Turns a failed read of weights or a light grid into a tool's error.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What the command-line tools share: flags that all of them have, and the one place where errors are caught.
+// The main function that all command-line tools share: common flags, and the one place that catches errors.
 #pragma once
 
 #include <functional>

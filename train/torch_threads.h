@@ -1,4 +1,4 @@
-// The threads of the libraries that compute for training: none of their own.
+// Makes libtorch compute on the calling threads alone.
 #pragma once
 
 namespace nlg {

@@ -1,4 +1,4 @@
-// A program that is started by this one, listened to, and ended at will.
+// Starts a program, reads its output, and ends it on demand.
 #pragma once
 
 #include <sys/types.h>

@@ -1,4 +1,4 @@
-// Numbers for a page that is opened from a folder: a browser lets it read no file there, but it runs scripts.
+// Numbers as scripts, for a page that is opened from a folder: a browser reads no other files there.
 //
 //     nlgReceive("NAME", {facts}, "bytes of all arrays, one behind another, in base64");
 //

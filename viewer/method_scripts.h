@@ -1,4 +1,4 @@
-// Methods as the page shows them: what its shaders read of each. Positions are relative to the scene's origin.
+// Methods as scripts for the page's shaders. Positions are relative to the scene's origin.
 #pragma once
 
 #include <string>

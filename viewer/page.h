@@ -1,4 +1,4 @@
-// The page itself, as viewer/page/ builds it: the same for all levels, and part of the tool.
+// The page of nlg-view, as built by viewer/page/ and compiled into the tool.
 #pragma once
 
 #include <array>

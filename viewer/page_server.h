@@ -1,4 +1,4 @@
-// The viewer's page on this machine's own address, for a browser on it: 127.0.0.1 and no other.
+// Serves the viewer's page on 127.0.0.1, for browsers on this machine only.
 //
 //     /             the page, which is told that it is served (data-served)
 //     /state        what goes on, as JSON: shown, a number that is another one for every set of scripts; text; failed; busy, and then

@@ -1,4 +1,4 @@
-// One run of nlg-view: a folder with a page in which a level lit by its light grid is walked through.
+// One run of nlg-view: writes a folder with a page to walk through a level that is lit by its light grid.
 //
 //     index.html, viewer.js     the page; it opens by a double click, or from any server of files
 //     scene.js                  triangles, materials, views, worst places, methods and what they cost

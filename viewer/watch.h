@@ -1,5 +1,5 @@
-// nlg-view --watch: a level is baked again whenever its files are saved, and the page, which a server on this machine shows, has the new
-// light without being opened again.
+// The command nlg-view --watch: bakes a level again whenever its files are saved, and updates the open page through a server
+// on this machine.
 //
 // Each step is an ordinary run of nlg-bake or nlg-view, as a process of its own: a save in the middle ends it, and begins anew; a level
 // that cannot be read ends in its error, which the page shows, and the next save is waited for. Outputs are whole or not there, whatever

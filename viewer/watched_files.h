@@ -1,4 +1,4 @@
-// Files of which somebody wants to know when they are saved.
+// Watches files for changes.
 //
 // They are asked after, not listened to: what the kernel tells of a file (inotify) it does not tell of shared and network folders, and
 // programs that save by renaming put another file in its place. Asking after some hundred files takes a millisecond.

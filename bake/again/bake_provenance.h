@@ -1,4 +1,4 @@
-// What a grid's file says of its bake.
+// Provenance of a bake in the file of its light grid.
 #pragma once
 
 #include <map>

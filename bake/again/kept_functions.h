@@ -1,4 +1,4 @@
-// What the functions of a bake took, kept for the next bake of the same level: a wall that moved costs what it touches.
+// The incremental bake: reuses the functions of an earlier bake of the same level, except those that a change affects.
 //
 // Nothing here says which level it is of. A probe is known again by what its support holds, bit for bit, and by what was asked of the
 // rest of the scene: that is asked again, and where an answer differs the probe is seen anew. A theta is known again by the samples of

@@ -1,4 +1,4 @@
-// The file of what a bake keeps for the next one. Layout: docs/reference/formats.md, "Kept functions".
+// Reads and writes the file of the incremental bake (layout: docs/reference/formats.md, "Kept functions").
 #pragma once
 
 #include <optional>

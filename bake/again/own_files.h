@@ -1,4 +1,4 @@
-// Files that nlg-bake and nlg-view write: what they may replace (tool/output_path.h), whatever version of them wrote it.
+// Recognises files of nlg-bake and nlg-view of any version, which these tools may overwrite (tool/output_path.h).
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// Light made anew for a grid that was baked before: functions depend on geometry alone, so that other lamps, skies, suns and materials
-// need nothing else where they leave probes in their places.
+// Relights a baked grid: functions depend on geometry alone, so that other lamps, skies, suns and materials need only new
+// light, unless they move the probes.
 #pragma once
 
 #include <map>

@@ -1,5 +1,5 @@
-// One chunk of an HDF5 array as it lies in the file: HDF5's own filters deflate and Fletcher-32, computed here because HDF5's
-// library would do so on one thread and with a slower deflate. Every HDF5 tool reads what these functions write.
+// Codec of one chunk of an HDF5 array: HDF5's own filters deflate and Fletcher-32, computed here because HDF5's library is
+// single-threaded and has a slower deflate. Every HDF5 tool reads what these functions write.
 #pragma once
 
 #include <cstddef>

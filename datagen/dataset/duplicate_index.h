@@ -1,4 +1,4 @@
-// Finds among many functions one that a new function duplicates.
+// Finds, among many functions, one that a new function duplicates.
 //
 // Exact: what it says follows from the samples themselves, and it misses nothing. Of any two functions that were both added,
 // neither is a duplicate of the other, and every function that was refused has its match among those that were added. The search

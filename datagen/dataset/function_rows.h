@@ -1,4 +1,4 @@
-// Arrays of functions, one row a function: what a shard holds, and what comes to it in blocks and chunks.
+// Arrays of functions, one row per function: the content of a shard, in blocks and chunks.
 //
 // The arrays are listed once, in forEachArray: whatever writes, reads, checks, moves or appends rows walks that list.
 #pragma once

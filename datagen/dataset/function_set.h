@@ -1,4 +1,4 @@
-// All functions of several shards in memory: what training, export and validation read.
+// All functions of several shards in memory, for training, export and validation.
 #pragma once
 
 #include <memory>

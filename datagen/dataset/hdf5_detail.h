@@ -1,4 +1,4 @@
-// What reading and writing HDF5 share. Internal to this folder: the rest of the project sees hdf5_file.h.
+// Shared parts of reading and writing HDF5. Internal to this folder: others include hdf5_file.h.
 #pragma once
 
 #include <fmt/format.h>

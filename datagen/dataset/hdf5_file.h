@@ -1,5 +1,4 @@
-// A thin owner of an HDF5 file: named arrays and attributes in and out, errors with file and place. The only place that knows
-// HDF5.
+// Reads and writes HDF5 files: named arrays and attributes, with errors that name file and place. Only this code uses HDF5.
 #pragma once
 
 #include <cstdint>

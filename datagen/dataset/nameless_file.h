@@ -1,4 +1,4 @@
-// A file without a name: bytes that are put aside and looked at again, and are gone with the process, however that ends.
+// A temporary file without a name, which disappears with the process, however that ends.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// A shard: the distinct weighting functions of one scene under one jitter, as they lie in a data set file.
+// A shard: the distinct weighting functions of one scene under one jitter, as stored in a data set file.
 //
 // The on-disk contract, with every attribute, is in docs/reference/formats.md. N functions, P = 8192 support points in pattern order,
 // U points that no fit sees (0 in shards for training).

@@ -1,4 +1,4 @@
-// What must hold of a shard's values, for those who write it and those who read it. Internal to this folder.
+// Checks the values of a shard, for writer and reader. Internal to this folder.
 #pragma once
 
 #include <string>

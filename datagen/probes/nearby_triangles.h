@@ -1,4 +1,4 @@
-// Whether a box is near a scene's triangles; thin transmissive surfaces are air.
+// Tests whether a box is near a scene's triangles; thin transmissive surfaces count as air.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Where a scene's probes stand: the tree of probes over its extent, dense near geometry.
+// Places the probes of a scene: a tree over its extent, dense near geometry.
 #pragma once
 
 #include <array>

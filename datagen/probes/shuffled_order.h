@@ -1,4 +1,4 @@
-// The order in which a scene's probes are visited.
+// Random order in which a scene's probes are visited.
 #pragma once
 
 #include <cstdint>

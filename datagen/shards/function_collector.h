@@ -1,4 +1,4 @@
-// Decides, probe after probe in visiting order, what becomes of each: kept as a distinct function, or left out and counted.
+// Collects the distinct functions of a shard, probe by probe in visiting order, and counts what is left out.
 #pragma once
 
 #include <array>

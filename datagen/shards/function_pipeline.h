@@ -1,5 +1,4 @@
-// Makes the functions of many probes on several threads, and hands them on in the order of a single one: the driver of shards and of
-// bakes.
+// Computes the functions of many probes on several threads and delivers them in order, for shards and bakes.
 //
 // Blocks of probes are generated in any order, and collected in visiting order by whichever thread is free. The chunks of distinct
 // functions that come together are finished in any order, and what became of them is taken in order again. At any time at most a few

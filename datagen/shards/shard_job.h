@@ -1,4 +1,4 @@
-// One scene under one jitter, ready for its first probe: what generating a shard and planning it share.
+// Prepares one scene under one jitter, for computing a shard and for estimating it.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// The scene that a shard's functions were made in: one derivation for the run that makes a shard and for who looks at it later.
+// Derives the scene of a shard, for the run that makes it and for tools that draw it later.
 #pragma once
 
 #include <cstdint>

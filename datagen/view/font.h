@@ -1,4 +1,4 @@
-// The letters of pictures: a fixed-width bitmap font of ASCII and the signs ° · × φ.
+// A fixed-width bitmap font for pictures: ASCII and the signs ° · × φ.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// One plane through a weighting function: what its samples say at every pixel, without looking through walls.
+// Samples one plane through a weighting function at every pixel, without interpolating through walls.
 #pragma once
 
 #include <cstdint>

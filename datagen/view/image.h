@@ -1,4 +1,4 @@
-// A picture in memory, 8 bits a channel, and what is drawn on it.
+// A picture in memory, 8 bits per channel, with drawing functions.
 //
 // Coordinates are pixels, x to the right and y down; (0, 0) is the upper left corner of the first pixel, whose centre is
 // (0.5, 0.5). Whatever lies outside the picture is cut off. Lines, discs and rings have smooth edges: a pixel takes the share of

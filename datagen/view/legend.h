@@ -1,4 +1,4 @@
-// What explains a picture: colour bars, keys, scale bars, numbers.
+// Legends of pictures: colour bars, keys, scale bars, numbers.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// A level from above, cut open at one height: an orthographic picture with a depth buffer.
+// Draws a level from above, cut open at one height: an orthographic picture with a depth buffer.
 #pragma once
 
 #include <vector>

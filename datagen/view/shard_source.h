@@ -1,4 +1,4 @@
-// A shard to look at, with its scene when that is at hand.
+// Loads a shard to draw, with its scene if that is available.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// The square picture of one slice: values, solid, borders, the geometry's cut, the points behind it.
+// Draws one slice: values, solid, borders, the geometry's cut, the points behind it.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// A scene's triangles in the coordinates of a picture, and where they cross its planes and segments.
+// A scene's triangles in the coordinates of a picture, and their intersections with its planes and segments.
 #pragma once
 
 #include <array>

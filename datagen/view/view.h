@@ -1,4 +1,4 @@
-// Pictures of a shard, by which people find leaks, holes and nonsense: `nlg-datagen view`.
+// Draws a shard (`nlg-datagen view`), so that leaks, holes and errors can be seen.
 //
 // All of them are PNG files, written whole or not at all; the same shard, scene and options give the same bytes.
 // They draw the geometry when the scene is at hand: a procedural scene is made again from what the shard says; a level's file has

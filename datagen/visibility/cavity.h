@@ -1,4 +1,4 @@
-// Hollows where nobody can be: air that geometry alone cannot tell from a room's, and that no room's air reaches.
+// Finds cavities: closed hollows of air that no room's air reaches.
 //
 // Walls that are modelled as two sheets, boxes under a stage, closed cupboards. Counted as air they would take light's places, and
 // probes in them would hold the dark of a hollow against the room before its wall.

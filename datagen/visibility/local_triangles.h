@@ -1,4 +1,4 @@
-// The triangles that touch a support, in its local coordinates and ready for the segment tests.
+// The triangles that touch a support, in its local coordinates and prepared for segment tests.
 //
 // Everything is computed in double from the scene's positions and the probe's, then rounded once: a probe 100 km from the origin,
 // or a triangle a thousand spacings wide, loses nothing. Triangles that share corners get the same bits for them.

@@ -1,4 +1,4 @@
-// A scene prepared for rays: the one place that knows Embree.
+// Ray queries on a scene, by Embree. Only this code uses Embree.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The segment tests of a support, vectorised: which links and which rays from one place meet which triangles.
+// Vectorised segment tests of a support: which links, and which rays from one point, meet which triangles.
 //
 // What counts as meeting is segmentMeets, a pure function of one segment and one triangle; everything here only leaves out pairs
 // that it would say no to. The same bits on every SIMD target: no fused multiply-adds. Rules and figures: docs/theory/visibility.md.

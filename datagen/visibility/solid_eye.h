@@ -1,4 +1,4 @@
-// The eye of a probe in solid: the place of its support from which is judged what the probe sees.
+// Chooses the eye of a probe in solid: the point of its support from which its visibility is computed.
 //
 // From inside a wall nothing can be seen. Instead of the probe's own place a place in air is taken, of a fixed set of candidates
 // the one that sees most of the support, by the tent, as far as what it sees is one: the probe then lights one side of a wall, the

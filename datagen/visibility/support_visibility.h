@@ -1,4 +1,4 @@
-// What one probe's support sees: which points the probe sees, which links are open, which points are valid.
+// Computes the visibility of one probe's support: points that the probe sees, open links, valid points.
 //
 // What the probe sees is what its eye sees: the probe's own place, or for a probe in solid a place in air (solid_eye.h).
 // Only the triangles that touch the support are looked at, in its local coordinates, through fixed hierarchies over the probe's

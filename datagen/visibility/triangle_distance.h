@@ -1,4 +1,4 @@
-// How far a point is from a triangle.
+// Distance from a point to a triangle.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -1,4 +1,4 @@
-// Generates the weighting function of a probe: the bare tent where the probe sees, carried round corners by diffusion.
+// Computes the weighting function of a probe: the bare tent where the probe sees, carried round corners by diffusion.
 //
 // Method: the talk, "How do we generate the functions"; the formula is in docs/theory/math.md §1. A probe in solid sees nothing
 // from where it is: on demand it sees what its eye in air sees (solid_eye.h), weighted by its own tent all the same.

@@ -1,4 +1,4 @@
-// The tool's command `engine`: a light grid as files that engines load.
+// The command `nlg-export engine`: writes a light grid as files that engines load.
 #pragma once
 
 namespace nlg {

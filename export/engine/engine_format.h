@@ -1,5 +1,5 @@
-// The formats that `nlg-export engine` writes light in, each with what an engine makes of it: the error that the tool states and the
-// tests read the very texels and bytes that go to the files.
+// Formats of `nlg-export engine`, each with a model of how engines read it: the error that the tool prints, and the tests, use
+// the very texels and bytes of the files.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The light of a grid in a box of texels, for engines that read 3-D textures: what all formats of this folder are made from.
+// Resamples the light of a grid into a box of texels, the source of all texture formats of this folder.
 //
 // Texels where the grid gives no light stand in solid or where nobody needs light. A linear filter reads them all the same beside
 // walls, and three.js half a texel further: they are filled from their neighbours, outwards from where light is. Outside of all

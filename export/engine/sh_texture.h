@@ -1,4 +1,4 @@
-// Spherical harmonics in one 3-D texture of four float16 a texel: what three.js reads, and what KTX2 files hold here.
+// Spherical harmonics in one 3-D texture with four float16 per texel, for three.js and KTX2 files.
 //
 // Seven volumes stand one behind the other along z. Texel (x, y, z) of the box is texel (x, y, z + 1) of each of them; the first
 // and the last slice of a volume are once more those beside them, so that a linear filter stays inside its volume. The 27

@@ -1,4 +1,4 @@
-// The exported generator as ONNX, for programs that have a runtime of their own: opset 17, IR version 8.
+// Writes an exported generator as ONNX, opset 17, IR version 8, for programs with their own runtime.
 //
 // docs/reference/formats.md lists inputs, outputs and texts. A matrix whose values are all float16's own is stored as float16 and widened in
 // the graph: a model of float16 weights is as small as they are, and not less exact.

@@ -1,4 +1,4 @@
-// A light grid for shaders: what `nlg-export shader` writes.
+// The command `nlg-export shader`: writes a light grid for shaders.
 //
 //     grid.bin       the words of ShaderGrid (runtime_eval/shader_grid/shader_grid.h), little-endian: what a buffer or a texture of
 //                    four 32-bit integers holds

@@ -1,4 +1,4 @@
-// The weights of one baked scene: of a set of weights files those that its functions use.
+// The command `nlg-export used-by`: copies the weights that a light grid uses.
 #pragma once
 
 #include <cstdint>

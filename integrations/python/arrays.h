@@ -1,4 +1,4 @@
-// What Python hands over: arrays are checked and never converted, files may be paths or bytes, refusals become exceptions.
+// Arguments from Python: arrays are checked and never converted, files are paths or bytes, errors become exceptions.
 #pragma once
 
 #include <pybind11/numpy.h>

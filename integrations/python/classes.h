@@ -1,4 +1,4 @@
-// The classes of the module nlg.
+// The classes of the Python module nlg.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -1,4 +1,4 @@
-// Unity's Adaptive Probe Volumes, as its manual and its shaders have them: validity, virtual offset, dilation.
+// Unity's Adaptive Probe Volumes, after its manual and shaders: validity, virtual offset, dilation.
 //
 // A probe in geometry captures light a little outside of it (virtual offset); one that still meets back faces with more than a
 // quarter of its rays is invalid, and takes its light from valid ones nearby (dilation). A look-up blends the valid ones of the

@@ -1,4 +1,4 @@
-// Dynamic diffuse global illumination for a scene that stands still: Majercik and others, "Dynamic diffuse global illumination with
+// Dynamic diffuse global illumination for a static scene: Majercik and others, "Dynamic diffuse global illumination with
 // ray-traced irradiance fields" (JCGT 2019), with the constants and shaders of RTXGI-DDGI 1.3.
 //
 // Each probe holds irradiance (6² texels, an exponent of 1/5) and two moments of depth (14² texels), octahedral. The weight of a

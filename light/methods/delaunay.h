@@ -1,4 +1,4 @@
-// The Delaunay tetrahedra of points in space: the one place that knows Qhull.
+// Delaunay tetrahedra of points in space, by Qhull. Only this code uses Qhull.
 #pragma once
 
 #include <array>

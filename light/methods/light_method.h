@@ -1,4 +1,4 @@
-// A method that says what irradiance arrives at a place, and what it costs.
+// Interface of a method that gives irradiance at a point, and its cost.
 //
 // Most methods blend what up to 8 probes hold. Their weights and the probes' light are told apart, so that every kind of weights can
 // be tried with every kind of light.

@@ -1,4 +1,4 @@
-// All methods at one spacing, with the same probes, the same rays, and the same measurements of light to solve with.
+// All methods at one spacing, with the same probes, rays and measured light.
 #pragma once
 
 #include <deque>

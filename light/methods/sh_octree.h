@@ -1,5 +1,5 @@
-// Harmonics in a tree of cells from 4 m down to 25 cm, blended trilinearly inside each cell and nothing else: what a grid is without
-// functions, its probes where light needs them.
+// Spherical harmonics in an octree with cells from 4 m to 25 cm, blended trilinearly inside each cell: a grid without
+// weighting functions, with its probes where light needs them.
 //
 // Cells begin at 4 m. Those whose held-out places are farthest from what was measured there, by bytes that it would take, are divided;
 // where that did not help cells of 1 m and less, it is taken back. Borders of levels are left as they are: a probe there is a probe of the finer cells alone.

@@ -1,5 +1,5 @@
-// Barycentric blends over tetrahedra between the probes that stand in air. Cupisz, "Light probe interpolation using tetrahedral
-// tessellations" (GDC 2012).
+// Barycentric blends in tetrahedra of probes in air. Cupisz, "Light probe interpolation using tetrahedral tessellations" (GDC
+// 2012).
 #pragma once
 
 #include <memory>

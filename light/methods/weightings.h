@@ -1,4 +1,4 @@
-// What the 8 probes around a place weigh: target φ itself, trilinearly, and by our own grid.
+// Weights of the 8 probes around a point: by target φ, trilinear, and by the light grid.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// Bricks of logits on vectors of points of one cell, for any Highway target. Included once a target; see Highway's quick reference on
-// "-inl.h".
+// Evaluates bricks of logits at vectors of points of one cell, for any Highway target. Included once per target; see Highway's
+// quick reference on "-inl.h".
 #if defined(NLG_BRICK_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef NLG_BRICK_INL_H_
 #undef NLG_BRICK_INL_H_

@@ -1,5 +1,5 @@
-// A brick of logits (dictionary.h) as look-ups read it, on CPUs and in shaders: two words that lie side by side hold the eight nodes of
-// a cell.
+// Layout of a brick of logits (dictionary.h) for look-ups on CPUs and in shaders: two neighbouring words hold the eight nodes
+// of a cell.
 //
 // Word x + r * (y + (r - 1) * z) holds four nodes, from its lowest byte on: (x, y, z), (x, y + 1, z), (x, y, z + 1), (x, y + 1, z + 1);
 // x below r, y and z below r - 1. Three times the bytes of the brick, and one line of the cache where a brick has four rows in three.

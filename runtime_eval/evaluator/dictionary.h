@@ -1,4 +1,4 @@
-// The dictionary that codes share: a code of K numbers z says which logits a weighting function has.
+// The dictionary that codes share: it turns a code of K numbers z into the logits of a weighting function.
 //
 //     phi(x) ≈ tent(x) * sigmoid(L(x)),   L trilinear in r³ nodes that cover [-1, 1]³,   L_n = c_n + sum over k of z_k b_kn
 //

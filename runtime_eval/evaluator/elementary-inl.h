@@ -1,5 +1,5 @@
-// Elementary functions of vectors of floats, for any Highway target. Included once a target; see Highway's quick reference on
-// "-inl.h".
+// Elementary functions of vectors of floats, for any Highway target. Included once per target; see Highway's quick reference
+// on "-inl.h".
 #if defined(NLG_ELEMENTARY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef NLG_ELEMENTARY_INL_H_
 #undef NLG_ELEMENTARY_INL_H_

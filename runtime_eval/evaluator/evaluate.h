@@ -1,4 +1,4 @@
-// Evaluates one theta at many points: what a look-up in the game computes, and what every error is measured on.
+// Evaluates one theta at many points.
 #pragma once
 
 #include "nlg/representation.h"

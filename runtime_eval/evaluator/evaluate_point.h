@@ -1,5 +1,5 @@
-// A representation at one point: the look-up of a light grid evaluates 8 thetas at one point each, where evaluate.h has one theta
-// and many points.
+// Evaluates a representation at one point, for look-ups that evaluate 8 thetas at one point each; evaluate.h evaluates one
+// theta at many points.
 #pragma once
 
 #include "nlg/representation.h"

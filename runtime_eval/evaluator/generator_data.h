@@ -1,4 +1,4 @@
-// The generator's numbers, between its file, its training and its kernels.
+// The generator's numbers, shared by its file, its training and its kernels.
 #pragma once
 
 #include <vector>

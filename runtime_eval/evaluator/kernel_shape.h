@@ -1,4 +1,4 @@
-// What kernels are compiled for and in which order they read the support points: the shape of a representation.
+// The shape of a representation that kernels are compiled for, and their order of the support points.
 //
 // Another network is one line of kNetworks (nlg/representation.h): all kernels of the bake are templates over its shape. Shaders name theirs
 // (runtime_eval/shader_grid).

@@ -1,4 +1,4 @@
-// Fully connected layers with LeakyReLU and skips, run on a batch: what the generator is made of.
+// Fully connected layers with LeakyReLU and skips, run on a batch: the layers of the generator.
 //
 // Hidden layer: h' = leaky(W h + b), plus h where input and output have the same width; the last layer is W h + b alone.
 #pragma once

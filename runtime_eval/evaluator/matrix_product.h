@@ -1,4 +1,4 @@
-// Products of a batch of row vectors with one fixed matrix: the work of the generator's layers and of the projection.
+// Multiplies a batch of row vectors with one fixed matrix, for the generator's layers and the projection.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Where a point lies among the nodes of a trilinear grid over [-1, 1]³: product fields and bricks.
+// Locates a point among the nodes of a trilinear grid over [-1, 1]³, for product fields and bricks.
 #pragma once
 
 #include <algorithm>

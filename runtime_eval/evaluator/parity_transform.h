@@ -1,4 +1,4 @@
-// The Walsh–Hadamard transform over the 8 mirror images: what splits a weighting function into parity classes.
+// The Walsh–Hadamard transform over the 8 mirror images, which splits a weighting function into parity classes.
 //
 // class(c, i) = Σ_m (-1)^popcount(c & m) 255 phi(m, i), unscaled. For stored functions these are whole numbers: class 0 from 0 to
 // 2040, the others from -1020 to 1020, since half of their signs are negative. docs/theory/math.md §2.

@@ -1,5 +1,6 @@
 // Evaluates product fields: clamp(A(x), 0, 1) * sigmoid(B(x)), A and B trilinear in r³ nodes over [-1, 1]³ (the talk's second
-// representation). nlg/representation.h says how theta holds the nodes; positions outside the cube take the value at its border.
+// representation). Layout of the nodes in theta: nlg/representation.h. Positions outside the cube take the value at its
+// border.
 //
 // Nodes up to ±1e37 give values in [0, 1]; where a node is no number, so are the values of its cells. The sigmoid is within 3
 // units in the last place for |B| <= 87; below -87 it stays at 1.6e-38.

@@ -1,4 +1,4 @@
-// What a light grid's file holds theta in, and what rounding to that makes of theta.
+// Number formats of theta in the file of a light grid, and the rounding to them.
 //
 // int8 keeps the hidden layers of a network in a byte a number, and its last layer in float16: 122 bytes for `mlp` and
 // `tent_mlp`, 26 for `tent_mlp4`. Of the last layer of `tent_mlp4` and `tent_mlp44` it keeps four bits behind the highest, and the file's

@@ -1,5 +1,5 @@
-// The tiny networks on vectors of points, for any shape and any Highway target. Included once a target; see Highway's quick
-// reference on "-inl.h".
+// Evaluates tiny networks at vectors of points, for any shape and any Highway target. Included once per target; see Highway's
+// quick reference on "-inl.h".
 #if defined(NLG_TINY_NETWORK_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef NLG_TINY_NETWORK_INL_H_
 #undef NLG_TINY_NETWORK_INL_H_

@@ -1,5 +1,5 @@
-// Adam (Kingma & Ba 2015) on the shared kernel, one minibatch of points a step (networks: 256; product fields: all). That of networks
-// runs in the eigenbasis of their layers' gradients (soap_update.h).
+// Fits theta by Adam (Kingma & Ba 2015), with one minibatch of points per step (networks: 256; product fields: all points).
+// Networks step in the eigenbasis of their layers' gradients (soap_update.h).
 #pragma once
 
 #include <cstdint>

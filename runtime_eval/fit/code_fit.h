@@ -1,4 +1,4 @@
-// Levenberg–Marquardt on codes: for a given dictionary a code's logits are linear in it, so that a step is exact but for the sigmoid.
+// Fits codes by Levenberg–Marquardt: logits are linear in the code, so that a step is exact except for the sigmoid.
 //
 // What is minimised is the sum of squared weighed residuals and a prior that pulls every number towards 0, the mean code. The logits are
 // not rounded meanwhile (dictionary.h); what rounding makes of a code is measured when the fit has ended.

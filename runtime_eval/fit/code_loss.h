@@ -1,4 +1,4 @@
-// Loss of one code against one weighting function, and its gradient: the part of the shared kernel (loss_kernel.h) for codes.
+// Loss and gradient of one code against one weighting function: the part of the shared kernel (loss_kernel.h) for codes.
 //
 // The logits are rounded as a brick has them (dictionary.h); to the gradient that rounding is nothing.
 #pragma once

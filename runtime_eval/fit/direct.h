@@ -1,4 +1,4 @@
-// Direct optimisation: fitting theta to one function to convergence, the yardstick for every generator.
+// Direct optimisation: fits theta to one function to convergence, the reference for every generator.
 #pragma once
 
 #include <cstdint>

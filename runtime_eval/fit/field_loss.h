@@ -1,4 +1,4 @@
-// The product fields' part of the shared kernel (loss_kernel.h): loss of one theta of `pf r`, and its gradient.
+// Loss and gradient of one theta of `pf r`: the part of the shared kernel (loss_kernel.h) for product fields.
 #pragma once
 
 #include "runtime_eval/support/point_order.h"

@@ -1,4 +1,4 @@
-// Normal equations of one theta of a product field against one weighting function.
+// Builds the normal equations of one theta of a product field against one weighting function.
 //
 // A point depends on the 8 nodes of its cell, so that J^T J is a band: nodes are numbered x fastest, and those of one cell lie at
 // most 1 + r + r² apart.

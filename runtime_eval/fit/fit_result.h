@@ -1,4 +1,4 @@
-// What every fit returns.
+// The result of every fit.
 #pragma once
 
 #include <chrono>

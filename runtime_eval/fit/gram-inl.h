@@ -1,5 +1,5 @@
-// Products of all pairs of some rows, summed along them, for any Highway target: what normal equations are made of. Included once
-// a target; see Highway's quick reference on "-inl.h".
+// Inner products of all pairs of rows, for any Highway target, from which normal equations are built. Included once per
+// target; see Highway's quick reference on "-inl.h".
 #if defined(NLG_GRAM_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef NLG_GRAM_INL_H_
 #undef NLG_GRAM_INL_H_

@@ -1,5 +1,5 @@
-// The exact solution of a network's last layer: given the hidden values, its 9 numbers (of `mlp`) are linear, so the best of
-// them follow from 9 x 9 normal equations (variable projection, Golub & Pereyra 1973). docs/theory/math.md §5.
+// Solves a network's last layer exactly: given the hidden values its 9 numbers (of `mlp`) are linear, so that the best follow
+// from 9 x 9 normal equations (variable projection, Golub & Pereyra 1973). docs/theory/math.md §5.
 #pragma once
 
 #include "nlg/representation.h"

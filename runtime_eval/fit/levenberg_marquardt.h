@@ -1,4 +1,4 @@
-// Levenberg–Marquardt (Marquardt 1963, Nielsen's damping 1999) on all support points.
+// Fits theta by Levenberg–Marquardt (Marquardt 1963, Nielsen's damping 1999) on all support points.
 #pragma once
 
 #include "runtime_eval/fit/code_fit.h"

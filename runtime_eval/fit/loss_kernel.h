@@ -1,4 +1,4 @@
-// The shared kernel: loss of one theta against one weighting function, and its gradient, for every representation.
+// The shared kernel: loss and gradient of one theta against one weighting function, for every representation.
 //
 // Direct optimisation, refinement and the trainer all call these two routines.
 #pragma once

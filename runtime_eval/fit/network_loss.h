@@ -1,4 +1,4 @@
-// The networks' part of the shared kernel (loss_kernel.h): loss of one theta of a network, and its gradient.
+// Loss and gradient of one theta of a network: the part of the shared kernel (loss_kernel.h) for networks.
 //
 // The formulas are in docs/theory/math.md §4.
 // `mlp`: 264 fused multiply-adds a point; the gradient is summed in float over blocks of 256 points, the loss in double over blocks.

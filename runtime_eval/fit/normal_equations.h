@@ -1,4 +1,4 @@
-// Normal equations of one theta against one weighting function: what Levenberg–Marquardt solves.
+// Builds the normal equations of one theta against one weighting function, for Levenberg–Marquardt.
 #pragma once
 
 #include <vector>

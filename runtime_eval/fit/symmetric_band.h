@@ -1,5 +1,5 @@
-// A symmetric matrix that is zero far from its diagonal, and the solution of systems with it: the linear algebra of
-// Levenberg–Marquardt. A full matrix is one whose band is as wide as itself.
+// A symmetric band matrix and the solution of systems with it, for Levenberg–Marquardt. A full matrix is one whose band is as
+// wide as itself.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// The memory that a light grid takes while it is read, against the bytes of its file: coded bytes say much in little, and a few kilobytes
-// can ask for a million probes. A writer makes a file longer whose grid would need more.
+// Limits the memory of a light grid while it is read, by the bytes of its file: a few kilobytes of coded bytes could ask for a
+// million probes. A writer lengthens a file whose grid would need more.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What the reader and the writer of a light grid's file share with the bake's report.
+// Shared parts of the reader and the writer of light grid files, and of the bake's report.
 #pragma once
 
 #include "nlg/light_grid.h"

@@ -1,4 +1,4 @@
-// The records of packed light as a file holds them: each number as its difference from what neighbours hold, by a range coder.
+// Coder of packed light in a file: each number as its difference from neighbours' numbers, by a range coder.
 //
 // Probes are in the order of their Morton codes, so that the next probe at lower x, at lower y and at lower z come before a probe. What
 // the three hold in the middle is what is expected of it. How far they are apart says how sure that is, and so do the differences of the

@@ -1,4 +1,4 @@
-// The functions of a light grid as its file has them: which one each probe has, theta, and dictionaries of codes.
+// The functions of a light grid in its file: function of each probe, theta, and dictionaries of codes.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Tensors of a light grid's file, read one after another until one is refused.
+// Reads tensors of a light grid's file one after another, until one is refused.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The light of a grid's probes as files and shaders hold it.
+// Packs the light of a grid's probes for files and shaders.
 //
 // A level's light has few dimensions: the 27 numbers of a probe, divided by their length, lie near a plane that the level itself gives
 // (the principal axes of all its probes' light). A probe is a record of bits, all of one layout:

@@ -1,4 +1,4 @@
-// Bytes of a file's tensor in nearly as few as their statistics need: by the range coder, a model for each column of a table.
+// Compresses the bytes of a tensor by the range coder, with a model for each column of a table.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Whether all numbers of an array are finite.
+// Tests whether all numbers of an array are finite.
 //
 // A theta has to be asked itself. The values that it stands for can be finite even when one of its weights is infinite, because a
 // sigmoid at the output maps infinity to 0 or 1.

@@ -1,4 +1,4 @@
-// Arithmetic without subnormal numbers, which some makes of processor compute up to a hundred times as slowly as others.
+// Switches subnormal numbers off, with which some processors are up to a hundred times as slow.
 #pragma once
 
 #include <cstdint>

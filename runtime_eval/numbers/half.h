@@ -1,4 +1,4 @@
-// float16 (IEEE 754 binary16) as files hold it, converted by integer arithmetic: the same bits on every machine.
+// Converts float16 (IEEE 754 binary16) by integer arithmetic: the same bits on every machine.
 #pragma once
 
 #include <bit>

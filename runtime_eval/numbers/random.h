@@ -1,5 +1,4 @@
-// Random numbers that are the same on every machine: PCG32 (O'Neill 2014, pcg-random.org), and draws made of it by exact
-// arithmetic.
+// Random numbers that are the same on every machine: PCG32 (O'Neill 2014, pcg-random.org), and exact draws from it.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// An adaptive binary range coder: numbers of a few bits each, in nearly as many bits as their statistics need.
+// An adaptive binary range coder, which stores numbers of a few bits in nearly their entropy.
 //
 // G. N. N. Martin, "Range encoding: an algorithm for removing redundancy from a digitised message" (1979), with the carry of Schindler
 // and the bit trees of LZMA. A bit's probability is the mean of two that follow what was coded, one fast and one slowly, and both at

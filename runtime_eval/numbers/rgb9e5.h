@@ -1,5 +1,5 @@
-// Three numbers in 32 bits that share an exponent, as EXT_texture_shared_exponent, Vulkan and WebGPU have them: red in bits 0 … 8,
-// green in 9 … 17, blue in 18 … 26, the exponent above; a channel is its 9 bits times 2^(exponent - 24).
+// Packs three numbers into 32 bits with a shared exponent (EXT_texture_shared_exponent, Vulkan, WebGPU): red in bits 0 to 8,
+// green in 9 to 17, blue in 18 to 26, the exponent above; a channel is its 9 bits times 2^(exponent - 24).
 #pragma once
 
 #include <algorithm>

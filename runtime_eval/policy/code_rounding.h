@@ -1,4 +1,4 @@
-// A code rounded to bytes, of as few numbers as do: each number makes up for those that were rounded, or left out, before it.
+// Rounds a code to bytes and as few numbers as suffice: each number compensates for those rounded or left out before it.
 //
 // To second order delta moves the sum of squares by |U delta|², U^T U = H, the normal equations where the fit ended. From the last number
 // to the first, each is set to where its row of U delta is 0, then rounded: Babai's nearest plane, as compensated_rounding.h has it for

@@ -1,4 +1,4 @@
-// Rounding of a network's hidden layers to steps (theta_form.h) where every number makes up for the ones that were rounded before it.
+// Rounds a network's hidden layers to steps (theta_form.h), each number compensating for those rounded before it.
 //
 // To second order the sum of squares grows by delta^T H delta, H = J^T J and delta what rounding moves. Rounding each number for itself
 // ignores how they work together. Here they are rounded one after another, and each is first set to where it is best, given the ones

@@ -1,5 +1,5 @@
-// Short fits after the correction: Levenberg–Marquardt for product fields, Adam for networks. They are direct optimisation from a
-// good start: every function that takes one counts as fitted.
+// Short fits after the correction: Levenberg–Marquardt for product fields, Adam for networks. A function that takes one counts
+// as fitted.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// The correction: for networks with a linear output whose weights say so, the last layer is solved exactly for each function. No
-// iterative fit. docs/theory/math.md §6.
+// The correction: solves the last layer exactly for each function, in networks with a linear output whose weights ask for it.
+// No iterative fit. docs/theory/math.md §6.
 #pragma once
 
 #include <vector>

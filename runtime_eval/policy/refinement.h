@@ -1,4 +1,4 @@
-// What a bake does with a theta that fails the check: fits on from it, the worst functions first.
+// The refinement: fits a theta that fails the check further, the worst functions first.
 //
 // Rounds of Adam (product fields: Levenberg–Marquardt), each longer than the one before, until the check passes: most functions
 // pass after the first. What still fails is tried from theta0 too, a network from random starts and a field from coarse to fine as

@@ -1,4 +1,4 @@
-// Which of several representations stands for a function: the smallest whose error would hardly fall with a larger one.
+// Chooses the representation of a function: the smallest whose error a larger one would hardly lower.
 //
 // The talk evaluates product fields of all resolutions and takes the point where their errors flatten. Here that is done over any
 // representations, on the errors of the check; how often it agrees with the choice that direct optimisation would make is in

@@ -1,4 +1,4 @@
-// Which stages a representation goes through, and which functions take them: a list, made of the options and of what is known of the
+// The stages of a representation and the functions that take them: a list, from the options and the properties of the
 // generator.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The stages of one representation before the refinement, on batches of functions.
+// Runs the stages of one representation up to the refinement, on batches of functions.
 #pragma once
 
 #include <memory>

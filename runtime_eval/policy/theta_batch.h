@@ -1,4 +1,4 @@
-// A batch of functions on its way through the stages of one representation: the best theta of each so far, and what stages share.
+// A batch of functions in the stages of one representation: the best theta of each so far, and shared state.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Theta rounded to the light grid's precision: the least troubled of several ways, where one is not enough.
+// Rounds theta to the light grid's precision, in the best of several ways if one does not pass the check.
 #pragma once
 
 #include <memory>

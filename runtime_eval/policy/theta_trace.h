@@ -1,4 +1,4 @@
-// What stages leave for measurements beside their result.
+// Records of the stages for measurements, beside their result.
 #pragma once
 
 #include <chrono>

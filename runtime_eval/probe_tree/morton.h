@@ -1,4 +1,4 @@
-// Morton codes of lattice points: the bits of x, y and z in turn, so that sorting by code walks the lattice cube by cube.
+// Morton codes of lattice points: interleaved bits of x, y and z, by which the lattice is sorted cube by cube.
 #pragma once
 
 #include <array>

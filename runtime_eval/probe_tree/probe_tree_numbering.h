@@ -1,5 +1,5 @@
-// From the nodes of a tree to its probes: bricks, and one number for every lattice point that a used cell reads. What
-// ProbeTree::build and the reader of files share; nobody else needs it.
+// Numbers the probes of a tree: bricks, and one number for every lattice point that a used cell reads. Internal to
+// ProbeTree::build and the reader of files.
 #pragma once
 
 #include <cstddef>

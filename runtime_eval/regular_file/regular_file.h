@@ -1,5 +1,5 @@
-// Opens files that are read: regular files, and nothing that only has a file's name. All that the library asks of the operating system
-// is here: regular_file.cpp asks POSIX, regular_file_windows.cpp Windows.
+// Opens regular files for reading, and refuses pipes, devices and folders. The library's only calls to the operating system:
+// regular_file.cpp for POSIX, regular_file_windows.cpp for Windows.
 #pragma once
 
 #include <cstddef>

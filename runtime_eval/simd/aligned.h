@@ -1,4 +1,4 @@
-// Float arrays that start at a cache line, so that vector loads never straddle two.
+// Float arrays that start at a cache line, so that vector loads never straddle two lines.
 #pragma once
 
 #include <cstddef>

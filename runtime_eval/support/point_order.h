@@ -1,4 +1,4 @@
-// The support points in the order in which a representation's kernels read them.
+// The order of the support points in which a representation's kernels read them.
 //
 // Networks read strata (some hundred well-spread points will do for a minibatch); product fields read cell after cell of their
 // grid, so that the 8 nodes of a cell are loaded once for all of its points.

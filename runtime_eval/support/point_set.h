@@ -1,4 +1,4 @@
-// Points as vector kernels read them, and the strata of the support pattern.
+// Points in the layout of vector kernels, and the strata of the support pattern.
 #pragma once
 
 #include <cstdint>

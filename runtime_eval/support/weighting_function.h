@@ -1,4 +1,4 @@
-// A weighting function as the fitting kernels read it: samples and mask as floats, in the order of a representation.
+// A weighting function for the fitting kernels: samples and mask as floats, in the order of a representation.
 #pragma once
 
 #include <cstdint>

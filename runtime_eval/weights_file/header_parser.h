@@ -1,4 +1,4 @@
-// The JSON header of a safetensors file, as strictly as the format allows and no further.
+// Parses the JSON header of a safetensors file, strictly by the format.
 //
 // Schema-driven, so its depth is bounded by its code: an object of tensors, each {"dtype", "shape", "data_offsets"}, and
 // `__metadata__`, an object of texts. Refused: repeated or unknown keys, numbers that are no plain unsigned integers, texts that

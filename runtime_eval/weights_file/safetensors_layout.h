@@ -1,5 +1,5 @@
-// What all safetensors files here have in common: where the header and the tensors lie. weights_file.h and tensor_file.h say which
-// tensors there may be and what they mean.
+// The layout of safetensors files: header and tensors. weights_file.h and tensor_file.h define which tensors there are and
+// what they mean.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Lists of numbers of several types in one safetensors file: what weights_file.h is for F32 tensors alone.
+// Reads and writes lists of numbers of several types in one safetensors file; weights_file.h is for F32 only.
 //
 // The same rules, but that a tensor starts at a multiple of the size of its elements: fillers of dtype U8 named "padding.0",
 // "padding.1", … stand where bytes are skipped, spaces end the header, nothing overlaps and nothing is left over. Every tensor has one

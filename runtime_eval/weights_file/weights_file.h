@@ -1,4 +1,4 @@
-// The exported generator's file: safetensors, written by nlg-export, read by the bake-time evaluator.
+// Reads and writes the file of an exported generator (safetensors).
 //
 // Layout (https://github.com/huggingface/safetensors): 8 bytes little-endian header length, a JSON header that maps names to
 // dtype, shape and byte range, then the raw little-endian tensors. Here every tensor is F32 or F16 and starts at a multiple of 64

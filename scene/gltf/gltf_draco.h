@@ -1,4 +1,4 @@
-// Draco meshes in a glTF file, made plain: KHR_draco_mesh_compression.
+// Decodes Draco meshes of a glTF file (KHR_draco_mesh_compression).
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// A glTF file's model, with every file that it may open read by us.
+// Loads the model of a glTF file; every file that it refers to is opened by our reader.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The JSON of a glTF file, held against the format before tinygltf makes a model of it.
+// Checks the JSON of a glTF file against the format, before tinygltf reads it.
 //
 // tinygltf opens whatever a URI names, takes a setting of a wrong type for an absent one, cuts integers to 32 bits, copies the
 // binary chunk once for every buffer without a URI, recurses as deep as the text does, and refuses a file for one camera without a type.

@@ -1,4 +1,4 @@
-// Lights of a glTF file: the extension KHR_lights_punctual.
+// Reads the lights of a glTF file (KHR_lights_punctual).
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What the surfaces of a glTF file look like: its materials, with the images that they use.
+// Reads the materials of a glTF file, with the images that they use.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// One mesh of a glTF file as triangles in its own coordinates.
+// Reads one mesh of a glTF file as triangles in its own coordinates.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Buffer views packed by EXT_meshopt_compression, or KHR_meshopt_compression as it was ratified, made plain: tinygltf leaves them packed.
+// Decodes buffer views packed by EXT_meshopt_compression or KHR_meshopt_compression, which tinygltf leaves packed.
 //
 // Such a view names packed bytes elsewhere; where it lies itself (a "fallback" buffer) need not exist (gltf_json.h).
 #pragma once

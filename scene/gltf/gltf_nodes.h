@@ -1,5 +1,5 @@
-// Which nodes of a glTF file are for no eye: hidden ones, coarser levels of detail, colliders, triggers, and those that the user leaves
-// out.
+// Finds the nodes of a glTF file that are not seen: hidden ones, coarser levels of detail, colliders, triggers, and those that
+// the user leaves out.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What a glTF file holds and a scene does not.
+// Lists what a glTF file holds and a scene does not.
 #pragma once
 
 #include <set>

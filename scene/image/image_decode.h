@@ -1,4 +1,4 @@
-// Decodes images as artists bring them: PNG, JPEG, WebP and Targa.
+// Decodes images: PNG, JPEG, WebP and Targa.
 #pragma once
 
 #include <condition_variable>

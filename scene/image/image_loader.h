@@ -1,4 +1,4 @@
-// The images that a scene's materials use: each is read and decoded once, and kept small in every way that a material asks for.
+// Loads the images of a scene's materials: each is decoded once, and reduced as its materials need it.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Skies from files: equirectangular images of radiance, Radiance's .hdr and OpenEXR's .exr.
+// Reads skies from files: equirectangular images of radiance, .hdr and OpenEXR's .exr.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What a point of a scene's surface looks like: its material's factors times its images and its vertices' colours.
+// The look of a point of a scene's surface: material factors times images and vertex colours.
 //
 // u and v are the weights of the triangle's second and third corner, as LightHit has them.
 #pragma once

@@ -1,4 +1,4 @@
-// Images of a scene's surfaces, kept small.
+// Images of a scene's surfaces, at reduced size.
 //
 // Diffuse light needs a texel for every few centimetres of wall, and no more: an image is kept with at most kMostTexelsOfSide on a
 // side, as means over its pixels in linear light.

@@ -1,4 +1,4 @@
-// The catalogue of a furniture library of Sweet Home 3D (.sh3f): what each model is, and how large it stands in a room.
+// Reads the catalogue of a furniture library of Sweet Home 3D (.sh3f): kind and size of each model.
 //
 // The format is Java's properties: lines `key#number=value`, one number a piece (www.sweethome3d.com, "Furniture library file
 // format"). Only what a house needs is read.

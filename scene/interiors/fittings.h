@@ -1,4 +1,4 @@
-// What hangs in a house's openings and on its walls: door leaves, window frames, curtains, pictures.
+// Fittings of a house's openings and walls: door leaves, window frames, curtains, pictures.
 #pragma once
 
 #include "scene/interiors/home.h"

@@ -1,4 +1,4 @@
-// Stands furniture in rooms: against walls, in the middle, on top of each other; never into each other or before a door.
+// Places furniture in rooms: against walls, in the middle, on top of each other; never overlapping or before a door.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// Furniture from archives of Sweet Home 3D: pieces by their use, models read when they are first asked for.
+// Furniture from archives of Sweet Home 3D: pieces by their use, with models read on demand.
 #pragma once
 
 #include <cstdint>

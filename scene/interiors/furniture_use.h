@@ -1,4 +1,4 @@
-// What a piece of a catalogue serves for in a house: the table from names to uses.
+// The table from names of catalogue pieces to their use in a house.
 #pragma once
 
 #include <string>

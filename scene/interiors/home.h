@@ -1,4 +1,4 @@
-// A house in the making: what all plans share. Rooms are carved out of one solid; the walls are what is left between them.
+// Shared parts of all floor plans: rooms are carved out of one solid, and the walls are the rest.
 #pragma once
 
 #include <map>

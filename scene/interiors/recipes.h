@@ -1,4 +1,4 @@
-// What rooms of each use are furnished with.
+// Furniture of each kind of room.
 #pragma once
 
 #include "scene/interiors/home.h"

@@ -1,4 +1,4 @@
-// Which of a scene's lights an engine can dim, colour and switch apart from the others.
+// Groups a scene's lights into those that an engine can dim, colour and switch.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Sky and sun that a user gives to a scene, and those that one without any light gets.
+// Options of a scene's light: sky, sun, unit, intensity and groups; and the default light of a dark scene.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// A level that is lit in several ways, each of them whole: by day, at dusk, by night. One grid holds them all, and an engine mixes them.
+// Light sets: several states of a level's light, such as day and night, in one grid, which an engine mixes.
 //
 // A light set's light is one group of the grid's, of the set's name; or, where its own lights fall into groups (light_groups.h), as many,
 // each named SET/GROUP. A grid begins with the first set.

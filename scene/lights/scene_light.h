@@ -1,4 +1,4 @@
-// Where a scene's light comes from, beside the emissive materials of its triangles.
+// Light of a scene beside emissive materials: lamps, suns, sky, and baked light.
 //
 // Radiance is linear and in one unit of the scene's own for all of these: glTF's are cd/m², a Quake III level's are 1 for a white
 // surface that the engine shows at full brightness (docs/theory/light.md). Positions are relative to the scene's origin.

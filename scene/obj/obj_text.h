@@ -1,4 +1,4 @@
-// The records of .obj and .mtl files, read from their text.
+// Parses the records of .obj and .mtl files.
 //
 // Keywords count in any case, a byte order mark is passed by, a backslash at a line's end continues it, "# …" ends a line of numbers.
 // Words that say nothing of surfaces' places and diffuse light (normals, smoothing, points, lines, highlights, bumps) are passed by; all

@@ -1,4 +1,4 @@
-// Cuts polygons into triangles by their ears.
+// Triangulates polygons by ear clipping.
 #pragma once
 
 #include <vector>

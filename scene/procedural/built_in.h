@@ -1,4 +1,4 @@
-// What the small scenes to look at light with share (procedural.h): cameras, panels, and the rooms beside daylight.
+// Shared parts of the small built-in scenes for light (procedural.h): cameras, panels, and the rooms beside daylight.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What all families of procedural levels share: the builder, a palette drawn from the seed, and the seed's stream.
+// Shared parts of all families of procedural levels: builder, palette and random stream from the seed.
 #pragma once
 
 #include <algorithm>

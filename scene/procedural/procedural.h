@@ -1,4 +1,4 @@
-// Levels from a seed: the embedded training scenes, so that the pipeline needs no file from anywhere.
+// Generates levels from a seed: training scenes that need no files.
 //
 // Eleven families, each recognisable and each varied by its seed in extent, plan and furnishing. Walls, floors and props are
 // closed solids with outward faces (ground and cave shells included), as an engine's brushes and meshes are. Only what kitchens,

@@ -1,4 +1,4 @@
-// A Quake III level's entities: where its submodels (doors, platforms) stand, and whatever else their keys say.
+// Parses a Quake III level's entities: positions of its submodels (doors, platforms), and all other keys.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What a Quake III level says of light, in the unit and the axes of a Scene: docs/reference/quake3_light.md.
+// Reads the light of a Quake III level, in the unit and axes of a Scene (docs/reference/quake3_light.md).
 #pragma once
 
 #include <cstdint>

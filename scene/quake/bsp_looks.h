@@ -1,4 +1,4 @@
-// What a level's faces look like and shine with: its archives' shader scripts and images.
+// Reads the looks of a level's faces: shader scripts and images of its archives.
 #pragma once
 
 #include <map>

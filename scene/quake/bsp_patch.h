@@ -1,4 +1,4 @@
-// Triangles of a curved patch: a grid of biquadratic Bézier surfaces, as Quake III levels hold them.
+// Triangulates a curved patch: a grid of biquadratic Bézier surfaces of Quake III levels.
 #pragma once
 
 #include <cstdint>

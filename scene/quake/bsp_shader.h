@@ -1,5 +1,5 @@
-// What matters here of Quake III shader scripts: which faces are no geometry, which have two sides, a texture for colour, and what
-// shines.
+// Reads of Quake III shader scripts which faces are not geometry, which have two sides, a texture for colour, and what is
+// emissive.
 #pragma once
 
 #include <cstdint>

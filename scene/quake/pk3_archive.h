@@ -1,4 +1,4 @@
-// A set of .pk3 archives (ZIP) mounted over each other, as Quake III-family games mount them.
+// A set of .pk3 archives (ZIP), mounted over each other as in Quake III-family games.
 #pragma once
 
 #include <map>

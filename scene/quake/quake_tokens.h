@@ -1,4 +1,4 @@
-// Words of the text that Quake III-family games keep entities and shader scripts in.
+// Tokeniser of the text of entities and shader scripts of Quake III-family games.
 #pragma once
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// The average colour of an image: of skies, and of lights that are named by one.
+// Average colour of an image, for skies and for lights that name one.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// Connected components of triangles, and how near each of them is to a closed surface.
+// Connected components of triangles, and how nearly each is a closed surface.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Which faces of double-sided materials bound solid: exporters write doubleSided where nobody chose it.
+// Finds the faces of double-sided materials that bound solid, because exporters write doubleSided where nobody chose it.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Which parts of a level can be moved without tearing its shell open.
+// Finds the parts of a level that can be moved without opening its shell.
 #pragma once
 
 #include "scene/scene.h"

@@ -1,4 +1,4 @@
-// Which of a scene's surfaces let light through, judged by what they let through on average.
+// Classifies a scene's transmissive materials as thin or dense, by the mean light that they let through.
 #pragma once
 
 #include <functional>

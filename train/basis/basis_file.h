@@ -1,4 +1,4 @@
-// The basis's file (HDF5; layout in docs/reference/formats.md).
+// Reads and writes the file of the PCA basis (HDF5; layout in docs/reference/formats.md).
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Principal components of a set of weighting functions.
+// Fits the PCA basis: principal components of a set of weighting functions.
 //
 // Input of the generator: K coefficients stand for the P samples of one function. The basis is that of the training set *and all
 // its mirror images*; over such a set the covariance falls into one block of 1024² for each of the 8 parity classes, exactly, so

@@ -1,4 +1,4 @@
-// Where things lie in a function cache: what its reader and its writer agree on (docs/reference/formats.md, "Function cache").
+// Layout of a function cache, shared by its reader and writer (docs/reference/formats.md, "Function cache").
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// A training run's state on disk: written atomically, resumed bit for bit.
+// Saves and resumes the state of a training run: written atomically, resumed bit for bit.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// A checkpoint as a file: what checkpoint.h makes of a training run's state, and without libtorch.
+// Reads and writes the file of a checkpoint, without libtorch.
 //
 // A safetensors file of our own reader and writer (docs/reference/formats.md). libtorch's archives are TorchScript: they are read by a
 // parser of programs, which a changed archive makes read memory that is not there.

@@ -1,4 +1,4 @@
-// Puts a trained dictionary into the form that bakes want: its numbers by what they matter, and a unit of each that a byte counts in.
+// Orders a trained dictionary for bakes: numbers by importance, each with the unit that one step of a byte has.
 //
 // Any linear change of a code's numbers, undone in the dictionary, leaves every function what it is. Functions of the training set are
 // fitted; in the metric of their mean normal equations the principal components of their codes become the new numbers. Then what is left

@@ -1,4 +1,4 @@
-// How wrong codes are under the dictionary that is being trained with them, for autograd: both learn from it.
+// Loss of codes under the dictionary that is trained with them, for autograd: both learn from it.
 //
 // All samples are judged on the same points, so that their logits are one product of matrices.
 #pragma once

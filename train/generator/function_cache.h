@@ -1,4 +1,4 @@
-// A training set as one flat file that is mapped into memory: any size trains in the memory of a few windows of it.
+// A training set as one memory-mapped file, so that sets larger than memory can be trained on.
 //
 // Made once from shards and a basis (function_cache_writer.h; layout in docs/reference/formats.md). Functions lie in an order shuffled over
 // all shards, with everything that training reads of them side by side, so that neighbours make a fair batch and reading runs

@@ -1,4 +1,4 @@
-// Makes a function cache (function_cache.h) from shards.
+// Writes a function cache (function_cache.h) from shards.
 #pragma once
 
 #include <string>

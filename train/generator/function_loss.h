@@ -1,4 +1,4 @@
-// The shared kernel on a batch of samples: how wrong theta are on their own functions, and which way is down.
+// Loss and gradient of a batch of theta on their own functions, for autograd, by the shared kernel.
 #pragma once
 
 #include <torch/types.h>

@@ -1,4 +1,4 @@
-// A step of the generator's parameters: a batch's gradient, summed from its parts, and Adam along it.
+// One step of the generator's parameters: the gradient of a batch, summed from its parts, and Adam.
 //
 // What libtorch's own optimizer, clipping and averages do in some twenty passes over all parameters is one here.
 #pragma once

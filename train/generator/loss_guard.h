@@ -1,4 +1,4 @@
-// Notices when training goes wrong, and takes it back to the last state that was good.
+// Detects divergence of the training, and rolls back to the last good state.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// What happens to a process when a file that it has mapped into memory is shortened, or its disk fails.
+// Turns the loss of a memory-mapped file's pages (file truncated, disk failure) into an error.
 #pragma once
 
 #include <string>

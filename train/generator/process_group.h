@@ -1,4 +1,4 @@
-// The processes that train one generator together, each on its share of every batch: libtorch's c10d over Gloo.
+// Processes that train one generator together, each on its part of every batch: libtorch's c10d over Gloo.
 #pragma once
 
 #include <torch/types.h>

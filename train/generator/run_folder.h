@@ -1,4 +1,4 @@
-// The folder of one training run: where its checkpoints lie, and what says how they came about (docs/guide/training.md).
+// The folder of one training run: checkpoints and their origin (docs/guide/training.md).
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Which functions a training step takes: random enough to train on, near enough to each other to be read from a disk.
+// Chooses the functions of each training step: random enough to train on, close enough together to be read from disk.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What becomes of a function's theta on its way: predicted, then its last layer solved.
+// Stages of theta in training: predicted, then with its last layer solved.
 //
 // The same way as at bake time (nlg/policy.h), but differentiable.
 #pragma once

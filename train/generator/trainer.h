@@ -1,4 +1,4 @@
-// Trains a generator end to end: coefficients → theta → error of theta on its own function.
+// Trains a generator end to end: coefficients → theta → loss of theta on its own function.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// The functions that training reads, and their coefficients: in memory, or in a function cache on the disk.
+// The functions of a training set and their coefficients, in memory or in a function cache.
 #pragma once
 
 #include <array>

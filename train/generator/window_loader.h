@@ -1,4 +1,4 @@
-// Reads the functions of coming training steps from a cache while the present ones are trained on.
+// Reads the functions of coming training steps from a cache during the present ones.
 #pragma once
 
 #include <condition_variable>

@@ -1,4 +1,4 @@
-// Which functions are measured, and which population each belongs to.
+// Chooses the functions that are measured, and the population of each.
 #pragma once
 
 #include "datagen/dataset/function_set.h"

@@ -1,4 +1,4 @@
-// Points of fits at growing budgets: from the corrected theta, and from theta0 and a random start, which need no generator.
+// Points of fits at growing budgets: from the corrected theta, from theta0, and from a random start.
 #pragma once
 
 #include "validate/frontier/timed_policy.h"

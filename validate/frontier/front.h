@@ -1,4 +1,4 @@
-// Which points stand on the Pareto front of time and error, beyond noise.
+// Finds the points on the Pareto front of time and error, beyond noise.
 #pragma once
 
 #include <optional>

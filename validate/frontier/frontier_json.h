@@ -1,4 +1,4 @@
-// frontier.json from the figures; keys: docs/reference/formats.md.
+// Writes frontier.json (keys: docs/reference/formats.md).
 #pragma once
 
 #include <nlohmann/json.hpp>

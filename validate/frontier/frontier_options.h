@@ -1,4 +1,4 @@
-// The settings of nlg-validate frontier: section `frontier` of pipeline.yaml.
+// Options of nlg-validate frontier: section `frontier` of pipeline.yaml.
 #pragma once
 
 #include "tool/options.h"

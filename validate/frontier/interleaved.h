@@ -1,4 +1,4 @@
-// Runs all points of the plot on the same functions, interleaved, so that a slow moment of the machine hits all alike.
+// Runs all points of the plot on the same functions, interleaved, so that slow moments of the machine affect all alike.
 //
 // The outer loops run over repeats and blocks of functions, the inner one over all runs. The first run on every block gives errors.
 // Where it took no longer than repeat_seconds, the repeats give times. What takes next to no time is run once more before each

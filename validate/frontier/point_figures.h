@@ -1,4 +1,4 @@
-// The figures of a point: what its measurement comes to, by population and scene by scene.
+// Figures of a point's measurement, by population and scene by scene.
 #pragma once
 
 #include <array>

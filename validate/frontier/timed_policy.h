@@ -1,4 +1,4 @@
-// The policy on blocks of functions, timed by this tool's clock, up to any of its stages.
+// Runs the policy on blocks of functions up to any stage, timed.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What long fits reach on the sample: direct optimisation, its parts, and the best that is known of a function.
+// Errors that long fits reach on the sample: direct optimisation, its parts, and the best known of each function.
 //
 // *Direct* starts from theta0 and at random (runtime_eval/fit/direct.h). *Best known* is the lowest error of direct and of two long
 // fits that start from what the policy made: Adam with direct's budget, then Levenberg–Marquardt; Levenberg–Marquardt alone. All minimise

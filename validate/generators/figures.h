@@ -1,4 +1,5 @@
-// The figures of one word as JSON: quantiles of errors, leaks, shares, times, each over every population. Keys: docs/reference/formats.md.
+// Writes the figures of one word as JSON: quantiles of errors, leaks, shares and times, by population
+// (docs/reference/formats.md).
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// How many functions training and held-out shards hold together, and which held-out ones training holds already.
+// Counts the functions of training and held-out shards, and held-out ones that training shards hold too.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// One word of the chain from function to grid, measured: network, corrected, fitted, stored, or the fits that they are held against.
+// Measures one word of the policy: network, corrected, fitted, stored, or the fits that they are compared with.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// One generator on every held-out function: what the bake's policy makes of it, measured at each of the four words.
+// Runs the bake's policy for one generator on every held-out function, and measures it at each of the four words.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Of which functions figures are: all distinct ones, those that take a theta, the hard ones; of the whole set or of the sample.
+// Populations of figures: all distinct functions, those that take a theta, hard ones; of the whole set or of the sample.
 #pragma once
 
 #include <cstdint>

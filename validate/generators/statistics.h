@@ -1,4 +1,4 @@
-// Figures over many functions: quantiles, and a histogram for what is pooled over millions of points.
+// Statistics over many functions: quantiles, and a histogram for values pooled over millions of points.
 #pragma once
 
 #include <array>

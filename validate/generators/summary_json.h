@@ -1,4 +1,4 @@
-// The pieces of summary.json, schema version 2: docs/reference/formats.md says what stands in them.
+// Writes the parts of summary.json, schema version 2 (docs/reference/formats.md).
 #pragma once
 
 #include <sstream>

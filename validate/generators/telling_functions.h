@@ -1,4 +1,4 @@
-// Which functions to look at, and what a picture of them shows.
+// Chooses functions for pictures, and the slices that show them.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// How good exported generators are on held-out scenes, through the bake's own policy, against long fits and the bare tent.
+// Measures exported generators on held-out scenes, through the bake's own policy, against long fits and the bare tent.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The bakes that --weights asks for, and the methods that they are held against.
+// The bakes of --weights, and the methods that they are compared with.
 #pragma once
 
 #include <map>

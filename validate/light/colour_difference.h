@@ -1,5 +1,5 @@
-// How different two colours look: HyAB in CIE L*a*b* (D65), the measure that FLIP builds its colour part on. Andersson and others,
-// "FLIP: a difference evaluator for alternating images" (HPG 2020); Abasi and others, "Distance metrics for very large color
+// The difference of two colours: HyAB in CIE L*a*b* (D65), on which FLIP builds its colour part. Andersson and others, "FLIP:
+// a difference evaluator for alternating images" (HPG 2020); Abasi and others, "Distance metrics for very large color
 // differences" (2020).
 #pragma once
 

@@ -1,4 +1,4 @@
-// How far a method's irradiance is from ground truth, over places.
+// Errors of a method's irradiance against ground truth, over sample points.
 #pragma once
 
 #include <array>

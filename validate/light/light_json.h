@@ -1,4 +1,4 @@
-// light.json: keys and meanings in docs/reference/formats.md.
+// Writes light.json (keys: docs/reference/formats.md).
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// Where light is measured: places of a scene with normals, in air, the same for all methods and spacings.
+// Sample points of a scene, in air with normals, at which light is measured: the same for all methods and spacings.
 #pragma once
 
 #include <array>

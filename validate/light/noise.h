@@ -1,4 +1,4 @@
-// How noisy baked light is, and how fast it is baked: the same probes lit again and again by other seeds.
+// Measures the noise of baked light, and its speed: the same probes are lit several times with different seeds.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Rooms of a scene: its places in air parted by what they see.
+// Splits a scene's points in air into rooms, by what the points see.
 //
 // A room is told by sight, not by walls: places that see much the same within reach belong together, so that a hall is one room and
 // what lies behind a window, a door ajar or a corner is another. Outdoors is a room, or several, like others.

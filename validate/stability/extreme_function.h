@@ -1,4 +1,4 @@
-// Weighting functions that no scene was asked for, and the worst that bakes make of functions.
+// Extreme weighting functions, beyond those of scenes, and the worst errors of bakes on them.
 #pragma once
 
 #include <functional>

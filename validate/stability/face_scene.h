@@ -1,4 +1,4 @@
-// Scenes made of a few faces: what the cases of geometry are measured on.
+// Scenes of a few faces, for the cases of geometry.
 #pragma once
 
 #include <string>

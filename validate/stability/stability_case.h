@@ -1,4 +1,4 @@
-// One case of the stability suite: a stiff or extreme input, and the figures that must stay within their bounds.
+// One case of the stability suite: a stiff or extreme input, and figures with the bounds that they must keep.
 //
 // A case measures through the same entry points as the tools. What it promises is what a user of them needs, never what happens to
 // come out. docs/reference/results.md lists all cases.

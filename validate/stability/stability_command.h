@@ -1,4 +1,4 @@
-// nlg-validate stability: every stiff and extreme case with what must hold and what was measured, as one JSON file.
+// The command nlg-validate stability: runs every stiff and extreme case, and writes one JSON file.
 #pragma once
 
 namespace nlg {

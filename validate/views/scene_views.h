@@ -1,4 +1,4 @@
-// From where a scene is looked at when methods are held against truth: the same views for all methods, spacings and settings of a bake.
+// Chooses views of a scene for comparisons with truth: the same for all methods, spacings and options of a bake.
 //
 // Eyes are where a player's are: 1.6 m above a floor on which a figure has room in the air, so that none stand in the hollow of a wall. In
 // a scene that has no such floor they are 20 cm below the ceiling, where one crouches. Every

@@ -1,4 +1,4 @@
-// How far the picture that a method gives of a view is from truth, at its receivers.
+// Errors of a method's picture of a view against truth, at its receivers.
 //
 // The eye adapts: a view is exposed by its own truth, so that a dark room counts as much as a terrace. The exposure is
 // render/tone.h's: the median luminance is shown as middle grey, .18; but no eye adapts to less than kLeastLight. Colours are

@@ -1,4 +1,4 @@
-// Ground truth of a view, and its file: tracing it takes minutes, and bakes of one scene are compared again and again.
+// Ground truth of a view, and its file, so that later comparisons need not trace it again.
 //
 // A file is a safetensors file (weights_file/tensor_file.h) whose metadata holds a SHA-256 of everything that decides its numbers:
 // the scene with its light, every receiver, rays, bounces, seed, which light counts, and kTruthVersion. Where that is another the

@@ -1,4 +1,4 @@
-// What is written of views: views.json, whose keys and meanings are in docs/reference/formats.md, and pictures for people.
+// Writes views.json (keys: docs/reference/formats.md), and pictures for people.
 #pragma once
 
 #include <string>

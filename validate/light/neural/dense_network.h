@@ -1,4 +1,4 @@
-// A small dense network as a look-up computes it: plain loops, no library.
+// A small dense network for look-ups: plain loops, no library.
 #pragma once
 
 #include <cstddef>

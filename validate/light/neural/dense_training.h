@@ -1,4 +1,4 @@
-// Dense networks in libtorch, as they are trained: their numbers are one flat tensor, in the order of DenseNetwork.
+// Trains dense networks in libtorch: their numbers are one flat tensor, in the order of DenseNetwork.
 #pragma once
 
 #include <cstdint>

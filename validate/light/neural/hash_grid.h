@@ -1,4 +1,4 @@
-// A multi-resolution hash grid of features: what stands for places in a neural volume.
+// A multi-resolution hash grid of features, for neural volumes.
 //
 // Müller, Evans, Schied and Keller, "Instant Neural Graphics Primitives with a Multiresolution Hash Encoding" (SIGGRAPH 2022): kLevels
 // lattices, each finer than the one before by the same factor; a level whose nodes are no more than the table has rows keeps one for

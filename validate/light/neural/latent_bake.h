@@ -1,4 +1,4 @@
-// Light as a latent of every voxel of 4 m, which one network finds and another reads: the talk's second prototype.
+// Light as a latent per voxel of 4 m, by an encoder and a decoder: the talk's second prototype.
 //
 // After generative query networks (Eslami et al., "Neural scene representation and rendering", Science 2018). The encoder reads one
 // observation: a place in the voxel and the light that was measured there. The mean of what it says of all of a voxel's observations is

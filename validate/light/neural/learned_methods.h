@@ -1,4 +1,4 @@
-// All networks that learn a scene's light from places in air, as rows of the table of methods.
+// All networks that learn a scene's light from sample points in air, as rows of the table of methods.
 #pragma once
 
 #include <cstdint>

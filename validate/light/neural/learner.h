@@ -1,4 +1,4 @@
-// Training of one network, or of one network with its tables, on one thread.
+// Trains one network, with its tables if it has some, on one thread.
 #pragma once
 
 #include <torch/types.h>

@@ -1,4 +1,4 @@
-// Places in air with the light that was measured there: what methods that learn a scene's light learn it from.
+// Sample points in air with their measured light, from which methods learn a scene's light.
 #pragma once
 
 #include <cstddef>

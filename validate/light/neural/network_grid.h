@@ -1,4 +1,4 @@
-// A grid of nodes with a small network each, whose answers are blended: the last of the talk's prototypes that are no light grid.
+// A grid of nodes with a small network each, whose results are blended: the talk's last prototype before the light grid.
 //
 // A network reads position around its node, in [-1, 1]³ from neighbour to neighbour, and normal, and says colour. Four answer for a
 // place: the corners of the tetrahedron it is in, of the six that a cell of the grid parts into along its diagonal (Kuhn). The blend is

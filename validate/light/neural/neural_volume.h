@@ -1,4 +1,4 @@
-// A neural irradiance volume: a hash grid's features at the place and the normal go through a small network, which says irradiance.
+// A neural irradiance volume: a small network maps hash-grid features of the point, and the normal, to irradiance.
 //
 // After the paper of that name (Computer Graphics Forum, 2026), with what it takes from instant neural graphics primitives. Features and
 // network are trained together on light at places in air, and are float16 in the look-up.

@@ -1,4 +1,4 @@
-// A regular lattice of voxels around places: what networks of one part of a scene each belong to.
+// A regular lattice of voxels around sample points, for networks that each cover a part of the scene.
 #pragma once
 
 #include <array>

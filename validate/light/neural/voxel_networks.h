@@ -1,4 +1,4 @@
-// A network of its own for the light of every voxel of 4 m: the first prototype of the talk.
+// One network per voxel of 4 m for its light: the talk's first prototype.
 //
 // 6 → 128 → 128 → 3 with ReLU: position in the voxel, in [-1, 1]³, and normal to colour, by a relative loss (the talk: with squares it
 // ignores what is dark; SMAPE). Neighbours know nothing of each other: the talk gave it up for its cost, and the next one began with
