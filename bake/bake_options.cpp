@@ -51,15 +51,14 @@ void describe(BakeOptions& o, OptionTable& table) {
             "direct light that probes hold: all; no_suns; none, neither of lamps nor of suns; or reflected, none of emissive "
             "surfaces either. Leave out what the engine draws with shadow maps. Reflected light is always held");
   table.add("light_samples", &o.light_samples,
-            "places in the air of every cell at which light is measured; more where a scene would have fewer than 2,048", 1,
-            4096);
-  table.add("light_rays", &o.light_rays, "rays of every such place", 8, 1 << 20);
+            "sample points in air per cell at which light is measured; raised in scenes that would have fewer than 2,048 in all",
+            1, 4096);
+  table.add("light_rays", &o.light_rays, "rays per sample point", 8, 1 << 20);
   table.add(
       "light_noise", &o.light_noise,
-      "relative noise of light at such places above which 64 neighbours get more rays, up to 8 times light_rays. 0: all get "
-      "light_rays",
+      "relative noise of light above which 64 neighbouring sample points get more rays, at most 8 times light_rays. 0: never",
       0.0, 1.0);
-  table.add("light_probe_rays", &o.light_probe_rays, "light point: rays of every probe", 8, 1 << 24);
+  table.add("light_probe_rays", &o.light_probe_rays, "rays per probe, with --light point", 8, 1 << 24);
   table.add("light_cache", &o.light_cache,
             "cache irradiance at surfaces, so that each bounce is traced once for all probes. Off: every path is traced in full");
   table.add("light_pull", &o.light_pull,

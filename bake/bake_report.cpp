@@ -124,7 +124,8 @@ std::string lightText(const BakeStatistics& s) {
   const LightStatistics& light = s.light;
   if (!light.is_lit) return text + "light: none\n";
   text += fmt::format(
-      "light: {} places, {} rays each on average, {}; by the clock {:.2f} s bounces, {:.2f} s places, {:.2f} s solve ({} "
+      "light: {} sample points, {} rays each on average, {}; by the clock {:.2f} s bounces, {:.2f} s sample points, {:.2f} s "
+      "solve ({} "
       "iterations)",
       light.places, light.places > 0 ? light.rays / light.places : 0,
       light.is_gathered ? "gathered from the level's own light" : "traced", light.cache_wall_s, light.measure_wall_s,

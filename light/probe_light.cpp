@@ -306,7 +306,7 @@ std::vector<LightSh> measureLight(const LightTransport& transport, const std::ve
   };
   std::vector<float> noise_squares(places.size());
   {
-    Progress progress("places lit", static_cast<int64_t>(places.size()));
+    Progress progress("sample points lit", static_cast<int64_t>(places.size()));
     parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
       for (uint64_t i = first; i < end; ++i) noise_squares[i] = gather(i, options.place, kPlaceStream, 1.0f);
       progress.advance(static_cast<int64_t>(end - first));
@@ -315,7 +315,7 @@ std::vector<LightSh> measureLight(const LightTransport& transport, const std::ve
   std::atomic<uint64_t> traced = places.size() * static_cast<uint64_t>(options.place.rays);
   if (options.place_noise > 0.0) {
     const double dark = kDarkestShare * meanLight(light);
-    Progress progress("noisy places lit", static_cast<int64_t>(places.size()));
+    Progress progress("noisy sample points lit", static_cast<int64_t>(places.size()));
     parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
       double sum = 0.0;
       for (uint64_t i = first; i < end; ++i) {

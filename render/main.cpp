@@ -45,7 +45,7 @@ int renderMain(int argc, char** argv) {
       "Draws a view of a scene, or a horizontal cut, lit by a method: truth (path traced at every pixel), grid (a light grid's\n"
       "look-up at every pixel). Brightness is albedo x irradiance / pi + emission, times the exposure, through\n"
       "Khronos' neutral curve, in sRGB.\n"
-      "nlg-render SCENE --out view.png: ground truth, from a view that shows something.\n"
+      "nlg-render SCENE --out view.png: ground truth, from a chosen view.\n"
       "nlg-render SCENE --grid GRID --panel truth,grid --out view.png: side by side, with the error.\n"
       "nlg-render irradiance SCENE --points POINTS.csv --out FILE.csv: irradiance at sample points, as a table.",
       "nlg-render"};

@@ -360,10 +360,10 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--truth-rays", r.truth_rays, "rays of ground truth per sample")
       ->check(CLI::Range(8, 1 << 20))
       ->capture_default_str();
-  app.add_option(
-         "--exposure", r.exposure,
-         "what radiance is multiplied by; 0: so that the median of the first method that has no noise, or else of truth, is .18. "
-         "What is darker than a ten-thousandth of the scene's brightest source stays darker")
+  app.add_option("--exposure", r.exposure,
+                 "factor on radiance. 0: the median luminance of the first method without noise, or else of truth, becomes .18; "
+                 "it stays darker "
+                 "where it is below a ten-thousandth of the scene's brightest source")
       ->check(numberIn(0.0, 1e12))
       ->capture_default_str();
   app.add_option("--error-range", r.error_range,

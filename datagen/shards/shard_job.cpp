@@ -98,11 +98,11 @@ void describe(DatagenOptions& o, OptionTable& table) {
   table.add("extent_m", &o.extent_m,
             "box that probes fill: x,y,z,X,Y,Z, low and high corner, metres, world coordinates. None: the scene's bounds");
   table.add("in_solid", &o.in_solid,
-            "share of the probes in solid that have functions, as seen from a place in air. 0: none has one", 0.0, 1.0);
-  table.add(
-      "keep_outside", &o.keep_outside,
-      "keep functions of whose support nothing lies within the level's hull: the walls and sky around its cameras, players' "
-      "starts and lamps, where these close it off");
+            "share of the probes in solid for which a function is computed, as seen from a point in air. 0: none", 0.0, 1.0);
+  table.add("keep_outside", &o.keep_outside,
+            "keep functions whose support lies outside the level's hull, the walls and sky that enclose its cameras, players' "
+            "starts and "
+            "lamps");
   table.group("Shard");
   table.add("max_functions", &o.max_functions, "maximum number of functions in a shard. Probes are visited in random order", 1,
             1 << 30);

@@ -314,8 +314,9 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
 
 int viewsMain(int argc, char** argv) {
   CLI::App app{
-      "Draws views of a scene, where players stand, as truth and every method light them, and says how much of each picture is\n"
-      "off: the grid with each of the given weights as the bake leaves it, exact visibility, trilinear blends, APV, DDGI. "
+      "Draws views of a scene from where players stand, lit by truth and by every method, and measures the error of each "
+      "picture:\n"
+      "the grid with each of the given weights, exact visibility, trilinear blends, APV, DDGI.\n"
       "Settings of the bake: section bake of the configuration.",
       "nlg-validate views"};
   Request request;
@@ -324,15 +325,16 @@ int viewsMain(int argc, char** argv) {
   describe(options, table);
   table.common(
       {"weights", "spacing_m", "grids_only", "target_functions", "pictures", "truth", "most_views", "truth_rays", "threads"});
-  app.add_option("scene", request.scene, "a scene, as nlg-bake takes it")->required();
-  app.add_option("--out", request.out, "the result (.json)")->required();
-  app.add_option("--weights", request.weights,
-                 "exported generators, each a bake of its own. Several with commas between them: a bake that chooses");
-  app.add_option("--grid", request.grids, "light grids of this scene, as nlg-bake wrote them, beside those that are baked here");
-  app.add_flag("--cameras", request.cameras, "look from the scene's own cameras; none: from where views are found");
+  app.add_option("scene", request.scene, "scene, as for nlg-bake")->required();
+  app.add_option("--out", request.out, "result to write (.json)")->required();
+  app.add_option(
+      "--weights", request.weights,
+      "exported generators, each for a bake of its own; several joined by commas are one bake that chooses among them");
+  app.add_option("--grid", request.grids, "light grids of this scene, written by nlg-bake, to measure beside those baked here");
+  app.add_flag("--cameras", request.cameras, "use the scene's own cameras in place of views that are found");
   app.add_flag("--grids-only", request.grids_only, "leave out baselines; exact visibility stays");
   app.add_flag("--target-functions", request.target_functions,
-               "add a yardstick: the functions that theta approximate, made at every pixel, which takes minutes");
+               "add target functions, the functions that theta approximate, evaluated at every pixel; takes minutes");
   app.add_option("--pictures", request.pictures,
                  "folder for pictures: for each view a row of truth and methods, and a sheet of all rows. None: no pictures");
   app.add_option("--truth", request.truth,
@@ -352,9 +354,8 @@ int viewsMain(int argc, char** argv) {
          "noise of truth (standard deviation over light, median of pixels) above which a view gets up to eight times the rays")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
-  whole("--probe-rays", &request.probe_rays, "rays of every probe of baselines", 8, 1 << 24);
-  whole("--picture-scale", &request.picture_scale,
-        "pixels of a row's pictures are so many pixels wide; a sheet's are half as many", 1, 8);
+  whole("--probe-rays", &request.probe_rays, "rays per probe of baselines", 8, 1 << 24);
+  whole("--picture-scale", &request.picture_scale, "magnification of the pictures in a row; a sheet has half of it", 1, 8);
   return runTool(argc, argv, app, table, [&] { measureViews(request, options, table); });
 }
 
