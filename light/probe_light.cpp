@@ -324,11 +324,12 @@ std::vector<LightSh> measureLight(const LightTransport& transport, const std::ve
         sum += std::min(1.0, noise_squares[i] / (own * own));
       }
       const double wanted = sum / static_cast<double>(end - first) / (options.place_noise * options.place_noise) - 1.0;
-      if (const int times = static_cast<int>(std::ceil(std::min(wanted, kMostMoreRays))); times > 0) {
-        GatherOptions more = options.place;
-        more.rays *= times;
-        for (uint64_t i = first; i < end; ++i)
-          gather(i, more, kMoreStream, static_cast<float>(times) / static_cast<float>(times + 1));
+      GatherOptions more = options.place;
+      // whole sets of directions (GatheredLight::deviation)
+      more.rays = static_cast<int>(std::min(wanted, kMostMoreRays) * options.place.rays) / 8 * 8;
+      if (more.rays >= 8) {
+        const float share = static_cast<float>(more.rays) / static_cast<float>(more.rays + options.place.rays);
+        for (uint64_t i = first; i < end; ++i) gather(i, more, kMoreStream, share);
         traced += (end - first) * static_cast<uint64_t>(more.rays);
       }
       progress.advance(static_cast<int64_t>(end - first));
