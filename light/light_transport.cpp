@@ -63,7 +63,7 @@ struct LightTransport::Impl {
   glm::vec3 albedo(const LightHit& hit) const {
     const uint32_t idx = scene.triangle_material[hit.triangle];
     const Material& material = scene.materials[idx];
-    if (material.pane != Transmissive::none)
+    if (material.transmissive != Transmissive::none)
       return albedoOf(material, transmissiveAt(scene, hit.triangle, hit.u, hit.v).reflects);
     if (!material.base_image.isThere() && scene.vertex_colours.empty()) return factor_albedo[idx];
     return albedoOf(material, baseColourAt(scene, hit.triangle, hit.u, hit.v));
