@@ -5,7 +5,7 @@
 
 #include "datagen/view/legend.h"
 #include "scene/luminance.h"
-#include "scene/surface_look.h"
+#include "scene/image/surface_look.h"
 
 namespace nlg {
 namespace {
