@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "datagen/view/legend.h"
-#include "scene/luminance.h"
+#include "scene/lights/luminance.h"
 #include "scene/image/surface_look.h"
 
 namespace nlg {
