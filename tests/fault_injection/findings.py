@@ -1,11 +1,11 @@
-"""What the first run found, each finding as cases of its name: D1 to D16."""
-import json
+"""What the first run found, each finding as cases of its name.
+
+D1 and D6 are damage.py's own; D11, D13 and D15 need no tool killed: scripts_test.py, bad_input_test.py and CApi have them.
+"""
 import os
-import re
 import signal
 import subprocess
 import time
-from pathlib import Path
 
 import chain
 import damage
@@ -19,11 +19,9 @@ from case import Case, random_of
 
 SHORT_CASES = 2  # of each finding, about, in the short form
 SCENE_SECONDS, SCENE_MB = 10.0, 1000.0  # D3 to D5: what a small file may take
-POLICY_SECONDS = 10.0
-LONG_NUMBER, SURROGATE = "9" * 400, "\\ud800"
 
 
-# ---- D1, D6, D10, D12: files that are not what they were
+# ---- D10, D12: files that are not what they were
 
 def damaged(injection, kinds, hows, count, name):
     """Cases (words, run) of damaged files of some kinds, the readers in turn."""
@@ -35,14 +33,6 @@ def damaged(injection, kinds, hows, count, name):
 
 def binary_kinds(injection):
     return {reading.kind for reading in damage.readings(injection) if not reading.is_text()}
-
-
-def d1(injection):
-    yield from damaged(injection, {"weights", "light grids"}, ["flipped bits"], 120, "D1")
-
-
-def d6(injection):
-    yield from damaged(injection, {"function caches"}, ["0000 to ffff"], 16, "D6")
 
 
 def d10(injection):
@@ -220,80 +210,7 @@ def without_threads(injection, tool, first):
     return run
 
 
-# ---- D11: JSON that Python's reader trips over
-
-def d11(injection):
-    report = next((tool for tool in injection.tools if tool.name == "report"), None)
-    if report is None:
-        return
-    for path in sorted({word for word in report.command if word.endswith(".json")}):
-        for what in ("number", "surrogate", "nesting"):
-            yield strange_json(injection, report, path, what)
-
-
-def strange_json(injection, report, path, what):
-    def run(folder, faults):
-        chain.lay_out(injection.store, report, folder)
-        place = os.path.join(folder, path)
-        document = chain.read(place).decode()
-        os.remove(place)
-        with open(place, "w") as file:
-            file.write(strange(document, what))
-        ending = trial.run(report.argv(injection), folder, injection.environment, injection.limits)
-        trial.judge(ending, injection.limits, faults)
-        return f"{path}: {what}: {ending.words()}"
-    return run
-
-
-def strange(text, what):
-    """Every number, or every text, of a document replaced; or the document inside 100,000 lists."""
-    if what == "nesting":
-        return "[" * 100000 + text + "]" * 100000
-
-    def walk(value):
-        if isinstance(value, dict):
-            return {key: walk(below) for key, below in value.items()}
-        if isinstance(value, list):
-            return [walk(below) for below in value]
-        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        return "@number@" if what == "number" and is_number else "@text@" if what == "surrogate" and isinstance(value, str) else value
-    return json.dumps(walk(json.loads(text))).replace('"@number@"', LONG_NUMBER).replace("@text@", SURROGATE)
-
-
-# ---- D13, D14: pipeline.sh
-
-CONFIGURATIONS = {"empty": "", "broken": "name: [", "nameless": "scenes: {families: [house], per_family: 1}\n", "a list": "- a\n", "a number": "3\n", "bytes": "\0\1\2", "tabs": "name:\tx\n\ty: 1\n"}
-
-
-def d13(injection):
-    for words, text in CONFIGURATIONS.items():
-        yield configuration(injection, words, text)
-    for flag in ("-x", "--nonsense", "--plan="):
-        yield flagged(injection, flag)
-
-
-def configuration(injection, words, text):
-    def run(folder, faults):
-        checkout = pipeline.Pipeline(injection, folder)
-        with open(checkout.config, "w") as file:
-            file.write(text)
-        ending = checkout.run()
-        trial.judge(ending, injection.limits, faults, (trial.USAGE_ERROR,))
-        if ending.code == 0:
-            faults.add(trial.SILENT, f"a configuration that is {words} was taken")
-        return f"{words}: {ending.words()}"
-    return run
-
-
-def flagged(injection, flag):
-    def run(folder, faults):
-        checkout = pipeline.Pipeline(injection, folder)
-        ending = trial.run([os.path.join(checkout.checkout, "pipeline.sh"), flag], folder, checkout.environment, injection.limits)
-        trial.judge(ending, injection.limits, faults, (trial.USAGE_ERROR,))
-        if ending.code == 0:
-            faults.add(trial.SILENT, f"pipeline.sh {flag!r} was taken")
-        return f"pipeline.sh {flag!r}: {ending.words()}"
-    return run
+# ---- D14: pipeline.sh
 
 
 def d14(injection):
@@ -345,34 +262,6 @@ def orphaned_tools(injection, seconds):
     return run
 
 
-# ---- D15: the C library's options
-
-def policy_options(of_type):
-    """Names of C's options of the policy, which has none of the choice between generators."""
-    table = Path(__file__).resolve().parents[2] / "include/nlg/policy_options.def"
-    return re.findall(rf"^NLG_(?!CHOICE)\w+_OPTION\({of_type}, (\w+),", table.read_text(), re.MULTILINE)
-
-
-WHOLE, NUMBERS = policy_options("int"), policy_options("double")
-
-
-def d15(injection):
-    for names, values in ((WHOLE, ("-1", "-100000", "-2147483648", "2147483647")), (NUMBERS, ("-1", "nan", "inf", "-inf", "1e300"))):
-        for name in names:
-            for value in values:
-                yield policy(injection, name, value)
-
-
-def policy(injection, name, value):
-    def run(folder, faults):
-        os.makedirs(folder)
-        limits = trial.Limits(POLICY_SECONDS * injection.factor, injection.limits.peak_mb, injection.limits.address_space)
-        ending = trial.run([injection.reader, "policy", os.path.join(injection.store, "tent_mlp.safetensors"), name, value], folder, injection.environment, limits)
-        trial.judge(ending, limits, faults, (trial.INPUT_ERROR,))
-        return f"{name} = {value}: {ending.words()}"
-    return run
-
-
 # ---- D16: words
 
 def d16(injection):
@@ -411,11 +300,9 @@ def names_the_output(injection, tool):
 
 
 FINDINGS = {
-    "D1: a flipped bit in weights or a light grid": d1, "D2: files of others": d2, "D3: a picture of 20,000 scans": d3, "D4: one texture read 40,000 times": d4,
-    "D5: accessors that add up": d5, "D6: words of a cache that Fletcher's sum takes for each other": d6, "D7: a run killed between a checkpoint and its name": d7,
-    "D8: temporaries of Python's tools": d8, "D9: no threads": d9, "D10: a FIFO for a file": d10, "D11: numbers and texts that are none": d11,
-    "D12: links, devices, large buffers": d12, "D13: configurations that are none": d13, "D14: two runs of one folder": d14, "D15: options out of range": d15,
-    "D16: words on stderr": d16,
+    "D2: files of others": d2, "D3: a picture of 20,000 scans": d3, "D4: one texture read 40,000 times": d4, "D5: accessors that add up": d5,
+    "D7: a run killed between a checkpoint and its name": d7, "D8: temporaries of Python's tools": d8, "D9: no threads": d9, "D10: a FIFO for a file": d10,
+    "D12: links, devices, large buffers": d12, "D14: two runs of one folder": d14, "D16: words on stderr": d16,
 }
 
 

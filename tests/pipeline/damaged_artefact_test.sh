@@ -100,33 +100,11 @@ workflow "${again[@]}"
 [ "$(sha256sum "${shards[@]}")" = "$before" ] || fail "the shards made again are others"
 [ "$(stat -c '%Y %Z' "${shards[1]}")" = "$age" ] || fail "a sound shard was made again"
 
-# --- a configuration that cannot be used: nothing is looked at, one line, exit code 2
+# --- a configuration that cannot be used: nothing is looked at, one line, exit code 2; bad_input_test.py has what may be wrong in one
 mkdir -p "$temporary/victim/dataset/training"
 echo precious >"$temporary/victim/dataset/training/house_0.0.h5"
-configuration() { sed "s|^name: smoke\$|$1|" configs/smoke.yaml >"$temporary/bad.yaml"; }
-mkdir -p "$temporary/out"
-many=$(printf '9%.0s' {1..400})
-for case in "name: ../victim|a folder's name" "name: ..|a folder's name" "name: /tmp|a folder's name" "name: a/b|a folder's name" "name: ''|missing key 'name'" "name: 3|a text" \
-  "|missing key 'name'" "name: [|bad.yaml" "name: a\\nname: b|each key once" "name: smoke\\ncolour: red|unknown key 'colour'" "name: \"a\\\\nb\"|one line" \
-  "name: $many|64 bits" "name: smoke\\nfull: {train: {steps: $many}}|64 bits" "name: smoke\\nexport: {parity_tolerance: .nan}|a finite number"; do
-  configuration "${case%|*}"
-  (
-    temporary_out=$temporary/out
-    code=0
-    NLG_OUT=$temporary_out /usr/bin/python3 workflow/check_artefacts.py "$temporary/bad.yaml" "$NLG_BIN" >"$temporary/stdout" 2>"$temporary/messages" || code=$?
-    [ "$code" = 2 ] && [ "$(wc -l <"$temporary/messages")" = 1 ] && grep -qF -- "${case##*|}" "$temporary/messages" ||
-      fail "a configuration with ${case%|*}: exit code $code, $(head -c 600 "$temporary/messages")"
-    grep -q "bad.yaml" "$temporary/messages" && [ ! -s "$temporary/stdout" ] || fail "${case%|*}: $(cat "$temporary/messages")"
-  )
-done
-printf '%s\n' "- a list" >"$temporary/bad.yaml"
-refuses 2 "top level" "$NLG_BIN" "$temporary/bad.yaml"
-sed "s/per_family: 3/per_family: $many/" configs/smoke.yaml >"$temporary/bad.yaml"
-refuses 2 "per_family" "$NLG_BIN" "$temporary/bad.yaml"
-sed "s/per_family: 3/per_family: $(printf '9%.0s' {1..5000})/" configs/smoke.yaml >"$temporary/bad.yaml"
-refuses 2 "bad.yaml" "$NLG_BIN" "$temporary/bad.yaml"
-printf 'name: &a [*a]\n' >"$temporary/bad.yaml"
-refuses 2 "an alias" "$NLG_BIN" "$temporary/bad.yaml"
+sed "s|^name: smoke\$|name: ../victim|" configs/smoke.yaml >"$temporary/bad.yaml"
+refuses 2 "a folder's name" "$NLG_BIN" "$temporary/bad.yaml"
 refuses 2 "nowhere.yaml" "$NLG_BIN" "$temporary/nowhere.yaml"
 [ "$(cat "$temporary/victim/dataset/training/house_0.0.h5")" = precious ] || fail "another folder's file was touched"
 [ "$form" = whole ] || { echo "damaged artefact test, short: all holds"; exit 0; }
@@ -148,11 +126,6 @@ puts_aside() {
 }
 flip='/usr/bin/python3 -c "import sys; f = open(sys.argv[1], \"r+b\"); f.seek(3000); b = f.read(1)[0]; f.seek(3000); f.write(bytes([b ^ 1]))" "$file"'
 puts_aside "$basis" "$flip" "time kept"
-puts_aside "$basis" "$flip" newer
-puts_aside "$basis" 'truncate -s -1 "$file"' newer
-puts_aside "$basis" ': > "$file"' "time kept"
-puts_aside "$temporary/smoke/basis.json" 'sed -i s/components/komponents/ "$file"' "time kept"
-puts_aside "$temporary/smoke/basis.json" 'truncate -s 40 "$file"' newer
 # what somebody put there on purpose is sound, and is what the run has from now on
 sed -i 's/,/, /' "$temporary/smoke/basis.json"
 [ -z "$(check "$NLG_BIN" configs/smoke.yaml)" ] || fail "a sound newer file was put aside: $(cat "$temporary/messages")"

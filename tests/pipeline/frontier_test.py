@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""nlg-validate frontier on next to nothing: every key of the contract and no other, figures that agree, and what it refuses.
+"""nlg-validate frontier on next to nothing: every key of the contract and no other, and figures that agree.
 
-    frontier_test.py BIN_FOLDER MAKE_WEIGHTS MAKE_NARROW_SHARD
+    frontier_test.py BIN_FOLDER MAKE_WEIGHTS
 """
 import json
 import math
@@ -10,11 +10,11 @@ import sys
 
 sys.dont_write_bytecode = True
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from tools import INPUT_ERROR, OUTPUT_ERROR, USAGE_ERROR, Tools, run_checks, write
+from tools import Tools, run_checks
 
 TOOLS = Tools(sys.argv[1])
 expect = TOOLS.check
-MAKE_WEIGHTS, MAKE_NARROW_SHARD = (os.path.abspath(path) for path in sys.argv[2:4])
+MAKE_WEIGHTS = os.path.abspath(sys.argv[2])
 TINY = ["--functions", "7", "--repeats", "2", "--corrected-lm-steps", "1,2", "--corrected-adam-steps", "2", "--direct-lm-steps", "2,3", "--direct-adam-steps", "64"]
 GOOD = ["--weights", "tent_mlp.safetensors", "pf3.safetensors", "pf5.safetensors", "code16.safetensors", "--held-out", "one.h5", "two.h5", *TINY]
 NAMES = ["tent_mlp", "pf3", "pf5", "code16"]
@@ -90,22 +90,6 @@ def check_speeds(result, key, population, keys):
                 expect(set(speed["ratio"]) == {"value", "low", "high"}, f"{key}: {speed}")
 
 
-def check_families(points):
-    fits = {"lm_from_corrected": 2, "adam_from_corrected": 1, "lm_from_theta0": 2, "adam_from_theta0": 1, "adam_from_random": 1}
-    count = {**fits, **{family + "_gated": number for family, number in fits.items() if "corrected" not in family}}
-    of_codes = {"lm_from_random": 2, "lm_from_random_gated": 2}
-    for name in NAMES:
-        own = [point for point in points if point["representation"] == name]
-        for family, wanted in {**count, **(of_codes if name == "code16" else {})}.items():
-            found = [point["budget"] for point in own if point["family"] == family]
-            expect(len(found) == wanted, f"{name}, {family}: budgets {found}")
-        stages = [point for point in own if point["family"] == "stages"]
-        expect(stages[0]["label"] == "network" and stages[-1]["label"] == "rounding to int8", f"{name}: {[p['label'] for p in stages]}")
-        expect([word for point in stages for word in point["words"]] == WORDS, f"{name}: {[p['words'] for p in stages]}")
-    choices = [point["representation"] for point in points if point["family"] == "choice"]
-    expect(choices == ["pf3+pf5"], f"choices: {choices}")
-
-
 def check_result(tools):
     tools.must(["nlg-validate", "frontier", *GOOD, "--out", "out"])
     result = json.load(open("out/frontier.json"))
@@ -121,7 +105,6 @@ def check_result(tools):
         expect(set(entry) == keys["representations"] and len(entry["stages"]) == len(titles) - 1, f"{name}: {entry} and {titles}")
     for point in points:
         check_point(point, keys, result)
-    check_families(points)
     tent = result["bare_tent"]
     expect(set(tent) == keys["bare_tent"] and list(tent["figures"]) == POPULATIONS, f"bare tent: {tent}")
     for population in POPULATIONS:
@@ -130,30 +113,12 @@ def check_result(tools):
     check_speeds(result, "speed_at_equal_error_hard", "hard", keys)
 
 
-def check_bad_input(tools):
-    write("broken.safetensors", "x")
-    write("other.json", "{}")
-
-    def replaced(old, new):
-        return [new if argument == old else argument for argument in GOOD] + ["--out", "bad"]
-
-    for code, names, arguments in [
-            (USAGE_ERROR, "--weights", ["--held-out", "one.h5", "--out", "bad"]), (USAGE_ERROR, "--held-out", ["--weights", "tent_mlp.safetensors", "--out", "bad"]),
-            (USAGE_ERROR, ["--corrected-lm-steps", "'0'"], replaced("1,2", "0,2")), (USAGE_ERROR, "--functions", replaced("7", "0")),
-            (INPUT_ERROR, "missing.safetensors", replaced("pf3.safetensors", "missing.safetensors")),
-            (INPUT_ERROR, "broken.safetensors", replaced("pf3.safetensors", "broken.safetensors")), (INPUT_ERROR, "missing.h5", replaced("two.h5", "missing.h5")),
-            (INPUT_ERROR, ["training.h5", "--held-out"], ["--weights", "pf3.safetensors", "--held-out", "training.h5", *TINY, "--out", "bad"]),
-            (INPUT_ERROR, "narrow.h5", replaced("two.h5", "narrow.h5")), (OUTPUT_ERROR, "other.json:", [*GOOD, "--out", "other.json"])]:
-        tools.refuses(code, names, ["nlg-validate", "frontier", *arguments])
-
-
 def make_inputs(tools):
-    for name, scene, flags in [("one", "house:1", "--held-out"), ("two", "house:2", "--held-out"), ("training", "house:3", "")]:
-        tools.must(f"nlg-datagen --scene {scene} --max-functions 8 --test-points 64 {flags} --out {name}.h5")
+    for name, scene in [("one", "house:1"), ("two", "house:2")]:
+        tools.must(f"nlg-datagen --scene {scene} --max-functions 8 --test-points 64 --held-out --out {name}.h5")
     for name in NAMES:
         tools.must([MAKE_WEIGHTS, f"{name}.safetensors", name])
-    tools.must([MAKE_NARROW_SHARD, "narrow.h5"])
 
 
 if __name__ == "__main__":
-    sys.exit(run_checks(TOOLS, (make_inputs, check_result, check_bad_input)))
+    sys.exit(run_checks(TOOLS, (make_inputs, check_result)))

@@ -109,19 +109,10 @@ def refuses(exit_code, names, *arguments):
 def check_refusals():
     good = ["--grid", "grid.safetensors", "--format", "three", "--out", "bad"]
     refuses(USAGE_ERROR, ["three, ktx2-sh, three-per-pixel, or c-header", "unity"], "--grid", "grid.safetensors", "--format", "unity", "--out", "bad")
-    refuses(USAGE_ERROR, ["--out"], "--grid", "grid.safetensors", "--format", "three", "--out", "")
-    refuses(USAGE_ERROR, ["--format"], "--grid", "grid.safetensors", "--out", "bad")
-    refuses(INPUT_ERROR, ["missing.safetensors"], "--grid", "missing.safetensors", "--format", "three", "--out", "bad")
     for format_name in ["three", *WITHOUT_TEXELS]:
         refuses(INPUT_ERROR, ["dark.safetensors", "without light"], "--grid", "dark.safetensors", "--format", format_name, "--out", "bad")
     refuses(INPUT_ERROR, ["bright.safetensors", "32768", "--intensity"], "--grid", "bright.safetensors", "--format", "three", "--out", "bad", *BOX)
-    for intensity in ["0", "-1", "nan", "bright"]:
-        refuses(USAGE_ERROR, ["--intensity"], *good, "--intensity", intensity)
-    for extent in ["0,0,0,1,-1,1", "0,0,0,1,1", "0,0,0,1,1,nan", "a,0,0,1,1,1"]:
-        refuses(USAGE_ERROR, ["extent_m", "low below high"], *good, f"--extent-m={extent}")
     refuses(USAGE_ERROR, ["extent_m", "light"], *good, "--extent-m=0,0,0,1,1,1", "--spacing-m", "1")
-    for spacing in ["-1", "nan", "wide"]:
-        refuses(USAGE_ERROR, ["--spacing-m"], *good, f"--spacing-m={spacing}")
     refuses(USAGE_ERROR, ["spacing_m", "8388608", "e+"], *good, "--spacing-m", "0.0001")
     refuses(USAGE_ERROR, ["2048", "1 x 1 x 2107"], *good, "--extent-m=0,10001,2,0.05,10001.05,17", "--spacing-m", "0.05026")
     for setting in [BOX[0], "--spacing-m=1"]:

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "../quake/hand_built_bsp.h"
+#include "tests/scene/quake/hand_built_bsp.h"
 
 namespace nlg {
 

@@ -65,30 +65,6 @@ class LightSummary(unittest.TestCase):
         for key, mean in (("beside_light", 0.02), ("edge", 0.3), ("corner", 0.4)):
             self.assertAlmostEqual(ours[key]["mean"], mean)
 
-    def test_a_scene_with_a_handful_of_dark_places_says_nothing_of_the_dark(self):
-        def with_dark(name, excess, places):
-            made = scene(name, 0.4, 0.2)
-            for spacing in made["spacings"]:
-                for found in spacing["methods"]:
-                    found["dark"] = {"excess": excess, "places": places}
-            return made
-        mean_of = lambda *scenes: self.summary(*scenes)["spacings"][0]["methods"][1]["dark"]["mean"]
-        self.assertAlmostEqual(mean_of(with_dark("a", 0.01, 1000), with_dark("b", 2.0, 2), with_dark("c", 0.03, 30)), 0.02)
-        self.assertAlmostEqual(mean_of(with_dark("a", 1.0, 1), with_dark("b", 2.0, 2)), 1.5)  # all there is
-
-    def test_results_of_before_there_were_rooms_are_read_too(self):
-        old = scene("a", 0.4, 0.2)
-        for spacing in old["spacings"]:
-            for found in spacing["methods"]:
-                del found["beside_light"]
-        ours = self.summary(old)["spacings"][0]["methods"][1]
-        self.assertNotIn("air_by_room", ours)
-        self.assertAlmostEqual(ours["air"]["mean"], 0.2)
-
-    def test_few_scenes_have_no_interval(self):
-        ours = self.summary(scene("a", 0.4, 0.2), scene("b", 0.1, 0.1))["spacings"][0]["methods"][1]
-        self.assertIsNone(ours["air"]["interval"])
-
     def test_refuses_what_is_no_result(self):
         self.assertEqual(self.run_tool({**scene("a", 0.4, 0.2), "schema_version": 2}).returncode, INPUT_ERROR)
         self.assertEqual(self.run_tool({"schema_version": 1}).returncode, INPUT_ERROR)
