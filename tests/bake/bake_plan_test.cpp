@@ -18,27 +18,6 @@ SceneSource groundOf(float side_m) {
   return source;
 }
 
-TEST(BakePlan, SaysSizeUnitProbesMemoryAndTimeInOneLine) {
-  const SceneSource source = groundOf(20);
-  const BakePlan plan = planBake(source, {}, {}, 2);
-  // 20 x 2.5 x 20 spacings, on a shifted lattice: 21 or 22 probes along the sides, 4 or 5 upwards
-  EXPECT_GE(plan.probes, 21.0 * 4 * 21);
-  EXPECT_LE(plan.probes, 22.0 * 5 * 22);
-  const std::string text = toText(plan, 2);
-  EXPECT_EQ(text.find("plan: 20 x 0 x 20 m at 1 m a unit, probes in 20 x 2.5 x 20 m, 1 m apart: about "), 0u) << text;
-  EXPECT_NE(text.find(" MB, roughly "), std::string::npos) << text;
-  EXPECT_NE(text.find(" on 2 threads\n"), std::string::npos) << text;
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
-}
-
-TEST(BakePlan, SaysWhereTheMachineHasTooLittleMemory) {
-  BakePlan plan = planBake(groundOf(20), {}, {}, 2);
-  EXPECT_GT(plan.machine_bytes, 1e8);
-  EXPECT_EQ(toText(plan, 2).find("of this machine"), std::string::npos);
-  plan.machine_bytes = 50e6;
-  EXPECT_NE(toText(plan, 2).find(" MB (more than the 50.0 MB of this machine), roughly "), std::string::npos) << toText(plan, 2);
-}
-
 TEST(BakePlan, TakesLessTimeWithoutLightAndOnMoreThreads) {
   const SceneSource source = groundOf(200);
   BakeOptions dark;
@@ -114,30 +93,6 @@ TEST(BakePlan, HoldsTheAirOverARoofThatEndsWithItsCells) {
   ProbePlacementOptions bounds_alone = placement;
   bounds_alone.reach.reset();
   EXPECT_FALSE(placeProbes(house, bounds_alone, 1).lookUp({3, 3.02, 3}, &around));
-}
-
-TEST(BakeReport, EndsInThreeLinesOrFourWithPluralsWhereTheyBelong) {
-  BakeReport report;
-  report.statistics.counts.grid_probes = 1;
-  report.statistics.counts.functions = 0;
-  report.statistics.load_wall_s = 2.0;
-  report.file_bytes = 45000;
-  report.peak_memory_bytes = 81000000;
-  EXPECT_EQ(toSummary(report, "level.safetensors"),
-            "level.safetensors: 1 probe, 45 kB, 2.0 s; 81.0 MB of memory\n0 functions stored\nlight: none\n");
-  report.unread = 2;
-  EXPECT_NE(toSummary(report, "x").find("light: none\nnot read of the file: 2 kinds, named above\n"), std::string::npos);
-  report.statistics.light.is_lit = true;
-  report.statistics.light.places = 7560;
-  report.statistics.light.median_error = 0.0321;
-  report.statistics.light.p95_error = 0.1234;
-  report.statistics.light.mean = 0.656;
-  report.statistics.light.worst_m = {-1.25, 2, 10};
-  const std::string text = toSummary(report, "level.safetensors");
-  EXPECT_NE(text.find("light: the error is below 3.2 % at half of 7,560 sample points, and above 12 % at 1 in 20"),
-            std::string::npos)
-      << text;
-  EXPECT_NE(text.find("most at -1.3, 2.0, 10.0; mean radiance 0.656\n"), std::string::npos) << text;
 }
 
 }  // namespace

@@ -1,12 +1,10 @@
 // A whole bake: a wall of which everything is known, and a procedural house.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 #include <numeric>
 
 #include "bake/bake_report.h"
@@ -15,31 +13,24 @@
 #include "runtime_eval/numbers/random.h"
 #include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"
-#include "tool/atomic_file.h"
+#include "tests/temporary_folder.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Where the wall of writeWall stands: x of its plane, metres; far from the origin, as the middle of a level may be.
 constexpr double kWallX = 1000.25;
 
 class SceneBakeTest : public testing::Test {
  protected:
-  SceneBakeTest() : folder_(fs::temp_directory_path() / ("nlg_bake_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~SceneBakeTest() override { fs::remove_all(folder_); }
-
   // A wall of 80 x 80 metres, seen from both sides.
   std::string writeWall() const {
     const float x = static_cast<float>(kWallX), s = 40.0f;
     const float corners[18] = {x, -s, -s, x, s, -s, x, s, s, x, -s, -s, x, s, s, x, -s, s};
     std::string bytes(sizeof(corners), '\0');
     std::memcpy(bytes.data(), corners, sizeof(corners));
-    writeFileAtomically((folder_ / "wall.bin").string(), bytes);
+    write("wall.bin", bytes);
     return write("wall.gltf",
                  R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
                  R"("materials":[{"doubleSided":true}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],)"
@@ -47,20 +38,7 @@ class SceneBakeTest : public testing::Test {
                  R"("max":[1000.25,40,40]}],"bufferViews":[{"buffer":0,"byteLength":72}],)"
                  R"("buffers":[{"uri":"wall.bin","byteLength":72}]})");
   }
-  std::string write(const std::string& name, const std::string& text) const {
-    writeFileAtomically((folder_ / name).string(), text);
-    return (folder_ / name).string();
-  }
-
-  static std::vector<Generator> generators(const std::vector<std::string>& names) {
-    std::vector<Generator> result;
-    for (const std::string& name : names) {
-      Representation representation;
-      EXPECT_TRUE(findRepresentation(name, &representation)) << name;
-      result.emplace_back(sampleGenerator(representation, 24, 3, 1));
-    }
-    return result;
-  }
+  std::string write(const std::string& name, const std::string& text) const { return folder_.write(name, text); }
 
   // Numbers at random, of which the last layer is to be solved: that lowers any error.
   static GeneratorData correctedData(uint64_t seed = 1) {
@@ -113,7 +91,7 @@ class SceneBakeTest : public testing::Test {
     return bakeScene(BakeScene(scene, options), generators, options, folder_.string());
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 std::string fileBytes(const LightGrid& grid, ThetaPrecision precision) {
@@ -124,7 +102,7 @@ std::string fileBytes(const LightGrid& grid, ThetaPrecision precision) {
 }
 
 TEST_F(SceneBakeTest, WallHasOneFunctionForEachColumnOfProbesBesideIt) {
-  const Bake wall = bake(writeWall(), generators({"tent_mlp"}), wallOptions());
+  const Bake wall = bake(writeWall(), sampleGenerators({"tent_mlp"}), wallOptions());
   const ShardCounts& counts = wall.statistics.counts;
   // supports of half a side of 1 m: the wall cuts those of the nearest column on either side; 2 functions, whatever the shift of
   // the lattice. Symmetric to one another only by chance
@@ -141,7 +119,7 @@ TEST_F(SceneBakeTest, WallHasOneFunctionForEachColumnOfProbesBesideIt) {
 }
 
 TEST_F(SceneBakeTest, WeightsSumToOneInFreeSpaceAndKeepToTheirSideOfAWall) {
-  const Bake wall = bake(writeWall(), generators({"tent_mlp"}), wallOptions());
+  const Bake wall = bake(writeWall(), sampleGenerators({"tent_mlp"}), wallOptions());
   ASSERT_EQ(failing(wall, ThetaWord::stored, wallOptions()), 0u);  // refined from numbers at random to within the check's limits
   Random random(3);
   LightGrid bare = wall.grid;  // the same probes, as if nothing stood among them
@@ -177,19 +155,6 @@ TEST_F(SceneBakeTest, WeightsSumToOneInFreeSpaceAndKeepToTheirSideOfAWall) {
   EXPECT_LT(leak_sum, 0.2 * bare_leak_sum);
   // on the probe's own side phi is the tent, 1/8 on average: .02 of it is at most 16 %
   EXPECT_NEAR(weight_sum, bare_weight_sum, 0.16 * bare_weight_sum);
-}
-
-TEST_F(SceneBakeTest, GivesTheSameBytesOnAnyNumberOfThreads) {
-  BakeOptions options = houseOptions();
-  const std::vector<Generator> both = generators({"tent_mlp", "mlp"});
-  options.threads = 1;
-  const Bake one = bake("house:3", both, options);
-  ASSERT_GT(one.grid.functionCount(), 20u);
-  const std::string bytes = fileBytes(one.grid, ThetaPrecision::float32);
-  for (const int threads : {2, 5}) {
-    options.threads = threads;
-    EXPECT_TRUE(fileBytes(bake("house:3", both, options).grid, ThetaPrecision::float32) == bytes) << threads << " threads";
-  }
 }
 
 TEST_F(SceneBakeTest, GivesTheSameBytesOnAnyNumberOfThreadsWithCorrections) {
@@ -285,7 +250,7 @@ TEST_F(SceneBakeTest, CorrectionsNeverMakeAThetaFailTheCheckThatPassed) {
 }
 
 TEST_F(SceneBakeTest, CountsEveryProbeOnce) {
-  const Bake house = bake("house:3", generators({"tent_mlp", "mlp"}), houseOptions());
+  const Bake house = bake("house:3", sampleGenerators({"tent_mlp", "mlp"}), houseOptions());
   const BakeStatistics& s = house.statistics;
   const ShardCounts& c = s.counts;
   EXPECT_GT(c.free_space, 0u);
@@ -310,7 +275,7 @@ TEST_P(StoredThetaTest, HasTheErrorThatTheBakeReports) {
   options.policy.theta_precision = GetParam();
   const CheckOptions& limits = options.policy.check();
   const BakeScene scene("house:3", options);
-  const Bake house = bakeScene(scene, generators({"tent_mlp", "mlp"}), options, folder_.string());
+  const Bake house = bakeScene(scene, sampleGenerators({"tent_mlp", "mlp"}), options, folder_.string());
   SceneFunctions functions(scene, options, 2, folder_.string());
   functions.makeAll([](int) { return [](const FunctionRows&) { return [] {}; }; });
   ASSERT_EQ(functions.counts().functions, house.grid.functionCount());
@@ -338,7 +303,7 @@ INSTANTIATE_TEST_SUITE_P(Precisions, StoredThetaTest,
 TEST_F(SceneBakeTest, ThetaOfFloat16IsWhatTheFileHolds) {
   BakeOptions options = houseOptions();
   options.policy.theta_precision = ThetaPrecision::float16;
-  const Bake house = bake("house:3", generators({"tent_mlp"}), options);
+  const Bake house = bake("house:3", sampleGenerators({"tent_mlp"}), options);
   LightGrid read;
   GridMetadata metadata;
   ASSERT_TRUE(parseLightGrid(fileBytes(house.grid, ThetaPrecision::float16), &read, &metadata).ok());
@@ -355,38 +320,11 @@ TEST_F(SceneBakeTest, ThetaOfFloat16IsWhatTheFileHolds) {
 TEST_F(SceneBakeTest, LeavesFunctionsThatItHasNoTimeForAndSaysSo) {
   BakeOptions options = houseOptions();
   options.refine_seconds = 1e-9;
-  const Bake house = bake("house:3", generators({"tent_mlp"}), options);
+  const Bake house = bake("house:3", sampleGenerators({"tent_mlp"}), options);
   const BakeStatistics& s = house.statistics;
   EXPECT_GT(s.left_for_time, 0u);
   EXPECT_EQ(s.refined(), 0u);
   EXPECT_EQ(failing(house, ThetaWord::stored, options), s.left_for_time);
-}
-
-TEST_F(SceneBakeTest, ReportHoldsTheSameNumbersForProgramsAndPeople) {
-  Bake wall = bake(writeWall(), only(correctedData()), wallOptions());
-  BakeReport report;
-  report.scene = "wall";
-  report.weights = {{"tent_mlp", "", 0}};
-  report.statistics = wall.statistics;
-  report.file_bytes = 123456;
-  report.simd = "none";
-  const auto json = toJson(report);
-  EXPECT_EQ(json.at("functions"), 2);
-  EXPECT_EQ(json.at("took_fit").get<uint64_t>(), wall.statistics.tookFit());
-  EXPECT_EQ(
-      json.at("rmse").at("stored").at("worst").get<double>(),
-      std::max(wall.statistics.records[0].at(ThetaWord::stored).rmse, wall.statistics.records[1].at(ThetaWord::stored).rmse));
-  EXPECT_GT(json.at("thread_seconds").at("stages").at("last_layer"), 0.0);
-  const BlendErrors& blend = wall.statistics.blend;
-  EXPECT_GT(blend[1].points, 0u);
-  EXPECT_EQ(json.at("blend").at("air").at("leaks").get<double>(), blend[0].leaks);
-  EXPECT_EQ(json.at("blend").at("surface").at(2).at("total_variation").get<double>(), blend[3].total_variation);
-  EXPECT_EQ(json.at("probes"), wall.grid.tree.probeCount());
-  EXPECT_DOUBLE_EQ(json.at("bytes_per_probe").get<double>() * static_cast<double>(wall.grid.tree.probeCount()), 123456.0);
-  const std::string table = toTable(report);
-  for (const char* word : {"network", "corrected", "fitted", "stored", "holes", "leaks"})
-    EXPECT_NE(table.find(word), std::string::npos) << table;
-  EXPECT_NE(table.find(std::to_string(wall.grid.tree.probeCount())), std::string::npos) << table;
 }
 
 TEST_F(SceneBakeTest, RefusesASceneWithoutATriangle) {

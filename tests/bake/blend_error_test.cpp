@@ -153,22 +153,5 @@ TEST(BlendTargets, WhatDiffusionBringsRoundAnEdgeIsNoLeak) {
   }
 }
 
-TEST(BlendTargets, AreTheSameOnAnyNumberOfThreads) {
-  const BakeOptions options = houseCornerOptions();
-  const Seen one(loadLitScene("house:3", options), options, 1), three(loadLitScene("house:3", options), options, 3);
-  ASSERT_EQ(one.targets.points().size(), three.targets.points().size());
-  size_t partly = 0;
-  for (size_t n = 0; n < one.targets.points().size(); ++n) {
-    const BlendPoint &a = one.targets.points()[n], &b = three.targets.points()[n];
-    EXPECT_EQ(a.position_m, b.position_m);
-    EXPECT_EQ(a.target, b.target);
-    for (int c = 0; c < 8; ++c) {
-      const ProbeAround& at = a.around.corners[c];
-      partly += a.target[c] > 0.0f && a.target[c] < 0.99f * tent(at.local) * at.tent_ratio;
-    }
-  }
-  EXPECT_GT(partly, 0u) << "what diffusion brought is among them";
-}
-
 }  // namespace
 }  // namespace nlg

@@ -1,11 +1,12 @@
 #include "bake/default_weights.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 
+#include "tests/input_error.h"
+#include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -16,27 +17,18 @@ namespace fs = std::filesystem;
 
 class DefaultWeightsTest : public testing::Test {
  protected:
-  DefaultWeightsTest() : folder_(fs::temp_directory_path() / ("nlg_weights_folders_" + std::to_string(::getpid()))) {
+  DefaultWeightsTest() {
     fs::create_directories(folder_ / "first");
     fs::create_directories(folder_ / "second");
   }
-  ~DefaultWeightsTest() override { fs::remove_all(folder_); }
 
-  std::string put(const std::string& name) const {
-    writeFileAtomically((folder_ / name).string(), "x");
-    return (folder_ / name).string();
-  }
-  std::vector<std::string> folders() const { return {(folder_ / "first").string(), (folder_ / "second").string()}; }
+  std::string put(const std::string& name) const { return folder_.write(name, "x"); }
+  std::vector<std::string> folders() const { return {folder_ / "first", folder_ / "second"}; }
   std::string refusal(const std::vector<std::string>& representations) const {
-    try {
-      shippedWeights(representations, folders());
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "no error";
+    return errorOfCall<UsageError>([&] { shippedWeights(representations, folders()); });
   }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(DefaultWeightsTest, TakesTheFirstFolderThatHasThem) {
@@ -63,7 +55,7 @@ TEST_F(DefaultWeightsTest, SaysWhereItLookedForWhat) {
 TEST_F(DefaultWeightsTest, DoesNotMixFolders) {
   put("first/tent_mlp.safetensors");
   put("second/pf5.safetensors");
-  EXPECT_NE(refusal({"tent_mlp", "pf5"}).find((folder_ / "first/pf5.safetensors").string()), std::string::npos);
+  EXPECT_NE(refusal({"tent_mlp", "pf5"}).find(folder_ / "first/pf5.safetensors"), std::string::npos);
 }
 
 TEST_F(DefaultWeightsTest, TheVariableNamesTheOnlyFolder) {

@@ -10,7 +10,7 @@
 #include "nlg/look_up.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
-#include "tests/scene/temporary_folder.h"
+#include "tests/temporary_folder.h"
 #include "tool/error.h"
 #include "validate/light/asked_bakes.h"
 #include "validate/light/noise.h"

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "bake/scene_bake.h"
 #include "nlg/light_grid.h"
@@ -24,12 +23,7 @@ BakeOptions corner(const std::string& groups) {
   return options;
 }
 
-Bake bakeOf(const BakeOptions& options) {
-  const BakeScene scene("house:3", options);
-  std::vector<Generator> generators;
-  generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
-  return bakeScene(scene, generators, options, std::filesystem::temp_directory_path().string());
-}
+Bake bakeOf(const BakeOptions& options) { return bakeOf(BakeScene("house:3", options), options); }
 
 double rms(const std::vector<float>& light) {
   double sum = 0.0;
@@ -112,10 +106,7 @@ TEST(LightGroupsOfABake, AreThereWhereThereIsOneAlone) {
   BakeOptions options = corner("kind");
   options.scene_light.sky = {"0"};
   options.scene_light.sun = {"120", "50", "5", "4.7", "4.1"};
-  const BakeScene scene("daylight:0", options);
-  std::vector<Generator> generators;
-  generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
-  const LightGrid grid = bakeScene(scene, generators, options, std::filesystem::temp_directory_path().string()).grid;
+  const LightGrid grid = bakeOf(BakeScene("daylight:0", options), options).grid;
   ASSERT_EQ(grid.groups.size(), 1u);
   EXPECT_EQ(grid.groups[0].name, "sun");
   EXPECT_EQ(grid.groups[0].light, grid.light);

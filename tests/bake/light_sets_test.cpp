@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include <nlohmann/json.hpp>
 
@@ -12,6 +11,7 @@
 #include "bake/again/relight.h"
 #include "bake/scene_bake.h"
 #include "tests/bake/house_corner.h"
+#include "tests/input_error.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/runtime_eval/weights_file/digest_edits.h"
 #include "tool/error.h"
@@ -32,12 +32,6 @@ struct Settings {
   BakeOptions options = houseCornerOptions();
   OptionTable table;
 };
-
-Bake bakeOf(const BakeScene& scene, const BakeOptions& options) {
-  std::vector<Generator> generators;
-  generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
-  return bakeScene(scene, generators, options, std::filesystem::temp_directory_path().string());
-}
 
 // The light of a grid as it begins, baked with these sets.
 Bake bakeOf(const std::vector<std::string>& sets, BakeOptions options = Settings({}).options) {
@@ -113,14 +107,9 @@ TEST(LightSetsOfABake, HoldGroupsOfTheirOwn) {
 
 TEST(LightSetsOfABake, AreOfTheSameGeometryAndNotTooMany) {
   BakeOptions options = Settings({"day", "night=house:4"}).options;
-  try {
-    loadLitScene("house:3", options);
-    ADD_FAILURE() << "another house";
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.find("house:4: light set night: expected the geometry of house:3"), 0u) << text;
-    EXPECT_NE(text.find(", not "), std::string::npos) << text;
-  }
+  const std::string text = inputErrorOf([&] { loadLitScene("house:3", options); });
+  EXPECT_EQ(text.find("house:4: light set night: expected the geometry of house:3"), 0u) << text;
+  EXPECT_NE(text.find(", not "), std::string::npos) << text;
   options.light_set.clear();
   for (size_t s = 0; s <= kMaxLightGroups; ++s) {
     if (s == kMaxLightGroups) {

@@ -1,10 +1,8 @@
-// What a scene does not need: the lines' counts add up, and seconds and bytes are those of the same work in the same bake.
+// What a scene does not need: the counts of the lines add up.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -14,18 +12,6 @@
 
 namespace nlg {
 namespace {
-
-std::string spoolFolder() { return std::filesystem::temp_directory_path().string(); }
-
-std::vector<Generator> generators(const std::vector<std::string>& names) {
-  std::vector<Generator> result;
-  for (const std::string& name : names) {
-    Representation representation;
-    EXPECT_TRUE(findRepresentation(name, &representation)) << name;
-    result.emplace_back(sampleGenerator(representation, 24, 3, 1));
-  }
-  return result;
-}
 
 // Duplicates are the same bytes: whether two functions share a theta does not depend on what else is left out.
 BakeOptions exactOptions() {
@@ -41,7 +27,7 @@ const BakeScene& house() {
 }
 
 Bake bakeHouse(const std::vector<Generator>& generators, const BakeOptions& options) {
-  return bakeScene(house(), generators, options, spoolFolder());
+  return bakeOf(house(), options, {}, generators);
 }
 
 uint64_t probesOf(const LightGrid& grid, uint32_t function) {
@@ -65,19 +51,14 @@ std::vector<Saving> savingsOf(const Bake& bake, const std::vector<Generator>& ge
   return savingsOf(bake, generators, options.policy, {ThetaPrecision::float32}, weights_bytes, options.threads);
 }
 
-const Saving* find(const std::vector<Saving>& savings, const std::string& what) {
-  const auto found = std::find_if(savings.begin(), savings.end(), [&](const Saving& saving) { return saving.what == what; });
-  return found == savings.end() ? nullptr : &*found;
-}
-
 const Saving& lineOf(const std::vector<Saving>& savings, const std::string& what) {
-  const Saving* saving = find(savings, what);
-  if (saving == nullptr) throw std::out_of_range("no line: " + what);
-  return *saving;
+  const auto found = std::find_if(savings.begin(), savings.end(), [&](const Saving& saving) { return saving.what == what; });
+  if (found == savings.end()) throw std::out_of_range("no line: " + what);
+  return *found;
 }
 
 TEST(Savings, CountsAreThoseOfTheBakeAndAddUp) {
-  const std::vector<Generator> both = generators({"tent_mlp", "mlp"});
+  const std::vector<Generator> both = sampleGenerators({"tent_mlp", "mlp"});
   const Bake bake = bakeHouse(both, houseCornerOptions());
   const std::vector<Saving> savings = savingsOf(bake, both, houseCornerOptions());
   const ShardCounts& counts = bake.statistics.counts;
@@ -109,60 +90,13 @@ TEST(Savings, CountsAreThoseOfTheBakeAndAddUp) {
   }
 }
 
-TEST(Savings, CostWhatTheSameWorkTookInTheSameBake) {
-  const std::vector<Generator> one = generators({"tent_mlp"});
-  const Bake bake = bakeHouse(one, houseCornerOptions());
-  const std::vector<Saving> savings = savingsOf(bake, one, houseCornerOptions());
-  const BakeStatistics& s = bake.statistics;
-  double theta_s = 0.0;
-  for (const ThetaRecord& record : s.records) theta_s += 1e-6 * record.elapsedUs(ThetaWord::stored);
-  const double each_s = theta_s / static_cast<double>(s.counts.functions);
-  EXPECT_GT(each_s, 0.0);
-  const auto duplicates = static_cast<double>(s.counts.duplicates), tents = static_cast<double>(s.bare_tents.count);
-  // the difference of two times may be far smaller than both, and keeps their rounding: a sum of as many terms as there are functions,
-  // each rounded by half an epsilon of the sum at most
-  const double rounding = 2.0 * std::numeric_limits<double>::epsilon() * static_cast<double>(s.counts.functions + 4);
-  EXPECT_NEAR(*lineOf(savings, "duplicates").seconds, duplicates * each_s - s.function_times.duplicates_s,
-              rounding * duplicates * each_s);
-  EXPECT_NEAR(*lineOf(savings, "functions that are all but the bare tent").seconds, tents * each_s - s.function_times.bare_tent_s,
-              rounding * tents * each_s);
-  EXPECT_GT(*lineOf(savings, "probes in free space").seconds, 0.0);
-  // a theta of D floats and a byte that says of which representation it is
-  const int64_t bytes = 4 * one[0].representation().thetaCount();
-  EXPECT_EQ(lineOf(savings, "duplicates").bytes, static_cast<int64_t>(s.counts.duplicates) * bytes);
-  EXPECT_EQ(lineOf(savings, "functions that are all but the bare tent").bytes, static_cast<int64_t>(s.bare_tents.count) * bytes);
-}
-
-TEST(Savings, HaveALineForWhatThisBakeCouldLeaveOutAlone) {
-  const std::vector<Generator> one = generators({"tent_mlp"});
-  BakeOptions options = houseCornerOptions();
-  options.light = "none";
-  const Bake dark = bakeHouse(one, options);
-  const std::vector<Saving> unlit = savingsOf(dark, one, options);
-  for (const char* what : {"bounces traced once for all probes", "bits and coefficients of light beyond the level's own axes",
-                           "bits of theta beyond its stored form", "theta of the largest representation"}) {
-    EXPECT_EQ(find(unlit, what), nullptr) << what;
-  }
-  const std::vector<Saving> rounded = savingsOf(dark, one, options.policy, {ThetaPrecision::float16}, {1000}, options.threads);
-  EXPECT_EQ(lineOf(rounded, "bits of theta beyond its stored form").bytes, static_cast<int64_t>(2 * dark.grid.theta.size()));
-}
-
-TEST(Savings, TablesHaveEveryLineAndOnlyTheKeysThatAreKnown) {
-  const std::vector<Saving> savings = {{"this", 3, 9, 1.5, {}, "a note"}, {"that", 0, 1, {}, -4, "another"}};
-  const nlohmann::ordered_json json = toJson(savings);
-  EXPECT_EQ(json.dump(), R"([{"what":"this","count":3,"of":9,"seconds_saved":1.5,"note":"a note"},)"
-                         R"({"what":"that","count":0,"of":1,"bytes_saved":-4,"note":"another"}])");
-  const std::string text = toTable(savings);
-  for (const char* word : {"this", "that", "1.500", "-4", "a note", "another"})
-    EXPECT_NE(text.find(word), std::string::npos) << word << " in\n" << text;
-}
-
 TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
-  const std::vector<Generator> both = generators({"tent_mlp4", "tent_mlp"});
+  const std::vector<Generator> both = sampleGenerators({"tent_mlp4", "tent_mlp"});
   BakeOptions options = houseCornerOptions();
   // enough for about half of the functions; the larger representation for all others, however little it is better
   options.policy.choice_flat_ratio = 1e-6;
-  options.policy.choice_enough_rmse = medianRmse(generators({"tent_mlp4"}), options) / options.policy.choice_generator_excess;
+  options.policy.choice_enough_rmse =
+      medianRmse(sampleGenerators({"tent_mlp4"}), options) / options.policy.choice_generator_excess;
   options.policy.good_rmse = 1e3;
   options.policy.check() = {1e3, 1e3, 1.0, 1.0, 1.0};
   const Bake house = bakeHouse(both, options);
@@ -176,7 +110,7 @@ TEST(Savings, LargerGeneratorsRunOnlyWhereTheSmallestIsNotEnough) {
 }
 
 TEST(Savings, WhatIsGoodTakesNoStageAfterTheNetwork) {
-  const std::vector<Generator> one = generators({"tent_mlp"});
+  const std::vector<Generator> one = sampleGenerators({"tent_mlp"});
   BakeOptions options = houseCornerOptions();
   options.policy.good_rmse = 1e3;
   options.policy.check() = {1e3, 1e3, 1.0, 1.0, 1.0};
@@ -197,7 +131,7 @@ TEST(Savings, WhatIsGoodTakesNoStageAfterTheNetwork) {
 }
 
 TEST(Savings, WhatIsAllButTheBareTentHasNoThetaAndIsNoFurtherOff) {
-  const std::vector<Generator> one = generators({"tent_mlp"});
+  const std::vector<Generator> one = sampleGenerators({"tent_mlp"});
   BakeOptions options = exactOptions();
   options.policy.bare_tent_rmse = 0.004;
   const Bake with = bakeHouse(one, options);

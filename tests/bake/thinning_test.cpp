@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "bake/again/relight.h"
 #include "bake/scene_bake.h"
@@ -14,6 +13,7 @@
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/bake/house_corner.h"
+#include "tests/input_error.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/error.h"
 
@@ -26,12 +26,6 @@ BakeOptions corner() {
   options.light_rays = 16;
   takeThetaPrecision(&options);
   return options;
-}
-
-Bake bakeOf(const BakeScene& scene, const BakeOptions& options, const GridMetadata& metadata = {}) {
-  std::vector<Generator> generators;
-  generators.emplace_back(sampleGenerator({RepresentationKind::tent_mlp4}, 24, 3, 1));
-  return bakeScene(scene, generators, options, std::filesystem::temp_directory_path().string(), metadata);
 }
 
 size_t bytesOf(const LightGrid& grid, const BakeOptions& options) {
@@ -110,17 +104,12 @@ TEST(ThinnedGrid, KeepsABudgetOrSaysWhatItTakes) {
   options.max_bytes = all - 1.0;
   EXPECT_GT(bakeOf(scene, options, metadata).statistics.light.thin_error, 0.0);
   options.max_bytes = 5100.0;
-  try {
-    bakeOf(scene, options, metadata);
-    FAIL() << "a hundred bytes for a house";
-  } catch (const UsageError& error) {
-    const std::string line = error.what();
-    EXPECT_NE(line.find("spacing_m"), std::string::npos) << line;
-    // the size that it names is one that is taken
-    options.max_bytes = std::stod(line.substr(line.find("expected ") + 9));
-    EXPECT_GT(options.max_bytes, 5100.0);
-    EXPECT_LE(fileBytesOf(bakeOf(scene, options, metadata).grid), options.max_bytes) << line;
-  }
+  const std::string line = errorOfCall<UsageError>([&] { bakeOf(scene, options, metadata); });
+  ASSERT_NE(line.find("spacing_m"), std::string::npos) << line;
+  // the size that it names is one that is taken
+  options.max_bytes = std::stod(line.substr(line.find("expected ") + 9));
+  EXPECT_GT(options.max_bytes, 5100.0);
+  EXPECT_LE(fileBytesOf(bakeOf(scene, options, metadata).grid), options.max_bytes) << line;
 }
 
 // Two rooms, a wall between them, a lamp in one: the functions that keep the other dark stay.

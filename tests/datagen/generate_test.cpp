@@ -12,6 +12,7 @@
 
 #include "datagen/dataset/shard_reader.h"
 #include "datagen/shards/shard_job.h"
+#include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -22,15 +23,13 @@ namespace fs = std::filesystem;
 
 class GeneratedShard : public testing::Test {
  protected:
-  GeneratedShard() : folder_(fs::temp_directory_path() / ("nlg_generate_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
+  GeneratedShard() {
     describe(options_, table_);
     options_.max_functions = 100;
     options_.test_points = 64;
   }
-  ~GeneratedShard() override { fs::remove_all(folder_); }
 
-  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  std::string at(const std::string& name) const { return folder_ / name; }
 
   // The shard as run with these limits and threads writes it.
   std::string make(const CollectorLimits& limits, int threads, const std::string& scene = "house:1") {
@@ -46,7 +45,7 @@ class GeneratedShard : public testing::Test {
     return at("shard.h5");
   }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
   DatagenOptions options_;
   OptionTable table_{"datagen"};
 };

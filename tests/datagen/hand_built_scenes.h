@@ -139,4 +139,13 @@ inline Scene terrainSheet(float height, Sides sides) {
   return faces.finish();
 }
 
+inline Scene room(const glm::vec3& albedo, const glm::vec3& emission) {
+  SceneOfFaces faces;
+  faces.addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f);
+  Scene scene = faces.finish();
+  scene.materials[0].base_color = albedo;
+  scene.materials[0].emissive = emission;
+  return scene;
+}
+
 }  // namespace nlg

@@ -1,7 +1,6 @@
 // The weights of one baked scene.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <set>
@@ -12,6 +11,7 @@
 #include "nlg/light_grid.h"
 #include "runtime_eval/evaluator/generator_data.h"
 #include "tests/runtime_eval/sample_generator.h"
+#include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/provenance.h"
@@ -23,16 +23,8 @@ namespace fs = std::filesystem;
 
 class UsedBy : public testing::Test {
  protected:
-  UsedBy() : folder_(fs::temp_directory_path() / ("nlg_used_by_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~UsedBy() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::string write(const std::string& name, const std::string& bytes) const {
-    writeFileAtomically(path(name), bytes);
-    return path(name);
-  }
+  std::string path(const std::string& name) const { return folder_ / name; }
+  std::string write(const std::string& name, const std::string& bytes) const { return folder_.write(name, bytes); }
   static Representation named(const std::string& name) {
     Representation representation;
     EXPECT_TRUE(findRepresentation(name, &representation)) << name;
@@ -82,7 +74,7 @@ class UsedBy : public testing::Test {
     return usedByMain(static_cast<int>(argv.size()), argv.data());
   }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
   std::string grid_;
   std::vector<std::string> weights_;
   std::map<std::string, std::string> hash_;

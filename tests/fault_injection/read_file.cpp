@@ -4,14 +4,12 @@
 //   weights, weights-c       a generator
 //   grid, grid-c             a light grid
 //   grid-header              grid.bin, by nlg_light_grid.h
-//   policy OPTION VALUE      FILE are weights: one option of the C library's policy, and a function that takes every stage
 #include <unistd.h>
 
 #include <array>
 #include <cstring>
 #include <iostream>
 #include <string>
-#include <vector>
 
 #include "nlg/generator.h"
 #include "nlg/light_grid.h"
@@ -72,33 +70,6 @@ int readGridByHeader(const char* path) {
                                                                                            : refused("another digest");
 }
 
-bool setOption(nlg_policy_options* options, const std::string& name, double value) {
-#define NLG_CHOICE_OPTION(type, option, usual, low, high, help)
-#define NLG_POLICY_OPTION(type, option, usual, low, high, help) \
-  if (name == #option) return options->option = static_cast<type>(value), true;
-#include "nlg/policy_options.def"
-  return false;
-}
-
-int usePolicy(const char* weights, const char* name, const char* value) {
-  nlg_generator* generator = nullptr;
-  nlg_scratch* scratch = nullptr;
-  nlg_policy_options options = nlg_default_policy();
-  if (!setOption(&options, name, std::stod(value))) return kUsage;
-  nlg_status status = nlg_generator_load(weights, &generator, nullptr, 0);
-  if (status == NLG_OK) status = nlg_scratch_create(generator, &options, &scratch);
-  if (status == NLG_OK) {
-    // no smooth field comes near: it takes every stage
-    std::vector<uint8_t> phi(NLG_SUPPORT_POINT_COUNT), validity(NLG_SUPPORT_POINT_COUNT / 8, 0xff);
-    for (size_t i = 0; i < phi.size(); ++i) phi[i] = i % 2 == 0 ? 0 : 255;
-    std::vector<float> theta(nlg_theta_count(generator));
-    status = nlg_make_theta(generator, phi.data(), validity.data(), nullptr, 1, theta.data(), nullptr, scratch);
-  }
-  nlg_scratch_free(scratch);
-  nlg_generator_free(generator);
-  return verdict(status, nlg_status_name(status));
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -108,8 +79,6 @@ int main(int argc, char** argv) {
   if (argc == 3 && reader == "grid") return readGrid(argv[2]);
   if (argc == 3 && reader == "grid-c") return readGridInC(argv[2]);
   if (argc == 3 && reader == "grid-header") return readGridByHeader(argv[2]);
-  if (argc == 5 && reader == "policy") return usePolicy(argv[2], argv[3], argv[4]);
-  std::cerr << "usage: fault_injection_read weights|weights-c|grid|grid-c|grid-header FILE, fault_injection_read policy WEIGHTS "
-               "OPTION VALUE\n";
+  std::cerr << "usage: fault_injection_read weights|weights-c|grid|grid-c|grid-header FILE\n";
   return kUsage;
 }

@@ -93,11 +93,5 @@ TEST(AirPlaces, AreTheSameWhereAnEarlierSearchSaysWhichCellsHoldAir) {
   EXPECT_LT(again.drawn, whole.air.drawn);
 }
 
-TEST(AirPlaces, DoNotDependOnThreads) {
-  const Surveyed one(makeProceduralScene("maze", 1), 1.3, 1), three(makeProceduralScene("maze", 1), 1.3, 3);
-  EXPECT_EQ(one.air.places, three.air.places);
-  EXPECT_EQ(one.air.votes, three.air.votes);
-}
-
 }  // namespace
 }  // namespace nlg

@@ -372,11 +372,5 @@ TEST(LightTransport, PlacesThatFollowOneAnotherFillEachOthersGaps) {
   EXPECT_LT(variance(true), 0.6 * variance(false));
 }
 
-TEST(LightTransport, SameSeedSameBits) {
-  const Lit lit(closedRoom(glm::vec3(0.5f), glm::vec3(1.0f)));
-  EXPECT_EQ(lit.transport.gather({0, 0, 0}, {64, 8}, 1).light, lit.transport.gather({0, 0, 0}, {64, 8}, 1).light);
-  EXPECT_NE(lit.transport.gather({0, 0, 0}, {64, 8}, 1).light, lit.transport.gather({0, 0, 0}, {64, 8}, 2).light);
-}
-
 }  // namespace
 }  // namespace nlg

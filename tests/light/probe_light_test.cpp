@@ -243,12 +243,5 @@ TEST(ProbeLight, GivesMoreRaysToNoisyPlaces) {
   EXPECT_LT(limited, 0.7 * plain);
 }
 
-TEST(ProbeLight, IsTheSameForAnyNumberOfThreads) {
-  const TentRoom room;
-  std::vector<LightSh> place_light;
-  for (size_t i = 0; i < room.air.places.size(); ++i) place_light.push_back(uniformLight(static_cast<float>(i % 7)));
-  EXPECT_EQ(room.solved(place_light, {}, 1).light, room.solved(place_light, {}, 3).light);
-}
-
 }  // namespace
 }  // namespace nlg

@@ -117,13 +117,6 @@ TEST(SurfaceCache, DarkRoomStaysDark) {
   }
 }
 
-TEST(SurfaceCache, DividedCellsAreNotUsed) {
-  const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {3.9, 2.9, 1.9}, 400, 5);
-  const CachedScene lit(dividedRoom(), places);
-  EXPECT_GT(lit.cache().dividedCount(), 10u);  // the partition is 4 m wide, of 16 cells
-  EXPECT_LT(lit.cache().dividedCount(), lit.cache().cellCount() / 4);
-}
-
 // A place 2 m above a plain: most of the cells that its rays find lie where hardly one of its rays will end again.
 TEST(SurfaceCache, FindsNoCellsBeyondItsReach) {
   SceneOfFaces faces;
@@ -140,30 +133,6 @@ TEST(SurfaceCache, FindsNoCellsBeyondItsReach) {
   // as a bake has it: 200 places with 64 rays each reach some 11 m
   ProbeLightOptions light;
   EXPECT_LT(makeSurfaceCache(transport, places, 1.0, light, 2)->cellCount(), all.cellCount());
-}
-
-TEST(SurfaceCache, OfNoPlacesIsEmpty) {
-  const CachedScene scene(twoRooms(), {});
-  EXPECT_EQ(scene.cache().cellCount(), 0u);
-  EXPECT_EQ(scene.cache().irradiance({-2, 0, 0}, {0, 1, 0}), nullptr);
-}
-
-TEST(SurfaceCache, SameBitsForAnyThreads) {
-  const Scene scene = twoRooms();
-  const RayScene rays(scene);
-  const LightTransport transport(scene, rays);
-  const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {-0.2, 2.9, 1.9}, 100, 3);
-  const SurfaceCache one(transport, places, {}, 1), three(transport, places, {}, 3);
-  ASSERT_EQ(one.cellCount(), three.cellCount());
-  for (const glm::dvec3& place : places) {
-    const LightHit hit = rays.lightHit(glm::vec3(place), {0, -1, 0});
-    const glm::vec3 point = glm::vec3(place) - glm::vec3(0, hit.distance, 0);
-    const glm::vec3 *a = one.irradiance(point, hit.normal), *b = three.irradiance(point, hit.normal);
-    ASSERT_EQ(a == nullptr, b == nullptr);
-    if (a != nullptr) {
-      EXPECT_EQ(*a, *b);
-    }
-  }
 }
 
 }  // namespace

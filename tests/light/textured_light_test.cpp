@@ -42,15 +42,6 @@ struct Lit {
   LightTransport transport;
 };
 
-Scene room(const glm::vec3& albedo, const glm::vec3& emission) {
-  SceneOfFaces faces;
-  faces.addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f);
-  Scene scene = faces.finish();
-  scene.materials[0].base_color = albedo;
-  scene.materials[0].emissive = emission;
-  return scene;
-}
-
 // A square of side 2 s at height y that faces up.
 Scene plate(float s, float y) {
   SceneOfFaces faces;

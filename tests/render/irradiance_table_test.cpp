@@ -1,10 +1,9 @@
 #include "render/irradiance_table.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-
+#include "tests/input_error.h"
+#include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -37,20 +36,12 @@ TEST(IrradianceTable, RefusesWhatIsNoTableOfPlacesAndNamesTheLine) {
       {kHeader + "1,2,2e7,0,1,0\n", "line 2: expected numbers"},
       {kHeader + "1,2,3,0,0,0\n", "line 2: expected a normal that is not 0"},
   };
-  for (const auto& c : cases) {
-    try {
-      receiversFromCsv("p.csv", c.text, {0, 0, 0});
-      ADD_FAILURE() << "not refused: " << c.text;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(c.named), std::string::npos) << error.what();
-    }
-  }
+  for (const auto& c : cases) expectInputError(c.named, [&] { receiversFromCsv("p.csv", c.text, {0, 0, 0}); });
 }
 
 TEST(IrradianceTable, WritesPiTimesTheRadianceOfAnEvenSkyHighAboveAScene) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("irradiance." + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
-  const IrradianceRequest request{"house:1", (folder / "places.csv").string(), (folder / "out.csv").string(), 64};
+  const TemporaryFolder folder;
+  const IrradianceRequest request{"house:1", folder / "places.csv", folder / "out.csv", 64};
   writeFileAtomically(request.places, kHeader + "1.5,1000,2,0,2,0\n");
   BakeOptions options;
   options.scene_light.sky = {"1", "2", "0"};
@@ -66,7 +57,6 @@ TEST(IrradianceTable, WritesPiTimesTheRadianceOfAnEvenSkyHighAboveAScene) {
   EXPECT_NEAR(green, 2 * 3.14159265, 2e-5);
   EXPECT_EQ(blue, 0.0);
   EXPECT_THROW(writeIrradianceTable({request.scene, request.places, request.places, 64}, options), UsageError);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

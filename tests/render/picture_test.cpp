@@ -23,15 +23,6 @@ struct Rendered {
   LightTransport transport;
 };
 
-Scene room(const glm::vec3& albedo, const glm::vec3& emission) {
-  SceneOfFaces faces;
-  faces.addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f);
-  Scene scene = faces.finish();
-  scene.materials[0].base_color = albedo;
-  scene.materials[0].emissive = emission;
-  return scene;
-}
-
 SightOptions smallPicture(int threads = 1) {
   SightOptions options;
   options.width = 24;
@@ -114,17 +105,6 @@ TEST(LitPicture, BallIsLitAtItsCentreForTheNormalOfItsSurface) {
   EXPECT_NEAR(glm::length(middle.receiver.normal), 1.0f, 1e-6f);
 }
 
-TEST(LitPicture, SameForAnyThreads) {
-  const Rendered r(room(glm::vec3(0.5f), glm::vec3(1.0f)));
-  std::vector<LitPicture> pictures;
-  for (const int threads : {1, 3}) {
-    pictures.push_back(
-        lightPicture(sightsOf(r.transport, kAcross, smallPicture(threads)), truthLighting(r.transport, {16, 64}, 1), threads));
-  }
-  EXPECT_EQ(pictures[0].radiance, pictures[1].radiance);
-  EXPECT_EQ(pictures[0].deviation, pictures[1].deviation);
-}
-
 TEST(LitPicture, CutShowsSolidAndAir) {
   const Rendered r(room(glm::vec3(0.5f), glm::vec3(1.0f)));
   const Bounds bounds = boundsWithSky(r.scene);
@@ -199,33 +179,6 @@ TEST(Tone, PanelsAreExposedByWhatHasNoNoise) {
                    other = lightPicture(sights, even("other", glm::vec3(5.0f)), 1);
   EXPECT_EQ(panelExposure({&truth, &grid, &other}, 0.0), automaticExposure(grid));
   EXPECT_EQ(panelExposure({&truth}, 0.0), automaticExposure(truth));
-}
-
-TEST(Tone, ScalesAreTheNextOfOneTwoFive) {
-  for (const auto& [value, scale] : {std::pair(0.04, 0.05), {1.0, 1.0}, {1.01, 2.0}, {2.1, 5.0}, {7.0, 10.0}, {0.0, 1e-6}})
-    EXPECT_DOUBLE_EQ(nextScale(value), scale) << value;
-}
-
-// Light where truth has none: an error that is no share of truth, but of a scale.
-TEST(Tone, ErrorsInTheDarkHaveColoursAgainstAScale) {
-  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
-  const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
-  const LitPicture truth = lightPicture(sights, even("truth", glm::vec3(0.0f)), 1);
-  const LitPicture bright = lightPicture(sights, even("bright", glm::vec3(2.0f)), 1);
-  EXPECT_EQ(errorMapUpTo(2.0, bright, truth, ErrorKind::with_sign).at(5, 5), diverging(1.0));
-  EXPECT_EQ(errorMapUpTo(4.0, bright, truth, ErrorKind::with_sign).at(5, 5), diverging(0.5));
-}
-
-TEST(Tone, ErrorsHaveTheColourOfTheirSign) {
-  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
-  const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
-  const LitPicture truth = lightPicture(sights, even("truth", glm::vec3(1.0f)), 1);
-  const auto colourOf = [&](float value) {
-    return errorMap(lightPicture(sights, even("other", glm::vec3(value)), 1), truth, ErrorKind::with_sign, 0.5).at(5, 5);
-  };
-  EXPECT_GT(colourOf(1.3f).r, colourOf(1.3f).b + 50);
-  EXPECT_GT(colourOf(0.7f).b, colourOf(0.7f).r + 50);
-  EXPECT_EQ(colourOf(1.0f), (Colour{247, 247, 247}));
 }
 
 TEST(Panel, HasOneColumnAMethodAndErrorsBelow) {

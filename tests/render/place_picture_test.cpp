@@ -74,11 +74,5 @@ TEST(PlacePicture, LeakIsBrightBesideBlackTruthAndRedInTheError) {
   EXPECT_EQ(countOf(right, diverging(1.0)), 0);
 }
 
-TEST(PlacePicture, SameForAnyThreads) {
-  const DarkRoom room;
-  EXPECT_EQ(drawPlace(room.transport, darkPlace(1.0f), even(1.0f), smallPicture(1)).bytes(),
-            drawPlace(room.transport, darkPlace(1.0f), even(1.0f), smallPicture(3)).bytes());
-}
-
 }  // namespace
 }  // namespace nlg

@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <functional>
 
+#include "tests/input_error.h"
+#include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -17,12 +18,7 @@ using Json = nlohmann::ordered_json;
 
 class RenderRun : public testing::Test {
  protected:
-  RenderRun() : folder_(std::filesystem::temp_directory_path() / ("render." + std::to_string(getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~RenderRun() override { std::filesystem::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_ / name; }
 
   RenderRequest request(const std::string& name) const {
     RenderRequest r;
@@ -46,17 +42,12 @@ class RenderRun : public testing::Test {
   std::string refusal(const std::function<void(RenderRequest&)>& change) const {
     RenderRequest r = request("refused.png");
     change(r);
-    try {
-      renderScene(r, options());
-    } catch (const Error& error) {
-      EXPECT_FALSE(std::filesystem::exists(r.out));
-      return error.what();
-    }
-    ADD_FAILURE() << "not refused";
-    return "";
+    const std::string error = errorOfCall<Error>([&] { renderScene(r, options()); });
+    EXPECT_FALSE(std::filesystem::exists(r.out)) << error;
+    return error;
   }
 
-  const std::filesystem::path folder_;
+  const TemporaryFolder folder_;
 };
 
 #define EXPECT_NAMES(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
@@ -113,12 +104,7 @@ TEST_F(RenderRun, LooksFromTheScenesOwnCamerasByNameOrNumber) {
   r.camera = "dark room";
   EXPECT_EQ(renderScene(r, options())["camera"], second);
   r.camera = "bath room";
-  try {
-    renderScene(r, options());
-    FAIL() << "not refused";
-  } catch (const UsageError& error) {
-    EXPECT_NAMES(std::string(error.what()), "--camera: expected one of 'lit room', 'dark room'");
-  }
+  EXPECT_NAMES(errorOfCall<UsageError>([&] { renderScene(r, options()); }), "--camera: expected one of 'lit room', 'dark room'");
 }
 
 TEST_F(RenderRun, ViewFromInsideASolidIsDrawn) {

@@ -1,7 +1,9 @@
 // Weighting functions and theta to test with, and the yardsticks of rounding that the tests' bounds are derived from.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -150,6 +152,20 @@ inline void maskKinks(const Representation& representation, const PointSet& poin
   for (int i = 0; i < points.count; ++i) {
     if (kinkDistance(representation, {points.x[i], points.y[i], points.z[i]}, exact) < margin) (*mask)[i] = 0.0f;
   }
+}
+
+inline StoredSample tentSample() {
+  StoredSample sample;
+  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
+  for (int p = 0; p < kSupportPointCount; ++p) {
+    sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
+  }
+  return sample;
+}
+
+// NaN counts as equal to the same NaN.
+inline bool sameBits(const Theta& a, const Theta& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 }  // namespace nlg

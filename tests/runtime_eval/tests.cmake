@@ -23,7 +23,6 @@ nlg_test(test_runtime_eval
     runtime_eval/evaluator/generator_test.cpp
     runtime_eval/counting_new.cpp runtime_eval/system_calls${of_system}.cpp
     runtime_eval/evaluator/allocation_test.cpp
-    runtime_eval/evaluator/hostile_weights_test.cpp
     runtime_eval/fit/network_loss_test.cpp
     runtime_eval/fit/reference_loss.cpp
     runtime_eval/fit/normal_equations_test.cpp

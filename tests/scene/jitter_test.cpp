@@ -70,14 +70,6 @@ TEST(SplitConnectedComponents, JoinsVerticesThatStandAtTheSamePosition) {
   EXPECT_EQ(scene.objects.back().triangle_count, 8u);
 }
 
-TEST(SplitConnectedComponents, KeepsObjectsApartThatOnlyTouch) {
-  Scene scene = makeScene();
-  addTetrahedron(scene, {2, 0, 9}, 1.0f);
-  scene.objects.push_back({"other", 20, 4, true});
-  splitConnectedComponents(scene, 0.35);
-  EXPECT_EQ(scene.objects.size(), 6u);
-}
-
 TEST(SplitConnectedComponents, SortsInterleavedTrianglesAndKeepsTheirOrder) {
   Scene scene = makeScene();
   std::swap(scene.triangles[5], scene.triangles[9]);
@@ -168,15 +160,6 @@ TEST(Jitter, CoversAllTrianglesWithObjectsInOrder) {
     EXPECT_EQ(next, moved.triangle_material.size()) << family;
     for (const glm::uvec3& t : moved.triangles) ASSERT_LT(std::max({t.x, t.y, t.z}), moved.positions.size()) << family;
   }
-}
-
-TEST(Jitter, CarriesOriginAndMaterialsOver) {
-  Scene scene = makeScene();
-  scene.origin_m = {1e5, 2.0, -3e5};
-  const Scene moved = jitterScene(scene, {}, 8);
-  EXPECT_EQ(moved.origin_m, scene.origin_m);
-  EXPECT_EQ(moved.materials.size(), scene.materials.size());
-  EXPECT_EQ(moved.id, scene.id);
 }
 
 }  // namespace

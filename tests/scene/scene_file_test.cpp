@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/scene/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace nlg {
 namespace {

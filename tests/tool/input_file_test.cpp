@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/input_error.h"
+#include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -22,29 +24,19 @@ namespace fs = std::filesystem;
 
 class InputFileTest : public testing::Test {
  protected:
-  InputFileTest() {
-    std::string pattern = (fs::temp_directory_path() / "nlg_input_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-    std::ofstream(at("whole"), std::ios::binary) << "0123456789";
-  }
-  ~InputFileTest() override { fs::remove_all(folder_); }
+  InputFileTest() { folder_.write("whole", "0123456789"); }
 
-  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  std::string at(const std::string& name) const { return folder_ / name; }
 
   // The line of the InputError that opening the path gives.
   static std::string errorOf(const std::string& path) {
-    try {
-      const InputFile file(path, "the place");
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
+    return inputErrorOf([&] { InputFile(path, "the place"); });
   }
   static void expectError(const std::string& path, const std::string& got) {
     EXPECT_EQ(errorOf(path), path + ": the place: expected a regular file, got " + got);
   }
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(InputFileTest, ReadsOnAndAtAnyOffset) {
@@ -101,12 +93,7 @@ TEST_F(InputFileTest, WaitsForItsBytesOnceItIsOpen) {
 }
 
 TEST_F(InputFileTest, AReaderOfFilesTellsHowManyBytesAreTooMany) {
-  try {
-    readFile(at("whole"), 9);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_EQ(std::string(error.what()), at("whole") + ": size: expected at most 9 bytes, got 10 or more");
-  }
+  EXPECT_EQ(inputErrorOf([&] { readFile(at("whole"), 9); }), at("whole") + ": size: expected at most 9 bytes, got 10 or more");
 }
 
 }  // namespace

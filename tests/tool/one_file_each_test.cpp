@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/input_error.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -17,12 +18,8 @@ TEST(OneFileEach, NamesBothFilesOfOneThing) {
   OneFileEach files("--weights", "representation");
   files.add("a", "mlp");
   files.add("b", "pf5");
-  try {
-    files.add("c", "mlp");
-    FAIL() << "takes two files of mlp";
-  } catch (const UsageError& error) {
-    EXPECT_STREQ(error.what(), "--weights: expected one file a representation, got two of mlp: a and c");
-  }
+  EXPECT_EQ(errorOfCall<UsageError>([&] { files.add("c", "mlp"); }),
+            "--weights: expected one file a representation, got two of mlp: a and c");
 }
 
 }  // namespace

@@ -1,13 +1,13 @@
 #include "tool/options.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/input_error.h"
+#include "tests/temporary_folder.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -35,25 +35,16 @@ OptionTable tableOf(Values* values) {
 
 class Options : public testing::Test {
  protected:
-  Options()
-      : path_((std::filesystem::temp_directory_path() / ("nlg_options_" + std::to_string(::getpid()) + ".yaml")).string()) {}
-  ~Options() override { std::filesystem::remove(path_); }
-
   void readYaml(const std::string& text) {
     std::ofstream(path_, std::ios::binary) << text;
     OptionTable table = tableOf(&values_);
     table.readYaml(path_);
   }
 
-  // The message that the text is refused with, the file's name cut off; "taken" when it is not refused.
+  // The message that the text is refused with, the file's name cut off; "no error" when it is not refused.
   std::string refusalOfYaml(const std::string& text) {
-    try {
-      readYaml(text);
-    } catch (const UsageError& error) {
-      const std::string line = error.what();
-      return line.rfind(path_, 0) == 0 ? line.substr(path_.size()) : line;
-    }
-    return "taken";
+    const std::string line = errorOfCall<UsageError>([&] { readYaml(text); });
+    return line.rfind(path_, 0) == 0 ? line.substr(path_.size()) : line;
   }
 
   void parseFlags(const std::vector<std::string>& arguments, OptionTable* table) {
@@ -66,21 +57,17 @@ class Options : public testing::Test {
 
   std::string refusalOfFlags(const std::vector<std::string>& arguments) {
     OptionTable table = tableOf(&values_);
-    try {
-      parseFlags(arguments, &table);
-    } catch (const UsageError& error) {
-      return error.what();
-    }
-    return "taken";
+    return errorOfCall<UsageError>([&] { parseFlags(arguments, &table); });
   }
 
-  std::string path_;
+  const TemporaryFolder folder_;
+  const std::string path_ = folder_ / "options.yaml";
   Values values_;
 };
 
 TEST_F(Options, KeepDefaultsWithoutASection) {
   for (const char* text : {"", "# nothing\n", "name: demo\n", "datagen:\n", "---\n...\n", "datagen: {}\n"}) {
-    EXPECT_EQ(refusalOfYaml(text), "taken") << text;
+    EXPECT_EQ(refusalOfYaml(text), "no error") << text;
   }
   EXPECT_EQ(values_.jobs, 2);
   EXPECT_EQ(values_.families, std::vector<std::string>{"rooms"});
@@ -101,14 +88,14 @@ TEST_F(Options, TakeEveryTypeFromYaml) {
 TEST_F(Options, TakeEveryTypeFromFlags) {
   EXPECT_EQ(refusalOfFlags(
                 {"--jobs", "8", "--seed=7", "--spacing-m", "1e1", "--cull=false", "--scene", "x y", "--families", "mazes,caves"}),
-            "taken");
+            "no error");
   EXPECT_EQ(values_.jobs, 8);
   EXPECT_EQ(values_.seed, 7u);
   EXPECT_EQ(values_.spacing_m, 10.0);
   EXPECT_FALSE(values_.cull);
   EXPECT_EQ(values_.scene, "x y");
   EXPECT_EQ(values_.families, (std::vector<std::string>{"mazes", "caves"}));
-  EXPECT_EQ(refusalOfFlags({"--cull", "--families", ""}), "taken");
+  EXPECT_EQ(refusalOfFlags({"--cull", "--families", ""}), "no error");
   EXPECT_TRUE(values_.cull);
   EXPECT_TRUE(values_.families.empty());
 }
@@ -184,24 +171,15 @@ TEST_F(Options, DescribeThemselvesInHelp) {
 TEST_F(Options, RefuseValuesWithLineAndColumn) {
   const std::vector<std::pair<const char*, const char*>> cases = {
       {"datagen:\n  jobs: 65\n", ":2:9: jobs: expected an integer in [1, 64], got '65'"},
-      {"datagen:\n  jobs: 0\n", ":2:9: jobs: expected an integer in [1, 64], got '0'"},
-      {"datagen:\n  jobs: 3.5\n", ":2:9: jobs: expected an integer in [1, 64], got '3.5'"},
-      {"datagen:\n  jobs: \"\"\n", ":2:9: jobs: expected an integer in [1, 64], got ''"},
       {"datagen:\n  jobs: 99999999999999999999\n", ":2:9: jobs: expected an integer in [1, 64], got '99999999999999999999'"},
       {"datagen:\n  jobs:\n", ":2:3: jobs: expected an integer in [1, 64], got nothing"},
-      {"datagen:\n  jobs: ~\n", ":2:3: jobs: expected an integer in [1, 64], got nothing"},
       {"datagen:\n  jobs: [1]\n", ":2:9: jobs: expected an integer in [1, 64], got a sequence"},
-      {"datagen:\n  scene: {a: b}\n", ":2:10: scene: expected a text, got a map"},
       {"datagen:\n  scene: \"a\\0b\"\n", ":2:10: scene: expected a text, got 'a\\x00b'"},
-      {"datagen:\n  seed: -1\n", ":2:9: seed: expected an unsigned 64-bit integer, got '-1'"},
       {"datagen:\n  seed: 18446744073709551616\n", ":2:9: seed: expected an unsigned 64-bit integer, got '18446744073709551616'"},
       {"datagen:\n  spacing_m: .nan\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got '.nan'"},
-      {"datagen:\n  spacing_m: nan\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got 'nan'"},
-      {"datagen:\n  spacing_m: inf\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got 'inf'"},
       {"datagen:\n  spacing_m: 1 m\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got '1 m'"},
       {"datagen:\n  spacing_m: 0.001\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got '0.001'"},
       {"datagen:\n  cull: yes\n", ":2:9: cull: expected true or false, got 'yes'"},
-      {"datagen:\n  families: rooms\n", ":2:13: families: expected a list of texts, none empty, got 'rooms'"},
       {"datagen:\n  families: [a, '']\n", ":2:17: families: expected a list of texts, none empty, got ''"},
       {"datagen:\n  families: [a, [b]]\n", ":2:17: families: expected a list of texts, none empty, got a sequence"},
       {"datagen:\n  scene: !!binary aGk=\n", ":2:10: scene: expected a text without a tag, got 'tag:yaml.org,2002:binary'"},
@@ -232,8 +210,8 @@ TEST_F(Options, RefuseWhatIsNoYaml) {
   EXPECT_EQ(refusalOfYaml("a: 1\n---\nb: 2\n"), ":3:1: expected one YAML document, got a second one");
   // yaml-cpp finds no end to the documents of this one
   EXPECT_EQ(refusalOfYaml(", # o"), ":1:1: expected one YAML document, got a second one");
-  EXPECT_NE(refusalOfYaml("datagen: {jobs: 1"), "taken");
-  EXPECT_NE(refusalOfYaml("\tdatagen: 1"), "taken");
+  EXPECT_NE(refusalOfYaml("datagen: {jobs: 1"), "no error");
+  EXPECT_NE(refusalOfYaml("\tdatagen: 1"), "no error");
 }
 
 TEST_F(Options, SurviveRecursionAndDepth) {
@@ -242,21 +220,8 @@ TEST_F(Options, SurviveRecursionAndDepth) {
   EXPECT_EQ(refusalOfYaml("? &k [*k]\n: 1\n").substr(0, 1), ":");
   EXPECT_EQ(refusalOfYaml(std::string(100000, '[')).substr(0, 1), ":");
   EXPECT_EQ(refusalOfYaml("datagen: " + std::string(100000, '{')).substr(0, 1), ":");
-  EXPECT_EQ(refusalOfYaml("datagen:\n  scene: &s hut\n  families: [*s, *s]\n"), "taken");
+  EXPECT_EQ(refusalOfYaml("datagen:\n  scene: &s hut\n  families: [*s, *s]\n"), "no error");
   EXPECT_EQ(values_.families, (std::vector<std::string>{"hut", "hut"}));
-}
-
-TEST_F(Options, SurviveEveryTruncationAndBytesThatAreNoText) {
-  const std::string whole = "name: demo\ndatagen:\n  jobs: 8\n  scene: \"a\\u00e9\"\n  families: [b, 'c']\n";
-  for (size_t length = 0; length <= whole.size(); ++length) refusalOfYaml(whole.substr(0, length));
-  for (size_t i = 0; i < whole.size(); ++i) {
-    for (const char byte : {'\0', '\x80', '\xff', '&', '*', '!', '|', '%', '{', '\t'}) {
-      std::string damaged = whole;
-      damaged[i] = byte;
-      refusalOfYaml(damaged);
-    }
-  }
-  EXPECT_EQ(refusalOfYaml(whole), "taken");
 }
 
 TEST_F(Options, RefuseAMissingOrHugeFileAsInput) {

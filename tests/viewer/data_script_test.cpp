@@ -9,19 +9,6 @@
 namespace nlg {
 namespace {
 
-// The vectors of RFC 4648.
-TEST(Base64, IsThatOfTheStandard) {
-  const std::pair<const char*, const char*> vectors[] = {{"", ""},
-                                                         {"f", "Zg=="},
-                                                         {"fo", "Zm8="},
-                                                         {"foo", "Zm9v"},
-                                                         {"foob", "Zm9vYg=="},
-                                                         {"fooba", "Zm9vYmE="},
-                                                         {"foobar", "Zm9vYmFy"}};
-  for (const auto& [bytes, text] : vectors) EXPECT_EQ(base64(bytes), text);
-  EXPECT_EQ(base64(std::string("\xff\x00\xfe", 3)), "/wD+");
-}
-
 TEST(DataScript, BeginsEveryArrayAtAMultipleOfFourBytes) {
   DataScript script("level");
   const std::vector<uint8_t> bytes = {1, 2, 3, 4, 5};

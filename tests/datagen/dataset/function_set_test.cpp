@@ -1,10 +1,8 @@
 #include "datagen/dataset/function_set.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-
+#include "tests/temporary_folder.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -41,16 +39,13 @@ Shard shardOf(const std::string& scene, int count, int first, int test = kTest) 
 
 class FunctionSetFiles : public testing::Test {
  protected:
-  FunctionSetFiles() : folder_(std::filesystem::temp_directory_path() / ("nlg_function_set_" + std::to_string(::getpid()))) {}
-  ~FunctionSetFiles() override { std::filesystem::remove_all(folder_); }
-
   std::string write(const Shard& shard) {
-    const std::string path = (folder_ / (std::to_string(file_count_++) + ".h5")).string();
+    const std::string path = folder_ / (std::to_string(file_count_++) + ".h5");
     writeShard(path, shard);
     return path;
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder folder_;
   int file_count_ = 0;
 };
 
@@ -166,7 +161,7 @@ TEST_F(FunctionSetFiles, RefuseAShardOfAnotherPointCount) {
 }
 
 TEST_F(FunctionSetFiles, RefuseMissingFilesAndNoFiles) {
-  EXPECT_THROW(readFunctionSet({(folder_ / "missing.h5").string()}, kPattern), InputError);
+  EXPECT_THROW(readFunctionSet({folder_ / "missing.h5"}, kPattern), InputError);
   EXPECT_THROW(readFunctionSet({}, kPattern), InputError);
 }
 

@@ -12,6 +12,8 @@
 #include <limits>
 #include <numeric>
 
+#include "tests/input_error.h"
+#include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -20,9 +22,6 @@ namespace {
 
 class Hdf5File : public testing::Test {
  protected:
-  Hdf5File() : path_((std::filesystem::temp_directory_path() / ("nlg_hdf5_" + std::to_string(::getpid()) + ".h5")).string()) {}
-  ~Hdf5File() override { std::filesystem::remove(path_); }
-
   template <class T>
   void writeOne(const std::vector<uint64_t>& shape, const std::vector<T>& values) const {
     Hdf5Writer file(path_);
@@ -41,12 +40,7 @@ class Hdf5File : public testing::Test {
   // The message that read is refused with.
   template <class Read>
   std::string refusal(const Read& read) const {
-    try {
-      read(Hdf5Reader(path_));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "taken";
+    return inputErrorOf([&] { read(Hdf5Reader(path_)); });
   }
 
   // A file as a stranger would make it: HDF5's own calls, with the newest bookkeeping.
@@ -60,7 +54,8 @@ class Hdf5File : public testing::Test {
     H5Pclose(access);
   }
 
-  std::string path_;
+  const TemporaryFolder folder_;
+  const std::string path_ = folder_ / "file.h5";
 };
 
 // A chunked dataset "values" of bytes; nothing is written into it.
@@ -147,7 +142,7 @@ TEST_F(Hdf5File, RefusesAnotherShapeTypeOrName) {
   const auto refusalOfRead = [&](auto element, const std::string& name, const std::vector<uint64_t>& shape) {
     return refusal([&](const Hdf5Reader& file) { file.read<decltype(element)>(name, shape); });
   };
-  EXPECT_EQ(refusalOfRead(0.0f, "values", {2, 3}), "taken");
+  EXPECT_EQ(refusalOfRead(0.0f, "values", {2, 3}), "no error");
   EXPECT_EQ(refusalOfRead(0.0f, "values", {3, 2}), path_ + ": dataset values: expected shape 3 x 2, got 2 x 3");
   EXPECT_EQ(refusalOfRead(0.0f, "values", {6}), path_ + ": dataset values: expected shape 6, got 2 x 3");
   EXPECT_EQ(refusalOfRead(0.0, "values", {2, 3}),

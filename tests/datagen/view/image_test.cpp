@@ -66,24 +66,6 @@ TEST(Image, HalvedIsTheMeanOfFour) {
   EXPECT_EQ(halved(image).at(0, 0), (Colour{191, 216, 255}));  // (3 * 255 + 0) / 4 = 191.25, (3 * 255 + 100) / 4 = 216.25
 }
 
-TEST(Text, IsAsWideAsItsSignsWhateverTheirBytes) {
-  EXPECT_EQ(textWidth("abc"), 3 * kGlyphWidth);
-  EXPECT_EQ(textWidth("φ×°"), 3 * kGlyphWidth);
-  EXPECT_EQ(textWidth("\xcf"), kGlyphWidth);  // a sign that breaks off
-  EXPECT_EQ(glyphRows(0x4e2d), glyphRows('?'));
-  EXPECT_NE(glyphRows(0x3c6), glyphRows('?'));
-}
-
-TEST(Text, DrawsTheGlyphsPixels) {
-  Image image(kGlyphWidth, kGlyphHeight, kWhite);
-  drawText(image, 0, 0, "H", kBlack);
-  for (int y = 0; y < kGlyphHeight; ++y) {
-    for (int x = 0; x < kGlyphWidth; ++x)
-      EXPECT_EQ(image.at(x, y) == kBlack, (glyphRows('H')[y] >> x & 1) != 0) << x << ", " << y;
-  }
-  EXPECT_GT(inkOf(image), 15.0);
-}
-
 TEST(ColourMap, RisesInLightness) {
   double before = lightness(phiColour(0.0));
   EXPECT_EQ(before, 0.0);
@@ -97,13 +79,6 @@ TEST(ColourMap, RisesInLightness) {
     before = now;
   }
   EXPECT_GT(before, 90.0);
-}
-
-TEST(ColourMap, TellsTheSmallestLeakFromNothing) {
-  EXPECT_EQ(phiColour(0.0), kBlack);
-  EXPECT_GT(lightness(phiColour(1.0 / 255.0)), 10.0);
-  EXPECT_EQ(viridis(-3.0), viridis(0.0));
-  EXPECT_EQ(viridis(7.0), viridis(1.0));
 }
 
 TEST(PngFile, DecodesToTheSamePixels) {
@@ -128,8 +103,6 @@ TEST(PngFile, DecodesToTheSamePixels) {
   EXPECT_EQ(first.find("tIME"), std::string::npos);
   std::filesystem::remove(path);
 }
-
-TEST(PngFile, SaysWhenItCannotBeWritten) { EXPECT_THROW(writePng("/dev/null/x.png", Image(4, 4, kWhite)), OutputError); }
 
 }  // namespace
 }  // namespace nlg

@@ -44,19 +44,6 @@ TEST(CutTriangles, ATriangleIsCutWhereItsEdgesAre) {
   EXPECT_TRUE(cut[0].double_sided);
 }
 
-TEST(CutTriangles, PlanesThroughCornersLeaveNoGapAndNoDouble) {
-  // an octahedron cut exactly through its four middle corners, and its poles touched
-  SceneOfFaces faces;
-  for (const float y : {-1.0f, 1.0f}) {
-    const glm::vec3 ring[4] = {{1, 0, 0}, {0, 0, 1}, {-1, 0, 0}, {0, 0, -1}};
-    for (int i = 0; i < 4; ++i) faces.addTriangle({0, y, 0}, ring[i], ring[(i + 1) % 4]);
-  }
-  const std::vector<ViewTriangle> octahedron = everything(faces.finish());
-  EXPECT_NEAR(lengthOf(cutTriangles(octahedron, 1, 0.0)), 4 * std::sqrt(2.0), 1e-12);
-  EXPECT_NEAR(lengthOf(cutTriangles(octahedron, 1, 0.5)), 2 * std::sqrt(2.0), 1e-12);
-  EXPECT_EQ(lengthOf(cutTriangles(octahedron, 1, 1.0)), 0.0);
-}
-
 TEST(CutTriangles, ClosedSolidsGiveClosedLines) {
   // every end of a segment is the end of an even number of them, bit for bit
   for (const char* family : {"house", "maze", "outdoor"}) {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -17,6 +16,8 @@
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/support/point_set.h"
 #include "scene/procedural/procedural.h"
+#include "tests/input_error.h"
+#include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -59,21 +60,18 @@ Shard tentsOverAHouse(int count) {
 class View : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("nlg_view_test." + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
     options_.slice_px = 128;
     options_.cell_px = 64;
     options_.level_px = 256;
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_ / name; }
   std::string write(const Shard& shard, const std::string& name = "a.h5") const {
     writeShard(path(name), shard);
     return path(name);
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder folder_;
   ViewOptions options_;
 };
 
@@ -97,28 +95,7 @@ Decoded decode(const std::string& path) {
   return decoded;
 }
 
-std::string messageOf(const std::function<void()>& run) {
-  try {
-    run();
-  } catch (const ToolError& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
-
-TEST_F(View, EveryPictureIsTheSameBytesEachTime) {
-  const std::string shard = write(tentsOverAHouse(3));
-  const auto draw = [&](const std::string& name) {
-    viewProbe(shard, 1, options_, path("probe" + name));
-    viewAtlas(shard, options_, path("atlas" + name));
-    viewTop(shard, options_, path("top" + name));
-  };
-  draw("1.png");
-  draw("2.png");
-  for (const std::string picture : {"probe", "atlas", "top"}) {
-    EXPECT_EQ(readFile(path(picture + "1.png")), readFile(path(picture + "2.png"))) << picture;
-  }
-}
+std::string messageOf(const std::function<void()>& run) { return errorOfCall<ToolError>(run); }
 
 TEST_F(View, ProbeSlicesShowTheTentInItsColours) {
   options_.slice_px = 512;
@@ -167,65 +144,6 @@ TEST_F(View, RefusesAFunctionThatTheShardDoesNotHave) {
   EXPECT_FALSE(std::filesystem::exists(path("x.png")));
 }
 
-TEST_F(View, RefusesDamagedEmptyAndForeignShards) {
-  const std::string shard = write(tentsOverAHouse(2));
-  std::string bytes = readFile(shard);
-  writeFileAtomically(path("short.h5"), std::string_view(bytes).substr(0, bytes.size() / 2));
-  Shard foreign = tentsOverAHouse(2);
-  foreign.pattern_hash ^= 1;
-  Shard empty = tentsOverAHouse(0);
-  for (const std::string& bad : {path("missing.h5"), path("short.h5"), write(foreign, "foreign.h5"), write(empty, "empty.h5")}) {
-    EXPECT_THROW(viewProbe(bad, 0, options_, path("x.png")), InputError) << bad;
-    EXPECT_THROW(viewAtlas(bad, options_, path("x.png")), InputError) << bad;
-    EXPECT_THROW(viewTop(bad, options_, path("x.png")), InputError) << bad;
-  }
-}
-
-TEST_F(View, RefusesOptionsOutOfRange) {
-  const std::string shard = write(tentsOverAHouse(1));
-  options_.slice_px = 127, options_.cell_px = 2000, options_.level_px = 0;
-  EXPECT_THROW(viewProbe(shard, 0, options_, path("x.png")), UsageError);
-  EXPECT_THROW(viewAtlas(shard, options_, path("x.png")), UsageError);
-  EXPECT_THROW(viewTop(shard, options_, path("x.png")), UsageError);
-  options_.level_px = 256;
-  for (const char* height : {"high", "101%", "-1%", "3 m", "nan", "%", "1e999"}) {
-    options_.height = height;
-    EXPECT_THROW(viewTop(shard, options_, path("x.png")), UsageError) << height;
-  }
-  for (const char* height : {"2.5", "-1", "40%", "0%"}) {
-    options_.height = height;
-    EXPECT_NO_THROW(viewTop(shard, options_, path("x.png"))) << height;
-  }
-}
-
-TEST_F(View, OutputThatCannotBeWrittenIsAnOutputError) {
-  EXPECT_THROW(viewAtlas(write(tentsOverAHouse(1)), options_, "/dev/null/x.png"), OutputError);
-}
-
-TEST_F(View, ALevelWithoutItsFileIsDrawnAndSaysSo) {
-  Shard level = tentsOverAHouse(2);
-  level.family = "level";
-  level.scene_id = "somewhere";
-  const std::string shard = write(level);
-  viewProbe(shard, 0, options_, path("without.png"));
-  viewAtlas(shard, options_, path("atlas.png"));
-  viewTop(shard, options_, path("top.png"));
-  viewProbe(write(tentsOverAHouse(2), "house.h5"), 0, options_, path("with.png"));
-  // the warning's red stands in the header of the one and not of the other
-  const auto redCount = [&](const std::string& name) {
-    const Decoded picture = decode(path(name));
-    int count = 0;
-    for (int y = 0; y < 120; ++y) {
-      for (int x = 0; x < picture.width; ++x) count += picture.at(x, y) == Colour{190, 30, 20};
-    }
-    return count;
-  };
-  EXPECT_GT(redCount("without.png"), 0);
-  EXPECT_EQ(redCount("with.png"), 0);
-  EXPECT_GT(redCount("atlas.png"), 0);
-  EXPECT_GT(redCount("top.png"), 0);
-}
-
 TEST_F(View, RefusesASceneThatIsNotTheShards) {
   const std::string shard = write(tentsOverAHouse(1));
   options_.scene = "house:4";
@@ -253,17 +171,6 @@ TEST(ShardScene, JitterZeroIsTheSceneItself) {
   Shard shard = tentsOverAHouse(1);
   shard.jitter = 0;
   EXPECT_EQ(rebuildShardScene(shard, "a.h5", "house:3").positions, makeProceduralScene("house", 3).positions);
-}
-
-TEST(ShardScene, RefusesAProvenanceThatLacksWhatItNeeds) {
-  Shard shard = tentsOverAHouse(1);
-  for (const char* text :
-       {"", "[]", "{}", R"({"options":3})", R"({"options":{"seed":7}})",
-        R"({"options":{"seed":-7,"move_m":0.5,"turn_degrees":20,"scale":0.1,"drop_share":0,"structure_share":0}})",
-        R"({"options":{"seed":7,"move_m":1e300,"turn_degrees":20,"scale":0.1,"drop_share":0,"structure_share":0}})"}) {
-    shard.provenance_json = text;
-    EXPECT_THROW(rebuildShardScene(shard, "a.h5", "house:3"), InputError) << text;
-  }
 }
 
 TEST(ShardScene, TreeIsThatOfTheOptions) {

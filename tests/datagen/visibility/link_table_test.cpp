@@ -103,27 +103,8 @@ TEST(LinkTable, ListsEveryCarryingLinkAtBothEndsSupportPointsFirst) {
   EXPECT_EQ(visits, expected);
 }
 
-TEST(LinkTable, PacksEveryLinkAtItsIndex) {
-  const LinkPackets& packets = table().link_packets;
-  ASSERT_GE(packets.tree.order.size(), table().links.size());
-  for (uint32_t l = 0; l < table().links.size(); ++l) {
-    for (int axis = 0; axis < 3; ++axis) {
-      ASSERT_EQ(packets.from[axis][l], table().points[table().links[l].a][axis]) << "link " << l;
-      ASSERT_EQ(packets.to[axis][l], table().points[table().links[l].b][axis]) << "link " << l;
-    }
-  }
-}
-
 TEST(LinkTable, LetsNothingReadATestPoint) {
   for (const LinkTable::Edge& edge : table().nearest) ASSERT_LT(edge.point, uint32_t{kSupportPointCount});
-}
-
-TEST(LinkTable, IsTheSameForTheSupportWithAndWithoutTestPoints) {
-  const LinkTable plain = makeLinkTable({});
-  for (size_t i = 0; i < plain.nearest.size(); ++i) {
-    ASSERT_EQ(plain.nearest[i].point, table().nearest[i].point) << "entry " << i;
-    ASSERT_EQ(plain.distance[i], table().distance[i]) << "entry " << i;
-  }
 }
 
 }  // namespace

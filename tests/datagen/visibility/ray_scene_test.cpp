@@ -54,17 +54,6 @@ TEST(RayScene, LetsSegmentsPassInAFacesPlane) {
   EXPECT_FALSE(RayScene(faces.finish()).isBlocked({1, -1, 0.5f}, {1, 2, 0.25f}));
 }
 
-TEST(RayScene, TracesOnlyTheFirstSegments) {
-  const RayScene scene(thinWall(Sides::one));
-  SegmentPacket packet{};
-  for (int i = 0; i < kPacketSize; ++i) packet.direction_x[i] = i % 3 == 0 ? -1.0f : 1.0f, packet.direction_y[i] = 0.1f;
-  for (int count = 0; count <= kPacketSize; ++count) {
-    uint32_t expected = 0;
-    for (int i = 0; i < count; ++i) expected |= (i % 3 != 0 ? 1u : 0u) << i;
-    EXPECT_EQ(scene.occluded(packet, count), expected) << count << " segments";
-  }
-}
-
 TEST(RayScene, IsWatertightAlongSharedEdges) {
   std::vector<glm::vec3> corners;
   const Scene square = shakenSquare(&corners);
@@ -81,15 +70,6 @@ TEST(RayScene, IsWatertightAlongSharedEdges) {
     const glm::vec3 to = target + (target - from) * static_cast<float>(random.uniform(0.5, 2));
     ASSERT_TRUE(scene.isBlocked(from, to)) << "segment " << i << " through " << target.x << ' ' << target.y << ' ' << target.z;
   }
-}
-
-TEST(RayScene, OfNothingBlocksNothing) {
-  const RayScene scene(Scene{});
-  EXPECT_FALSE(scene.isBlocked({0, 0, 0}, {1, 1, 1}));
-  EXPECT_EQ(scene.firstFacing({0, 0, 0}, {1, 0, 0}), Facing::nothing);
-  std::vector<uint32_t> found = {7};
-  scene.trianglesNearCube({0, 0, 0}, 1e6f, &found);
-  EXPECT_TRUE(found.empty());
 }
 
 TEST(RayScene, TellsWhichSideOfTheFirstFaceARayMeets) {

@@ -131,11 +131,6 @@ TEST(WeightingBuilder, TellsFreeSpaceByNoRayButTheProbesOwn) {
   EXPECT_EQ(builder.build({-3, 0, 0}, 3.5f, &function), ProbeOutcome::function);
 }
 
-TEST(WeightingBuilder, TellsAProbeInSolid) {
-  EXPECT_EQ(build(infiniteWall(), {}, {0.4f, 0.01f, 0.02f}).outcome, ProbeOutcome::in_solid);
-  EXPECT_EQ(build(infiniteWall(), {}, {0.3f, 0.01f, 0.02f}).outcome, ProbeOutcome::function);
-}
-
 // The function of a probe in solid.
 Built buildByEye(const Scene& scene, const glm::vec3& position_m) {
   const RayScene rays(scene);
@@ -172,17 +167,6 @@ TEST(WeightingBuilder, LeavesOutAProbeInSolidWithoutAnEye) {
   const Scene block = faces.finish();
   EXPECT_EQ(buildByEye(block, {0, 0, 0}).outcome, ProbeOutcome::in_solid);
   EXPECT_EQ(buildByEye(block, {4.001f, 0, 0}).outcome, ProbeOutcome::in_solid);
-}
-
-TEST(WeightingBuilder, ChangesNothingForProbesInAirByAskingForEyes) {
-  for (const Scene& scene : scenes()) {
-    const Built plain = build(scene), by_eye = buildByEye(scene, {0, 0, 0});
-    EXPECT_EQ(plain.outcome, by_eye.outcome);
-    EXPECT_EQ(plain.function.phi, by_eye.function.phi);
-    EXPECT_EQ(plain.function.valid, by_eye.function.valid);
-    EXPECT_EQ(plain.function.seen, by_eye.function.seen);
-    EXPECT_FALSE(by_eye.function.in_solid);
-  }
 }
 
 TEST(WeightingBuilder, GivesAnyPlaceWhatItGivesTestPointsFromAnEyeToo) {
@@ -308,16 +292,6 @@ TEST(WeightingBuilder, IsTheSameAHundredKilometresAway) {
   const GeneratedFunction here = build(wallWithHole()).function, there = build(far).function;
   EXPECT_EQ(here.phi, there.phi);
   EXPECT_EQ(here.valid, there.valid);
-}
-
-TEST(WeightingBuilder, ScalesWithTheSpacing) {
-  // powers of two change no bit of any ray
-  Scene large = wallWithHole();
-  for (glm::vec3& position : large.positions) position *= 4.0f;
-  const GeneratedFunction small_function = build(wallWithHole()).function;
-  const GeneratedFunction large_function = build(large, {}, glm::vec3(0), 4.0f).function;
-  EXPECT_EQ(small_function.phi, large_function.phi);
-  EXPECT_EQ(small_function.valid, large_function.valid);
 }
 
 TEST(WeightingBuilder, GivesTheSameFunctionWhateverItBuiltBefore) {

@@ -6,6 +6,7 @@
 
 #include "export/engine/engine_format.h"
 #include "export/engine/sh_texture.h"
+#include "tests/input_error.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tool/error.h"
 
@@ -43,12 +44,8 @@ TEST(VolumeBox, RefusesWhatIsNoBox) {
 }
 
 TEST(VolumeBox, CountsTheTexelsThatAreTooMany) {
-  try {
-    volumeBox(freeGrid(), {texts({0, 0, 0, 10, 20, 30}), 0.001});
-    FAIL() << "6 10^12 texels";
-  } catch (const UsageError& error) {
-    EXPECT_NE(std::string(error.what()).find("6e+12"), std::string::npos) << error.what();
-  }
+  const std::string error = errorOfCall<UsageError>([] { volumeBox(freeGrid(), {texts({0, 0, 0, 10, 20, 30}), 0.001}); });
+  EXPECT_NE(error.find("6e+12"), std::string::npos) << error;
 }
 
 // Walls, cells that were left out, and the border must not darken what a linear filter reads beside them.

@@ -8,16 +8,6 @@
 namespace nlg {
 namespace {
 
-TEST(OctahedralMap, HoldsEveryDirection) {
-  Random random(1);
-  for (int i = 0; i < 1000; ++i) {
-    const glm::vec3 direction =
-        glm::normalize(glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)) + glm::vec3(1e-6f));
-    const glm::vec3 back = octahedralDirection(octahedralPlace(direction));
-    EXPECT_NEAR(glm::distance(direction, back), 0.0f, 1e-5f);
-  }
-}
-
 TEST(OctahedralMap, GoesOnBeyondItsRimWithTheNextDirections) {
   OctahedralMap<glm::vec3, 14> map;
   for (int texel = 0; texel < map.kTexelCount; ++texel) map.texels[texel] = map.direction(texel);

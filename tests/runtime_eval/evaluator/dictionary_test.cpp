@@ -230,23 +230,6 @@ TEST(Code, EqualsTheReferenceAtAnyPointsOnEveryTarget) {
   }
 }
 
-TEST(Code, TakesTheNodesLogitsAtNodesAndTheBordersOutside) {
-  for (const int resolution : kResolutions) {
-    const Case made = makeCase(resolution, 8, 9);
-    const auto along = [&](int i) { return static_cast<float>(2.0 * i / (resolution - 1) - 1.0); };
-    for (int n = 0; n < made.dictionary->nodeCount(); ++n) {
-      const LocalPoint node = {along(n % resolution), along(n / resolution % resolution), along(n / (resolution * resolution))};
-      const double sigmoid = 1.0 / (1.0 + std::exp(-static_cast<double>(made.logits[n])));
-      ASSERT_NEAR(evaluateCode(*made.dictionary, node, made.z.data()), sigmoid, made.bound) << resolution << "³, node " << n;
-    }
-    const auto at = [&](const LocalPoint& point) { return evaluateCode(*made.dictionary, point, made.z.data()); };
-    EXPECT_EQ(at({-1.5f, 0.25f, 0.5f}), at({-1.0f, 0.25f, 0.5f}));
-    EXPECT_EQ(at({7.0f, -3.0f, 0.125f}), at({1.0f, -1.0f, 0.125f}));
-    EXPECT_EQ(at({1e30f, -1e30f, INFINITY}), at({1.0f, -1.0f, 1.0f}));
-    EXPECT_EQ(at({1e30f, -INFINITY, 0.0f}), at({1.0f, -1.0f, 0.0f}));
-  }
-}
-
 // Logits of any size are in range; a place that is no number reads nothing outside the brick.
 TEST(Code, StaysBetween0AndTheTentWhateverTheCode) {
   const SharedDictionary dictionary = sampleDictionary(9, 16, 10);

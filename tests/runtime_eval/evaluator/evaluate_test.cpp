@@ -60,17 +60,6 @@ TEST(Evaluate, WritesNothingBehindThePaddedCount) {
   });
 }
 
-TEST(Evaluate, GivesTheOutputsBiasWhenAllElseIsZero) {
-  Theta theta(ThetaLayout::count);
-  theta[ThetaLayout::b3] = 0.75f;
-  const PointSet points = makePointSet(testPoints(40));
-  AlignedFloats values(points.padded_count);
-  evaluate(Representation::mlp(0.01f), points, theta.data(), values.data());
-  for (int i = 0; i < points.count; ++i) ASSERT_EQ(values[i], 0.75f) << "point " << i;
-  evaluate(Representation::tentMlp(0.01f), points, theta.data(), values.data());
-  for (int i = 0; i < points.count; ++i) ASSERT_EQ(values[i], 0.75f * points.tent[i]) << "point " << i;
-}
-
 TEST(EvaluateReference, FollowsALayoutWrittenOutByHand) {
   // one path through the network: x -> unit 2 -> unit 5 -> output, both units below zero
   using L = ThetaLayout;
@@ -105,26 +94,6 @@ TEST(EvaluateReference, FollowsASmallNetworkWrittenOutByHand) {
   theta[36 + 1] = 2.0;          // output: 2 * that
   theta[40] = -1.0;             //         - 1
   EXPECT_DOUBLE_EQ(evaluateReference(four_four, point, theta.data()), 0.25 / (1.0 + std::exp(1.0 - 2.0 * 0.25 * -0.25)));
-}
-
-TEST(EvaluateReference, IsContinuousAcrossKinks) {
-  Theta theta = randomTheta({}, 3);
-  const std::vector<double> exact = toDouble(theta);
-  const std::vector<LocalPoint> list = testPoints(200);
-  for (size_t i = 1; i < list.size(); ++i) {
-    // along a segment of length <= 2 sqrt(3) cut into 10^4 steps nothing may jump: the slope is at most the network of magnitudes
-    LocalPoint last = list[i - 1];
-    double last_value = evaluateReference({}, last, exact.data());
-    for (const double t : {0.25, 0.250001, 0.5, 0.500001}) {
-      LocalPoint at;
-      for (int a = 0; a < 3; ++a) at[a] = static_cast<float>(list[i - 1][a] + t * (list[i][a] - list[i - 1][a]));
-      const double value = evaluateReference({}, at, exact.data());
-      const double step = std::fabs(at[0] - last[0]) + std::fabs(at[1] - last[1]) + std::fabs(at[2] - last[2]);
-      const double steepest = evaluateReference({}, {1, 1, 1}, magnitudes(theta).data());
-      ASSERT_LE(std::fabs(value - last_value), steepest * step + 1e-12) << "segment " << i << " at " << t;
-      last = at, last_value = value;
-    }
-  }
 }
 
 TEST(Representation, IsFoundByItsNameAlone) {

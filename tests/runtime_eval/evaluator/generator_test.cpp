@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <locale>
 #include <thread>
 
 #include "runtime_eval/evaluator/generator_data.h"
@@ -177,14 +178,6 @@ TEST(GeneratorDeathTest, IsNotLoadedUnderATargetThatIsNotThere) {
   EXPECT_EXIT(loadUnder("scalar"), testing::ExitedWithCode(static_cast<int>(FileStatus::cannot_open)), "");
 }
 
-TEST(Generator, YieldsTheta0WhenItsLastLayerIsZero) {
-  GeneratorData data = sampleGenerator({}, 40, 3, 7);
-  std::fill(data.layers.back().weight.begin(), data.layers.back().weight.end(), 0.0f);
-  std::fill(data.layers.back().bias.begin(), data.layers.back().bias.end(), 0.0f);
-  const std::vector<float> theta = generateAll(data, sampleFunctions(2), 2);
-  for (size_t i = 0; i < theta.size(); ++i) ASSERT_EQ(theta[i], data.theta0[i % ThetaLayout::count]) << i;
-}
-
 TEST(Generator, LoadsWhatWasSaved) {
   const std::string path = (std::filesystem::temp_directory_path() / ("nlg_generator_" + std::to_string(::getpid()))).string();
   const GeneratorData data = sampleGenerator(Representation::tentMlp(0.02f), 24, 3, 8);
@@ -266,49 +259,44 @@ TEST(GeneratorWeights, RoundTripWithTheirDictionary) {
   }
 }
 
-TEST(GeneratorWeights, RefuseEveryMissingOrWrongPartOfADictionary) {
-  const WeightsFile whole = weightsOfACode();
-  ASSERT_EQ(statusOf(whole), FileStatus::ok);
-  for (const auto& [key, ignored] : whole.metadata) {
-    WeightsFile file = whole;
-    file.metadata.erase(key);
-    EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "metadata " << key;
-  }
-  for (const auto& [name, ignored] : whole.tensors) {
-    WeightsFile file = whole;
-    file.tensors.erase(name);
-    EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "tensor " << name;
-    file = whole;
-    WeightsTensor& tensor = file.tensors[name];
-    tensor.values.insert(tensor.values.end(), tensor.values.size() / tensor.shape[0], 0.0f);
-    ++tensor.shape[0];
-    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " with a row more";
-    file = whole;
-    file.tensors[name] = {{0}, {}};
-    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " empty";
-    for (const float value : {NAN, INFINITY, -INFINITY}) {
-      file = whole;
-      file.tensors[name].values.back() = value;
-      EXPECT_EQ(statusOf(file), FileStatus::value_not_finite) << name << ": " << value;
+TEST(GeneratorWeights, RefuseEveryMissingOrWrongPart) {
+  for (const WeightsFile& whole : {weightsFromGenerator(sampleGenerator({}, 24, 3, 1)), weightsOfACode()}) {
+    ASSERT_EQ(statusOf(whole), FileStatus::ok);
+    for (const auto& [key, ignored] : whole.metadata) {
+      WeightsFile file = whole;
+      file.metadata.erase(key);
+      EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "metadata " << key;
+    }
+    for (const auto& [name, ignored] : whole.tensors) {
+      WeightsFile file = whole;
+      file.tensors.erase(name);
+      EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "tensor " << name;
+      WeightsTensor longer = whole.tensors.at(name), deeper = longer;
+      longer.values.insert(longer.values.end(), longer.values.size() / longer.shape[0], 0.0f);
+      ++longer.shape[0];
+      deeper.shape.push_back(1);
+      for (const WeightsTensor& other : {longer, deeper, WeightsTensor{{0}, {}}}) {
+        file.tensors[name] = other;
+        EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << ": " << testing::PrintToString(other.shape);
+      }
+      for (const float value : {NAN, INFINITY, -INFINITY}) {
+        file = whole;
+        file.tensors[name].values.back() = value;
+        EXPECT_EQ(statusOf(file), FileStatus::value_not_finite) << name << ": " << value;
+      }
     }
   }
 }
 
+// DictionaryData.IsRefusedWithTheReason has the numbers themselves.
 TEST(GeneratorWeights, RefuseDictionariesOutOfRange) {
   const auto statusWith = [](const auto& change) {
     WeightsFile file = weightsOfACode();
     change(file);
     return statusOf(file);
   };
-  for (const char* text : {"", "0", "1", "2", "11", "5.5", "-5", "1e9", "5 ", "nan"}) {
-    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.metadata["dictionary_resolution"] = text; }), FileStatus::value_out_of_range)
-        << text;
-  }
-  // not of these nodes
-  for (const char* text : {"4", "6", "9"}) {
-    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.metadata["dictionary_resolution"] = text; }), FileStatus::tensor_unexpected)
-        << text;
-  }
+  EXPECT_EQ(statusWith([](WeightsFile& f) { f.metadata["dictionary_resolution"] = "5.5"; }), FileStatus::value_out_of_range);
+  EXPECT_EQ(statusWith([](WeightsFile& f) { f.metadata["dictionary_resolution"] = "9"; }), FileStatus::tensor_unexpected);
   // 4³ nodes, all there
   EXPECT_EQ(statusWith([](WeightsFile& f) {
               f.metadata["dictionary_resolution"] = "4";
@@ -318,20 +306,10 @@ TEST(GeneratorWeights, RefuseDictionariesOutOfRange) {
   EXPECT_EQ(statusWith([](WeightsFile& f) { f.metadata["representation"] = "code64"; }), FileStatus::tensor_unexpected);
   // nodes and exponents are whole numbers of a byte
   for (const char* name : {"dictionary.nodes", "dictionary.exponents"}) {
-    for (const float value : {0.5f, -0.25f, 128.0f, -128.0f, 1e9f, 1e30f}) {
+    for (const float value : {0.5f, -128.0f, 1e30f}) {
       EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors[name].values[7] = value; }), FileStatus::value_out_of_range)
           << name << ": " << value;
     }
-  }
-  for (const float exponent : {25.0f, -25.0f, 127.0f, -127.0f}) {
-    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors["dictionary.exponents"].values[3] = exponent; }),
-              FileStatus::value_out_of_range)
-        << exponent;
-  }
-  for (const float deviation : {0.0f, -1.0f, 1e-30f, 1e30f}) {
-    EXPECT_EQ(statusWith([&](WeightsFile& f) { f.tensors["dictionary.deviations"].values[3] = deviation; }),
-              FileStatus::value_out_of_range)
-        << deviation;
   }
   // a code has no last layer that could be solved
   EXPECT_EQ(statusWith([](WeightsFile& f) { f.metadata["exact_last_layer"] = "1"; }), FileStatus::value_out_of_range);
@@ -340,48 +318,6 @@ TEST(GeneratorWeights, RefuseDictionariesOutOfRange) {
 TEST(GeneratorWeights, AreTakenUnchanged) {
   EXPECT_EQ(statusAfter([](WeightsFile&) {}), FileStatus::ok);
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["a note"] = "for people"; }), FileStatus::ok);
-}
-
-TEST(GeneratorWeights, RefuseEveryMissingKeyAndTensor) {
-  const WeightsFile whole = weightsFromGenerator(sampleGenerator({}, 24, 3, 1));
-  for (const auto& [key, ignored] : whole.metadata) {
-    WeightsFile file = whole;
-    file.metadata.erase(key);
-    EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "metadata " << key;
-  }
-  for (const auto& [name, ignored] : whole.tensors) {
-    WeightsFile file = whole;
-    file.tensors.erase(name);
-    EXPECT_EQ(statusOf(file), FileStatus::tensor_missing) << "tensor " << name;
-  }
-}
-
-TEST(GeneratorWeights, RefuseEveryTensorOfAnotherShape) {
-  const WeightsFile whole = weightsFromGenerator(sampleGenerator({}, 24, 3, 1));
-  for (const auto& [name, ignored] : whole.tensors) {
-    WeightsFile file = whole;
-    WeightsTensor& tensor = file.tensors[name];
-    tensor.values.insert(tensor.values.end(), tensor.values.size() / tensor.shape[0], 0.0f);
-    ++tensor.shape[0];
-    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " with a row more";
-    file = whole;
-    file.tensors[name].shape.push_back(1);
-    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " with a dimension more";
-    file = whole;
-    file.tensors[name] = {{0}, {}};
-    EXPECT_EQ(statusOf(file), FileStatus::tensor_unexpected) << name << " empty";
-  }
-}
-
-TEST(GeneratorWeights, RefuseNumbersThatAreNotFinite) {
-  const WeightsFile whole = weightsFromGenerator(sampleGenerator({}, 24, 3, 1));
-  for (const auto& [name, ignored] : whole.tensors) {
-    for (const float value : {NAN, INFINITY, -INFINITY}) {
-      WeightsFile file = whole;
-      file.tensors[name].values.back() = value;
-      EXPECT_EQ(statusOf(file), FileStatus::value_not_finite) << name << ": " << value;
-    }
-  }
 }
 
 TEST(GeneratorWeights, RefuseForeignPatternsAndNewerVersions) {
@@ -394,26 +330,18 @@ TEST(GeneratorWeights, RefuseForeignPatternsAndNewerVersions) {
 }
 
 TEST(GeneratorWeights, RefuseMetadataOutOfRange) {
-  const auto statusWith = [](const std::string& key, const std::string& value) {
-    return statusAfter([&](WeightsFile& f) { f.metadata[key] = value; });
-  };
-  for (const char* name : {"", "MLP", "pf4", "mlp\n"}) {
-    EXPECT_EQ(statusWith("representation", name), FileStatus::value_out_of_range) << name;
-  }
-  for (const char* key : {"representation_slope", "generator_slope"}) {
-    for (const char* value : {"0", "1", "-0.01", "nan", "inf", "", "0.01x"}) {
-      EXPECT_EQ(statusWith(key, value), FileStatus::value_out_of_range) << key << ": " << value;
+  const std::pair<const char*, std::vector<const char*>> cases[] = {
+      {"representation", {"", "MLP", "pf4", "mlp\n"}}, {"representation_slope", {"0", "1", "-0.01", "nan", "inf", "", "0.01x"}},
+      {"generator_slope", {"0", "1", "nan", ""}},      {"layer_count", {"0", "-3", "2.5", "1e9", "99999999999999999999", ""}},
+      {"width", {"0", "2.5", "1e9", " 24", "24 "}},    {"class_count.3", {"-1", "1025", "0.5", "many"}}};
+  for (const auto& [key, values] : cases) {
+    for (const char* value : values) {
+      EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.metadata[key] = value; }), FileStatus::value_out_of_range)
+          << key << ": " << value;
     }
   }
-  for (const char* key : {"layer_count", "width"}) {
-    for (const char* value : {"0", "-3", "2.5", "1e9", "99999999999999999999", ""}) {
-      EXPECT_EQ(statusWith(key, value), FileStatus::value_out_of_range) << key << ": " << value;
-    }
-  }
-  for (const char* value : {"-1", "1025", "0.5", "many"}) {
-    EXPECT_EQ(statusWith("class_count.3", value), FileStatus::value_out_of_range) << value;
-  }
-  EXPECT_EQ(statusWith("class_count.3", "4"), FileStatus::tensor_unexpected);  // one component more than there is
+  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["class_count.3"] = "4"; }), FileStatus::tensor_unexpected)
+      << "one component more than there is";
   EXPECT_EQ(statusAfter([](WeightsFile& f) {
               for (int c = 0; c < kParityClassCount; ++c) f.metadata["class_count." + std::to_string(c)] = "0";
             }),
@@ -440,6 +368,34 @@ TEST(GeneratorWeights, RefuseDeviationsThatCannotDivide) {
               FileStatus::value_out_of_range)
         << deviation;
   }
+}
+
+TEST(GeneratorWeights, AreRefusedInOneShortLineWhateverTheirTextsHold) {
+  for (const char* key : {"pattern_hash", "representation", "version", "representation_slope", "width", "class_count.3"}) {
+    WeightsFile file = weightsFromGenerator(sampleGenerator(Representation::tentMlp(), 24, 3, 1));
+    file.metadata[key] = "\n\x1b[2J" + std::string(100000, 'x');
+    GeneratorData data;
+    const FileResult result = generatorFromWeights(file, &data);
+    EXPECT_FALSE(result.ok()) << key;
+    EXPECT_LT(result.detail.size(), 200u) << key;
+    for (const char c : result.detail) EXPECT_GE(static_cast<unsigned char>(c), 0x20) << key << ": " << result.detail;
+  }
+}
+
+// 0,5 for a half, as an engine's global locale may have it.
+struct DecimalComma : std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+TEST(GeneratorWeights, AreReadAlikeInEveryLocale) {
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
+  const FileStatus half = statusAfter([](WeightsFile&f) { f.metadata["generator_slope"] = "0.05"; }),
+                   wide = statusAfter([](WeightsFile&f) { f.metadata["width"] = "1.024"; });
+  std::locale::global(before);
+  EXPECT_EQ(half, FileStatus::ok);
+  EXPECT_EQ(wide, FileStatus::value_out_of_range);
 }
 
 }  // namespace

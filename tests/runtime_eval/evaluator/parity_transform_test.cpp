@@ -61,25 +61,5 @@ TEST(ParityTransform, TakesFloatsOnEveryTarget) {
   });
 }
 
-TEST(ParityTransform, KeepsEnergy) {
-  // Parseval: the transform over 8 mirrors, unscaled, multiplies the sum of squares by 8; whole numbers, so exactly
-  const std::vector<uint8_t> phi = sampleFunctions(kCount);
-  std::vector<float> classes(size_t(kCount) * kClassStride);
-  parityTransform(phi.data(), kCount, classes.data());
-  double energy = 0.0, transformed = 0.0;
-  for (const uint8_t value : phi) energy += double(value) * value;
-  for (const float value : classes) transformed += double{value} * value;  // what lies between functions stays zero
-  EXPECT_EQ(transformed, 8.0 * energy);
-}
-
-TEST(ParityTransform, TakesTheExtremesOfBytes) {
-  std::vector<uint8_t> phi(kSupportPointCount, 255);
-  std::vector<float> classes(kClassStride);
-  forEachTarget([&] {
-    parityTransform(phi.data(), 1, classes.data());
-    for (int p = 0; p < kSupportPointCount; ++p) ASSERT_EQ(classes[p], p < kOctantPointCount ? 8 * 255.0f : 0.0f) << p;
-  });
-}
-
 }  // namespace
 }  // namespace nlg

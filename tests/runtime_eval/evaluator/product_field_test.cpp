@@ -57,42 +57,6 @@ TEST(ProductField, AgreesWithTheReferenceAtAnyPoints) {
   }
 }
 
-TEST(ProductField, TakesTheNodesValuesAtNodes) {
-  for (const int resolution : kFieldResolutions) {
-    SCOPED_TRACE(resolution);
-    const Theta theta = randomField(resolution, 13, 0.0, 1.0);
-    std::vector<LocalPoint> nodes;
-    const auto along = [&](int i) { return static_cast<float>(2.0 * i / (resolution - 1) - 1.0); };
-    for (int z = 0; z < resolution; ++z) {
-      for (int y = 0; y < resolution; ++y) {
-        for (int x = 0; x < resolution; ++x) nodes.push_back({along(x), along(y), along(z)});
-      }
-    }
-    forEachTarget([&] {
-      const std::vector<float> values = evaluatedAt(resolution, nodes, theta);
-      for (size_t i = 0; i < nodes.size(); ++i) {
-        EXPECT_NEAR(values[i], theta[2 * i] / (1.0 + std::exp(-static_cast<double>(theta[2 * i + 1]))),
-                    fieldError(resolution, theta))
-            << "node " << i;
-      }
-    });
-  }
-}
-
-TEST(ProductField, TakesTheBordersValueOutside) {
-  const std::vector<LocalPoint> outside = {
-      {-1.5f, 0.25f, 0.5f}, {7.0f, -3.0f, 0.125f}, {1e30f, -1e30f, 1e30f}, {0.5f, 0.5f, 1.0001f}};
-  std::vector<LocalPoint> border = outside;
-  for (LocalPoint& point : border) {
-    for (float& coordinate : point) coordinate = std::clamp(coordinate, -1.0f, 1.0f);
-  }
-  for (const int resolution : kFieldResolutions) {
-    const Theta theta = randomField(resolution, 14, 0.0, 1.0);
-    forEachTarget(
-        [&] { EXPECT_EQ(evaluatedAt(resolution, outside, theta), evaluatedAt(resolution, border, theta)) << resolution; });
-  }
-}
-
 // A = 1 and B = b everywhere: interpolation is exact, the field is the sigmoid alone.
 float sigmoidOf(float b) { return evaluatedAt(3, {{0.3f, -0.6f, 0.1f}}, constantField(3, 1.0f, b))[0]; }
 
@@ -120,16 +84,6 @@ TEST(ProductField, HasASigmoidThatSaturatesWithoutOverflow) {
       EXPECT_LE(sigmoidOf(-b), 2e-38f) << b;
     }
   });
-}
-
-TEST(ProductField, IsConstantWhereItsNodesAreEqual) {
-  for (const int resolution : kFieldResolutions) {
-    forEachTarget([&] {
-      for (const float value : evaluatedCells(resolution, constantField(resolution, 0.7f, 1e3f))) ASSERT_EQ(value, 0.7f);
-      for (const float value : evaluatedCells(resolution, constantField(resolution, -3.0f, 2.0f))) ASSERT_EQ(value, 0.0f);
-      for (const float value : evaluatedCells(resolution, constantField(resolution, 4.0f, 0.0f))) ASSERT_EQ(value, 0.5f);
-    });
-  }
 }
 
 TEST(ProductField, StaysTheSameOnAGridThatHoldsAllItsNodes) {

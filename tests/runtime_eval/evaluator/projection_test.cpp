@@ -61,20 +61,6 @@ TEST(Projection, EqualsTheDefinitionOnRaggedCountsAndEveryTarget) {
   });
 }
 
-TEST(Projection, GivesZeroForTheMean) {
-  // a mean that bytes can hold: the same 102/255 in all octants, class 0 only
-  BasisData basis = sampleBasis(kSampleClasses, 8);
-  for (int i = 0; i < kOctantPointCount; ++i) basis.mean[i] = static_cast<float>(std::sqrt(8.0) * 102 / 255.0);
-  const std::vector<uint8_t> phi(kSupportPointCount, 102);
-  std::vector<double> magnitude;
-  projectNaively(basis, unquantised(phi.data()), &magnitude);
-  const Projection projection(basis);
-  std::vector<float> coefficients(basis.coefficientCount());
-  ProjectionScratch scratch;
-  projection.project(phi.data(), 1, coefficients.data(), &scratch);
-  for (int k = 0; k < basis.coefficientCount(); ++k) EXPECT_NEAR(coefficients[k], 0.0, 1028 * kFloatRounding * magnitude[k]) << k;
-}
-
 TEST(Projection, FlipsSignsForAMirroredFunction) {
   BasisData basis = sampleBasis(kSampleClasses, 9);
   const Projection projection(basis);
@@ -94,25 +80,6 @@ TEST(Projection, FlipsSignsForAMirroredFunction) {
       }
     }
   }
-}
-
-TEST(Projection, IsTheIdentityOnCombinationsOfComponents) {
-  // phi = 1/2 + sum of a_k component_k, unquantised: by orthonormal rows the naive projection returns a_k
-  BasisData basis = sampleBasis({2, 2, 0, 0, 0, 0, 0, 1}, 10);
-  std::fill(basis.mean.begin(), basis.mean.begin() + kOctantPointCount, static_cast<float>(0.5 * std::sqrt(8.0)));
-  const std::vector<double> amplitudes = {0.3, -0.2, 0.25, 0.1, -0.4};
-  const int classes[] = {0, 0, 1, 1, 7};
-  std::vector<double> phi(kSupportPointCount, 0.5);
-  for (int k = 0; k < 5; ++k) {
-    for (int p = 0; p < kSupportPointCount; ++p) {
-      phi[p] += amplitudes[k] * mirrorSign(classes[k], p / kOctantPointCount) *
-                basis.components[k * kOctantPointCount + p % kOctantPointCount] / std::sqrt(8.0);
-    }
-  }
-  std::vector<double> ignored;
-  const std::vector<double> coefficients = projectNaively(basis, phi, &ignored);
-  // the rows are orthonormal to float's precision
-  for (int k = 0; k < 5; ++k) EXPECT_NEAR(coefficients[k] * basis.deviation[k], amplitudes[k], 1e-5) << k;
 }
 
 }  // namespace

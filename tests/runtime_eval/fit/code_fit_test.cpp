@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kDarkWeight = 64.0;
 
-bool sameBits(const Theta& a, const Theta& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
-}
-
 Representation sampleCodeOf(int resolution, int count, uint64_t seed) {
   return Representation::code(sampleDictionary(resolution, count, seed));
 }
@@ -77,15 +73,6 @@ TEST(CodeLoss, EqualsTheFormulasInDoubleOnEveryTarget) {
       });
     }
   }
-}
-
-TEST(CodeLoss, IsThatOfTheBrick) {
-  const Representation code = sampleCodeOf(5, 8, 5);
-  Random random(6);
-  const Theta z = sampleCode(*code.dictionary, 8, random);
-  const WeightingFunction function = functionOf(code, codeSample(code.dictionary, z));
-  // a stored byte is off by up to half of 1/255, by a uniform error: its RMSE is 1/255/sqrt(12)
-  EXPECT_NEAR(functionRmse(code, function, z.data()), 1.0 / 255.0 / std::sqrt(12.0), 1e-4);
 }
 
 // --- the normal equations -------------------------------------------------------------------------------------------------------
@@ -385,16 +372,6 @@ TEST(LevenbergMarquardt, OnACodeIsItsOwnFit) {
   EXPECT_EQ(general.rmse, own.rmse);
   EXPECT_EQ(general.steps, own.steps);
   EXPECT_EQ(general.stop, own.stop);
-}
-
-TEST(Adam, LowersTheErrorOfACode) {
-  const Representation code = sampleCodeOf(5, 16, 32);
-  for (uint64_t seed = 1; seed < 5; ++seed) {
-    const WeightingFunction function = functionOf(code, wallSample(seed));
-    const Theta start = randomTheta(code, seed);
-    const FitResult result = fitAdam(code, function, start, refinementAdam(code, 100));
-    EXPECT_LT(result.rmse, 0.7 * functionRmse(code, function, start.data())) << seed;
-  }
 }
 
 }  // namespace

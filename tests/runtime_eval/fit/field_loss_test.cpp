@@ -48,20 +48,6 @@ TEST(FieldLossReference, HasTheGradientOfCentralDifferences) {
   }
 }
 
-TEST(FieldLossReference, IsTheSquaredDistanceOfTheEvaluatedField) {
-  for (const int resolution : kFieldResolutions) {
-    const PointOrder& order = cellOrder(resolution);
-    const WeightingFunction function = decoded(noiseSample(3).view(), order);
-    const std::vector<double> theta = toDouble(randomField(resolution, 4, -0.5, 1.5));
-    double sum = 0.0;
-    for (int place = 0; place < order.placeCount(); ++place) {
-      const double value = evaluateFieldReference(resolution, placePosition(order, place), theta.data());
-      sum += function.mask[place] * (value - function.phi[place]) * (value - function.phi[place]);
-    }
-    EXPECT_NEAR(reference(order, function, theta).sum, sum, 1e-10 * sum) << resolution;
-  }
-}
-
 // By theta: sum over valid points of the cells around the node.
 std::vector<double> pointsAround(const PointOrder& order, const WeightingFunction& function) {
   std::vector<double> result(2 * order.resolution * order.resolution * order.resolution, 0.0);

@@ -130,15 +130,6 @@ TEST(LossKernel, IgnoresWhatStandsAtMaskedPoints) {
   }
 }
 
-TEST(LossKernel, IsZeroWithoutAnyValidPoint) {
-  const AlignedFloats phi(64, 0.5f), mask(64, 0.0f);
-  forEachTarget([&] {
-    const Gradient got = vectorised({}, 128, 64, phi.data(), mask.data(), randomTheta({}, 6));
-    EXPECT_EQ(got.sum, 0.0);
-    for (int k = 0; k < ThetaLayout::count; ++k) EXPECT_EQ(got.values[k], 0.0) << "theta " << k;
-  });
-}
-
 TEST(LossKernel, AddsUpOverStrata) {
   const Theta theta = randomTheta({}, 7);
   const WeightingFunction function = decoded(wallSample(7).view());

@@ -106,31 +106,18 @@ TEST(SymmetricBand, SolvesWithASmallResidual) {
   });
 }
 
-TEST(SymmetricBand, RefusesAPivotThatIsNotPositiveOrNotFiniteAndLeavesTheVector) {
-  const double bad[] = {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
+TEST(SymmetricBand, RefusesEntriesThatAreNotFiniteAndPivotsThatAreNotPositiveAndLeavesTheVector) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
   forEachTarget([&] {
-    for (const int count : {1, 5, 8, 17, 40}) {
-      for (const int place : {0, count / 2, count - 1}) {
-        for (const double value : bad) {
-          SymmetricBand band = randomBand(count, std::min(3, count - 1), 5);
-          band.at(place, place) = value;
+    for (const int count : {5, 8, 17, 40}) {
+      for (const int row : {2, count / 2, count - 1}) {
+        for (const auto& [beside, value] : {std::pair{0, 0.0}, {0, -1.0}, {0, kNan}, {0, kInfinity}, {2, kNan}, {2, kInfinity}}) {
+          SymmetricBand band = randomBand(count, 3, 5);
+          band.at(row, row - beside) = value;
           std::vector<double> vector = randomVector(count, 6);
-          EXPECT_FALSE(band.solve(vector.data())) << count << ' ' << place << ' ' << value;
+          EXPECT_FALSE(band.solve(vector.data())) << count << ' ' << row << ' ' << beside << ' ' << value;
           EXPECT_EQ(vector, randomVector(count, 6));
         }
-      }
-    }
-  });
-}
-
-TEST(SymmetricBand, RefusesAnEntryThatIsNotFiniteBesideTheDiagonal) {
-  forEachTarget([&] {
-    for (const double value : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-      for (const int row : {3, 9, 39}) {
-        SymmetricBand band = randomBand(40, 12, 7);
-        band.at(row, row - 2) = value;
-        std::vector<double> vector = randomVector(40, 8);
-        EXPECT_FALSE(band.solve(vector.data())) << row << ' ' << value;
       }
     }
   });
@@ -176,27 +163,6 @@ TEST(SymmetricBand, SolvesHilbertMatricesToRoundingOrRefusesThem) {
   EXPECT_TRUE(refuses);
 }
 
-TEST(SymmetricBand, SolvesTheSameWhereverTheVectorLies) {
-  forEachTarget([] {
-    std::vector<double> expected = randomVector(113, 9);
-    ASSERT_TRUE(SymmetricBand(randomBand(113, 112, 10)).solve(expected.data()));
-    for (const size_t shift : {1u, 2u, 5u}) {
-      // what stands around it is neither read nor written
-      std::vector<double> around(shift + 113 + 8, NAN);
-      const std::vector<double> right_side = randomVector(113, 9);
-      std::copy(right_side.begin(), right_side.end(), around.begin() + static_cast<int64_t>(shift));
-      ASSERT_TRUE(SymmetricBand(randomBand(113, 112, 10)).solve(&around[shift]));
-      for (size_t i = 0; i < around.size(); ++i) {
-        if (i < shift || i >= shift + 113) {
-          EXPECT_TRUE(std::isnan(around[i])) << i;
-        } else {
-          EXPECT_EQ(around[i], expected[i - shift]) << i;
-        }
-      }
-    }
-  });
-}
-
 TEST(SymmetricBand, IsZeroAfterResetWhateverItHeld) {
   SymmetricBand band = randomBand(60, 20, 11);
   std::vector<double> vector(60, 1.0);
@@ -215,18 +181,6 @@ TEST(SymmetricBand, IsZeroAfterResetWhateverItHeld) {
   ASSERT_TRUE(band.solve(x.data()));
   ASSERT_TRUE(copy.solve(expected.data()));
   EXPECT_EQ(x, expected);
-}
-
-TEST(SymmetricBand, IsEqualOnlyWhenShapeAndEntriesAre) {
-  const SymmetricBand band = randomBand(20, 5, 13);
-  EXPECT_EQ(band, randomBand(20, 5, 13));
-  EXPECT_FALSE(SymmetricBand(20, 5) == SymmetricBand(20, 6));
-  EXPECT_FALSE(SymmetricBand(20, 5) == SymmetricBand(21, 5));
-  for (const int column : {0, 7, 14}) {
-    SymmetricBand other = band;
-    other.at(column + 5, column) += 1.0;
-    EXPECT_FALSE(other == band) << column;
-  }
 }
 
 }  // namespace

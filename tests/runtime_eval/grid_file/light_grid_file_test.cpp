@@ -17,6 +17,7 @@
 #include "runtime_eval/numbers/coded_bytes.h"
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/weights_file/safetensors_layout.h"
+#include "tests/damage.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/weights_file/digest_edits.h"
 
@@ -95,48 +96,6 @@ void put(std::string& bytes, const std::string& tensor, size_t index, T value) {
   std::memcpy(bytes.data() + place.begin + index * sizeof(T), &value, sizeof value);
 }
 
-// The file with other bytes in a tensor of bytes, however many: all that lies behind moves.
-std::string withTensor(const std::string& bytes, const std::string& tensor, const std::vector<uint8_t>& values) {
-  constexpr size_t kAligned = 64;
-  uint64_t length = 0;
-  std::memcpy(&length, bytes.data(), sizeof length);
-  const nlohmann::json before = nlohmann::json::parse(bytes.substr(8, length));
-  std::map<size_t, std::string> in_order;
-  const std::map<std::string, Place> places = placesIn(bytes);
-  for (const auto& [name, place] : places) {
-    if (name.substr(0, 8) != "padding." && (place.count > 0 || name == tensor))
-      in_order[2 * place.begin + (place.count > 0)] = name;
-  }
-  nlohmann::json header = {{"__metadata__", before["__metadata__"]}};
-  std::string data;
-  int fillers = 0;
-  const auto add = [&](const std::string& name, nlohmann::json entry, const std::string& of) {
-    entry["data_offsets"] = {data.size(), data.size() + of.size()};
-    header[name] = std::move(entry);
-    data += of;
-  };
-  for (const auto& [name, place] : places) {
-    if (place.count == 0 && name != tensor) add(name, before[name], "");
-  }
-  for (const auto& [begin, name] : in_order) {
-    if (const size_t over = data.size() % kAligned; over > 0) {
-      const size_t count = kAligned - over;
-      add("padding." + std::to_string(fillers++), {{"dtype", "U8"}, {"shape", {count}}}, std::string(count, '\0'));
-    }
-    nlohmann::json entry = before[name];
-    if (name == tensor) entry["shape"] = {values.size()};
-    const Place place = places.at(name);
-    add(name, std::move(entry),
-        name == tensor ? std::string(values.begin(), values.end()) : bytes.substr(place.begin, place.count));
-  }
-  std::string text = header.dump();
-  text.resize((text.size() + 8 + kAligned - 1) / kAligned * kAligned - 8, ' ');
-  length = text.size();
-  std::string file(sizeof length, '\0');
-  std::memcpy(file.data(), &length, sizeof length);
-  return file + text + data;
-}
-
 using Columns = std::vector<uint16_t>;
 
 std::vector<uint8_t> decoded(const std::string& bytes, const std::string& tensor, const Columns& columns = {}) {
@@ -147,14 +106,6 @@ std::vector<uint8_t> decoded(const std::string& bytes, const std::string& tensor
       columns, &values))
       << tensor;
   return values;
-}
-
-// A byte of a tensor that codedBytes made.
-void putCoded(std::string& bytes, const std::string& tensor, size_t index, int value, const Columns& columns = {}) {
-  std::vector<uint8_t> values = decoded(bytes, tensor, columns);
-  ASSERT_LT(index, values.size()) << tensor;
-  values[index] = static_cast<uint8_t>(value);
-  bytes = withTensor(bytes, tensor, codedBytes(values, columns));
 }
 
 // Of rows of these lengths, one column for each place in a row.
@@ -335,79 +286,27 @@ TEST(LightGridFile, HoldsADictionaryThatNoFunctionUses) {
 }
 
 TEST(LightGridFile, RefusesCodesAndDictionariesThatNoFileHas) {
-  const Representation code = Representation::code(sampleDictionary(5, 16, 4));
-  const std::string bytes = bytesOf(gridOfCodes(code, {16, 8}), {ThetaPrecision::int8});
-  const auto refused = [&](const char* what, FileStatus status, const char* detail, const std::string& spoilt) {
-    LightGrid grid;
-    const FileResult result = parse(stamped(spoilt), &grid);
-    EXPECT_EQ(result.status, status) << what << ": " << result.detail;
-    EXPECT_EQ(result.detail.substr(0, std::strlen(detail)), detail) << what;
-  };
-  const auto with = [&](const char* tensor, size_t index, auto value) {
-    std::string spoilt = bytes;
-    put(spoilt, tensor, index, value);
-    return spoilt;
-  };
-  const Columns columns = columnsOf({16, 8});
-  const auto withCoded = [&](const char* tensor, size_t index, int value, const Columns& of = {}) {
-    std::string spoilt = bytes;
-    putCoded(spoilt, tensor, index, value, of);
-    return spoilt;
-  };
-  refused("more groups than the code has", FileStatus::value_out_of_range, "theta.groups: value 0: expected at most 2",
-          withCoded("theta.groups", 0, 3));
-  refused("a group too few", FileStatus::tensor_unexpected, "theta.steps: not the code of 16 bytes",
-          withCoded("theta.groups", 0, 1));
-  std::string spoilt = bytes;
-  for (size_t i = 16; i < 24; ++i) putCoded(spoilt, "theta.steps", i, 0, columns);
-  refused("a group of zeros", FileStatus::value_out_of_range, "theta.groups: expected no group of zeros", spoilt);
-  refused("a step of -128", FileStatus::value_out_of_range, "theta.steps: value 5", withCoded("theta.steps", 5, -128, columns));
-  refused("an exponent out of range", FileStatus::value_out_of_range, "dictionary.0: exponents",
-          with("dictionary.0.exponents", 3, int8_t{99}));
-  spoilt = withCoded("theta.groups", 0, 2 + kCodeExponentUnit);
-  for (size_t k = 0; k < 16; ++k) putCoded(spoilt, "theta.steps", k, 1, columns);
-  refused("coarser steps than the code needs", FileStatus::value_out_of_range, "theta.groups: expected no group of zeros",
-          spoilt);
-  spoilt = bytesOf(gridOfCodes(code, {16, 8}), {ThetaPrecision::float32});
-  for (size_t i = 8; i < 16; ++i) put(spoilt, "theta", i, 0.0f);
-  refused("rows that no code needs", FileStatus::tensor_unexpected, "dictionary.0.exponents: expected 9 values, got 17", spoilt);
-  const auto renamed = [&](const std::string& from, const std::string& to) {
-    std::string other = bytes;
+  const LightGrid grid = gridOfCodes(Representation::code(sampleDictionary(5, 16, 4)), {16, 8});
+  const std::string bytes = bytesOf(grid, {ThetaPrecision::int8}), floats = bytesOf(grid, {ThetaPrecision::float32});
+  const auto renamed = [](std::string other, const std::string& from, const std::string& to) {
     return other.replace(other.find(from), from.size(), to);
   };
-  refused("no nodes", FileStatus::tensor_missing, "", renamed("dictionary.0.nodes", "dictionary.0.knots"));
-  refused("no exponents", FileStatus::tensor_missing, "", renamed("dictionary.0.exponents", "dictionary.1.exponents"));
-  refused("no groups", FileStatus::tensor_unexpected, "theta.groups: expected 2 values, got 0",
-          renamed("theta.groups", "theta.graups"));
-  refused("no such code", FileStatus::value_out_of_range, "metadata representation.0", renamed("code16", "code17"));
-  refused("theta of another code", FileStatus::tensor_unexpected, "theta has 32 entries", [&] {
-    auto b = bytesOf(gridOfCodes(code, {16, 8}), {ThetaPrecision::float32});
-    return b.replace(b.find("code16"), 6, "code32");
-  }());
-}
-
-TEST(LightGridFile, RefusesStepsThatNoFileHas) {
-  const Representation network{RepresentationKind::tent_mlp4};
-  LightGrid whole = freeGrid(), grid;
-  whole.representations = {network, Representation::productField(3)};
-  const int functions = 3;
-  for (int i = 0; i < functions; ++i)
-    whole.probe_function[static_cast<size_t>(i)] = whole.addFunction(0, randomTheta(network, static_cast<uint64_t>(i)).data());
-  const std::string bytes = bytesOf(whole, {ThetaPrecision::int8});
-  const ThetaForm form = thetaForm(network, ThetaPrecision::int8);
-  const Columns steps = columnsOf(std::vector<int>(functions, form.steps)),
-                halves = columnsOf(std::vector<int>(functions, 2 * form.halves));
-  std::string spoilt = bytes;
-  putCoded(spoilt, "theta.steps", 9, -128, steps);
-  EXPECT_EQ(parse(stamped(spoilt), &grid).status, FileStatus::value_out_of_range);
-  spoilt = bytes;
-  putCoded(spoilt, "theta.halves", 6, 0x00, halves);
-  putCoded(spoilt, "theta.halves", 7, 0x7c, halves);
-  EXPECT_EQ(parse(stamped(spoilt), &grid).status, FileStatus::value_not_finite);
-  // a function of another representation needs other numbers of steps and halves
-  spoilt = bytes;
-  putCoded(spoilt, "function.representation", 0, 1);
-  EXPECT_EQ(parse(stamped(spoilt), &grid).status, FileStatus::tensor_unexpected);
+  std::string exponent = bytes, zeros = floats;
+  put(exponent, "dictionary.0.exponents", 3, int8_t{99});
+  for (size_t i = 8; i < 16; ++i) put(zeros, "theta", i, 0.0f);
+  const std::tuple<std::string, FileStatus, const char*> cases[] = {
+      {exponent, FileStatus::value_out_of_range, "dictionary.0: exponents"},
+      {zeros, FileStatus::tensor_unexpected, "dictionary.0.exponents: expected 9 values, got 17"},
+      {renamed(bytes, "dictionary.0.nodes", "dictionary.0.knots"), FileStatus::tensor_missing, ""},
+      {renamed(bytes, "theta.groups", "theta.graups"), FileStatus::tensor_unexpected, "theta.groups: expected 2 values, got 0"},
+      {renamed(bytes, "code16", "code17"), FileStatus::value_out_of_range, "metadata representation.0"},
+      {renamed(floats, "code16", "code32"), FileStatus::tensor_unexpected, "theta has 32 entries"}};
+  for (const auto& [spoilt, status, detail] : cases) {
+    LightGrid read;
+    const FileResult result = parse(stamped(spoilt), &read);
+    EXPECT_EQ(result.status, status) << result.detail;
+    EXPECT_EQ(result.detail.substr(0, std::strlen(detail)), detail);
+  }
 }
 
 TEST(LightGridFile, HoldsTheLightOfProbesWithWeight) {
@@ -552,23 +451,10 @@ TEST(LightGridFile, IsReadFromAFile) {
   EXPECT_EQ(readLightGridFile(path, &read, &metadata).status, FileStatus::cannot_open);
 }
 
-TEST(LightGridFile, RefusesEveryTruncation) {
-  const std::string bytes = bytesOf(litGrid(smallTree(), 1), {});
+TEST(LightGridFile, RefusesWhatIsDamaged) {
   LightGrid grid;
-  for (size_t length = 0; length < bytes.size(); ++length)
-    ASSERT_FALSE(parse(std::string_view(bytes).substr(0, length), &grid).ok()) << length << " of " << bytes.size() << " bytes";
-  EXPECT_FALSE(parse(bytes + '\0', &grid).ok());
-}
-
-TEST(LightGridFile, RefusesEveryDamagedByte) {
-  const std::string bytes = bytesOf(litGrid(smallTree(), 1), {});
-  Random random(3);
-  for (size_t i = 0; i < bytes.size(); ++i) {
-    std::string damaged = bytes;
-    damaged[i] = static_cast<char>(damaged[i] ^ (1 << random.below(8)));
-    LightGrid grid;
-    ASSERT_FALSE(parse(damaged, &grid).ok()) << "byte " << i;
-  }
+  expectDamageIsRefused(bytesOf(litGrid(smallTree(), 1), {}),
+                        [&](const std::string& bytes) { return parse(bytes, &grid).detail; });
 }
 
 TEST(LightGridFile, RefusesAFileWithoutADigest) {
@@ -584,52 +470,31 @@ struct Hostile {
   std::function<void(std::string&)> spoil;
 };
 
+// Of numbers that stand as they are; of coded ones the fuzz target makes what there is.
 TEST(LightGridFile, NamesHostileNumbers) {
   constexpr FileStatus kRange = FileStatus::value_out_of_range;
-  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const double infinity = std::numeric_limits<double>::infinity();
   const Hostile cases[] = {
       {"far origin", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.first_m", 1, infinity); }},
-      {"no origin", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.first_m", 2, nan); }},
       {"spacing 0", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.spacing_m", 0, 0.0); }},
-      {"spacing NaN", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.spacing_m", 0, nan); }},
-      {"-1 roots", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.root_count", 0, int32_t{-1}); }},
       {"many roots", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.root_count", 0, int32_t{1} << 30); }},
       {"more roots than nodes", kRange, "probe tree: frame",
        [=](std::string& b) {
          for (size_t axis = 0; axis < 3; ++axis) put(b, "frame.root_count", axis, int32_t{32767});
        }},
       {"no roots", kRange, "probe tree: nodes", [=](std::string& b) { put(b, "frame.root_count", 0, int32_t{0}); }},
-      {"64 children", kRange, "probe tree: nodes: expected no more bits",
-       [=](std::string& b) { putCoded(b, "node.kind", 1, 2 + 4); }},
-      {"no such kind of node", kRange, "probe tree: node 2: expected a kind",
-       [=](std::string& b) { putCoded(b, "node.kind", 2, 3); }},
-      {"whole cells below the roots", kRange, "probe tree: node 2: expected a cell_count",
-       [=](std::string& b) { putCoded(b, "node.kind", 2, 16); }},
-      {"fewer cells than probes", kRange, "probe tree: probes", [=](std::string& b) { putCoded(b, "node.kind", 2, 2); }},
-      {"no such function", kRange, "probe ", [=](std::string& b) { putCoded(b, "probe.function", 3, 1, columnsOfNames(b)); }},
       {"more probes than there are kinds", FileStatus::tensor_unexpected, "probe.kind",
        [=](std::string& b) { put(b, "probe.count", 0, uint32_t{1u << 12}); }},
       {"more probes than the file stands for", kRange, "memory: expected",
        [=](std::string& b) { put(b, "probe.count", 0, uint32_t{1u << 20}); }},
-      {"more named functions", FileStatus::tensor_unexpected, "probe.function",
-       [=](std::string& b) { putCoded(b, "probe.kind", 0, 0xff), putCoded(b, "probe.kind", 1, 0xff); }},
-      {"fewer named functions", FileStatus::tensor_unexpected, "probe.function",
-       [=](std::string& b) { putCoded(b, "probe.kind", 0, 0), putCoded(b, "probe.kind", 1, 0); }},
-      {"no such representation", kRange, "function 4: representation does not exist",
-       [=](std::string& b) { putCoded(b, "function.representation", 4, 8); }},
-      {"another representation", FileStatus::tensor_unexpected, "theta has",
-       [=](std::string& b) { putCoded(b, "function.representation", 4, 5); }},
       {"theta NaN", FileStatus::value_not_finite, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, std::nanf("")); }},
       {"an axis NaN", FileStatus::value_not_finite, "light.axes: value 9",
        [=](std::string& b) { put(b, "light.axes", 9, uint16_t{0x7e00}); }},
       {"no unit", kRange, "light.unit", [=](std::string& b) { put(b, "light.unit", 0, 0.0f); }},
-      {"a negative unit", kRange, "light.unit", [=](std::string& b) { put(b, "light.unit", 0, -1.0f); }},
       {"a unit NaN", kRange, "light.unit", [=](std::string& b) { put(b, "light.unit", 0, std::nanf("")); }},
       {"light beyond what look-ups take", kRange, "light: value", [=](std::string& b) { put(b, "light.unit", 0, 1e30f); }},
       {"a scale of 12 bits", kRange, "light.bits: value 0", [=](std::string& b) { put(b, "light.bits", 0, uint8_t{12}); }},
-      {"an axis of 13 bits", kRange, "light.bits: value 2", [=](std::string& b) { put(b, "light.bits", 2, uint8_t{13}); }},
       {"an axis far off", kRange, "light.offsets: value 1", [=](std::string& b) { put(b, "light.offsets", 1, int32_t{4097}); }},
-      {"theta 2e9", kRange, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, 2e9f); }},
   };
   const std::string bytes = bytesOf(litGrid(smallTree(), 1), {ThetaPrecision::float32});
   for (const Hostile& hostile : cases) {
@@ -642,13 +507,6 @@ TEST(LightGridFile, NamesHostileNumbers) {
   }
 }
 
-TEST(LightGridFile, RefusesInfiniteHalves) {
-  std::string bytes = bytesOf(randomGrid(smallTree(), 1), {ThetaPrecision::float16});
-  put(bytes, "theta", 9, uint16_t{0x7c00});
-  LightGrid grid;
-  EXPECT_EQ(parse(stamped(bytes), &grid).status, FileStatus::value_not_finite);
-}
-
 TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
   struct Edit {
     const char *from, *to;  // of one length, so that the file stays whole
@@ -656,21 +514,14 @@ TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
   };
   const Edit edits[] = {
       {R"("kind":"nlg-light-grid")", R"("kind":"nlg-light-grod")", FileStatus::value_out_of_range},
-      {R"("kind":)", R"("kin_":)", FileStatus::tensor_missing},
       {R"("version":"2")", R"("version":"3")", FileStatus::version_unknown},
       {R"("light":"axes")", R"("light":"axle")", FileStatus::value_out_of_range},
-      {R"("light":"axes")", R"("lighd":"axes")", FileStatus::tensor_missing},
       {R"("light.bits":{)", R"("light.bats":{)", FileStatus::tensor_missing},
       {R"("pattern_hash":")", R"("pattern_hash":"\)", FileStatus::header_malformed},
       {R"("representation_count":"8")", R"("representation_count":"9")", FileStatus::tensor_missing},
       {R"("representation_count":"8")", R"("representation_count":"7")", FileStatus::value_out_of_range},
-      {R"("representation_count":"8")", R"("representation_count":"x")", FileStatus::value_out_of_range},
       {R"("representation.2":"pf3")", R"("representation.2":"pf4")", FileStatus::value_out_of_range},
       {R"("slope.1":"0.3")", R"("slope.1":"0.x")", FileStatus::value_out_of_range},
-      {R"("slope.1":"0.3")", R"("slope.1":"3.3")", FileStatus::value_out_of_range},
-      {R"("slope.1":"0.3")", R"("slope.1":"nan")", FileStatus::value_out_of_range},
-      {R"("slope.1":"0.3")", R"("slope.2":"0.3")", FileStatus::tensor_missing},
-      {R"("node.bits":{)", R"("node.bats":{)", FileStatus::tensor_missing},
       {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"V8")", FileStatus::tensor_malformed},
       {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"I8")", FileStatus::tensor_unexpected},
       {R"("frame.spacing_m":{"dtype":"F64","shape":[1])", R"("frame.spacing_m":{"dtype":"F32","shape":[2])",

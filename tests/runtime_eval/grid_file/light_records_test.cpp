@@ -114,21 +114,6 @@ TEST(LightRecords, ComeBack) {
   }
 }
 
-TEST(LightRecords, OtherBytesAreRefusedOrOtherRecords) {
-  const Case of(0.1, true);
-  const std::vector<RecordsBefore> before = of.before();
-  const std::vector<uint8_t> coded = codedRecords(of.packed, before);
-  Random random(4);
-  for (int trial = 0; trial < 200; ++trial) {
-    std::vector<uint8_t> bytes = coded;
-    bytes[random.below(static_cast<uint32_t>(bytes.size()))] ^= static_cast<uint8_t>(1 + random.below(255));
-    PackedLight read = of.packed;
-    if (!decodeRecords(bytes, before, 1, &read).ok()) continue;
-    std::vector<float> light;
-    EXPECT_TRUE(unpackLight(read, before.size(), &light).ok());
-  }
-}
-
 TEST(LightRecords, WhatNeighboursSayIsNotStored) {
   // all alike
   Case flat(0.0, false);

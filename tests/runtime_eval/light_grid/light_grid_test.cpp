@@ -150,21 +150,6 @@ TEST(LightGrid, AddsUpToOneInFreeSpace) {
   EXPECT_GT(found, 1000);
 }
 
-TEST(LightGrid, GivesNoWeightToProbesWithout) {
-  LightGrid grid = randomGrid(smallTree(), 1);
-  std::fill(grid.probe_function.begin(), grid.probe_function.end(), kNoWeight);
-  Random random(1);
-  int found = 0;
-  for (int i = 0; i < 1000; ++i) {
-    ProbeWeights weights;
-    weights.count = 8;
-    if (!lookUpWeights(grid, randomPosition(grid.tree.frame(), random), &weights)) continue;
-    ASSERT_EQ(weights.count, 0);
-    ++found;
-  }
-  EXPECT_GT(found, 100);
-}
-
 // A grid whose probes all have one function: the same share of the tent everywhere.
 LightGrid constantGrid(float share) {
   LightGrid grid = randomGrid(smallTree(), 1);
@@ -173,78 +158,6 @@ LightGrid constantGrid(float share) {
   const uint32_t function = grid.addFunction(1, theta.data());  // tent_mlp
   std::fill(grid.probe_function.begin(), grid.probe_function.end(), function);
   return grid;
-}
-
-TEST(LightGrid, LeavesNegativeWeightsOut) {
-  const LightGrid grid = constantGrid(-0.5f);
-  ASSERT_TRUE(checkLightGrid(grid).ok());
-  ProbeWeights weights;
-  ASSERT_TRUE(lookUpWeights(grid, grid.tree.probePosition(0), &weights));
-  EXPECT_EQ(weights.count, 0);
-}
-
-TEST(LightGrid, GivesNoFunctionMoreThanItsTent) {
-  const LightGrid above = constantGrid(3.5f);
-  LightGrid free = above;
-  std::fill(free.probe_function.begin(), free.probe_function.end(), kFreeSpace);
-  Random random(1);
-  int found = 0;
-  for (int i = 0; i < 1000; ++i) {
-    const PositionM at = randomPosition(above.tree.frame(), random);
-    ProbeWeights weights, expected;
-    if (!lookUpWeights(above, at, &weights)) continue;
-    ASSERT_TRUE(lookUpWeights(free, at, &expected));
-    ASSERT_TRUE(sameWeights(weights, expected));
-    ++found;
-  }
-  EXPECT_GT(found, 100);
-}
-
-// Everywhere inside: the share of its tent that every probe has left, and what is known of light then.
-void expectEverywhere(const LightGrid& grid, double left, double certainty) {
-  Random random(1);
-  int found = 0;
-  for (int i = 0; i < 1000; ++i) {
-    const PositionM at = randomPosition(grid.tree.frame(), random);
-    ProbeWeights weights, tents;
-    if (!lookUpWeights(grid, at, &weights)) continue;
-    ASSERT_TRUE(lookUpTents(grid, at, &tents));
-    // v within 2 roundings of numbers up to 1; what is taken off it grows a rounding by 1 / kResidue in the certainty
-    for (int k = 0; k < tents.count; ++k)
-      ASSERT_NEAR(weightOf(weights, tents.probe[k]), left * tents.weight[k], 8 * kFloatRounding + kLeastWeight);
-    ASSERT_NEAR(weights.certainty, certainty, 12 * kFloatRounding / kResidue);
-    if (normaliseWeights(&weights)) {
-      ASSERT_NEAR(std::accumulate(weights.weight, weights.weight + weights.count, 0.0), weights.certainty, 10 * kFloatRounding);
-    }
-    ++found;
-  }
-  EXPECT_GT(found, 100);
-}
-
-TEST(LightGrid, TakesTheResidueForNothing) { expectEverywhere(constantGrid(0.9f * kResidue), 0.0, 0.0); }
-
-TEST(LightGrid, FadesBetweenOneResidueAndTwo) {
-  expectEverywhere(constantGrid(1.5f * kResidue), 0.5 * kResidue / (1.0 - kResidue), 0.5);
-  expectEverywhere(constantGrid(2.5f * kResidue), 1.5 * kResidue / (1.0 - kResidue), 1.0);
-}
-
-TEST(LightGrid, LeavesBareTentsWholeBesideResidues) {
-  LightGrid grid = constantGrid(0.9f * kResidue);
-  for (size_t probe = 0; probe < grid.tree.probeCount(); probe += 2) grid.probe_function[probe] = kFreeSpace;
-  Random random(1);
-  int found = 0;
-  for (int i = 0; i < 1000; ++i) {
-    const PositionM at = randomPosition(grid.tree.frame(), random);
-    ProbeWeights weights, tents;
-    if (!lookUpWeights(grid, at, &weights)) continue;
-    lookUpTents(grid, at, &tents);
-    for (int k = 0; k < tents.count; ++k)
-      ASSERT_EQ(weightOf(weights, tents.probe[k]), tents.probe[k] % 2 == 0 ? tents.weight[k] : 0.0f);
-    if (weights.count == 0) continue;
-    ASSERT_EQ(weights.certainty, 1.0f);
-    ++found;
-  }
-  EXPECT_GT(found, 100);
 }
 
 // The largest change of any share from one of `steps` + 1 places on a line inside one cell to the next.
@@ -498,16 +411,6 @@ struct ManyLookUps {
     return sameWeights(weights, alone[grid][i]);
   }
 };
-
-TEST(LightGrid, KeepsNothingFromOneLookUpToTheNext) {
-  const ManyLookUps many;
-  size_t different = 0;
-  for (size_t i = many.positions.size(); i-- > 0;) {
-    ASSERT_TRUE(many.isSame(0, i) && many.isSame(1, i)) << "position " << i;
-    different += !sameWeights(many.alone[0][i], many.alone[1][i]);
-  }
-  EXPECT_GT(different, many.positions.size() / 2) << "two grids that are hardly different";
-}
 
 TEST(LightGrid, GivesTheSameToTwoThreadsAtOnce) {
   const ManyLookUps many;

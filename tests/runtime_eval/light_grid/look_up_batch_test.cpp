@@ -211,15 +211,6 @@ TEST(IrradianceBatch, DoesAsSingleLookUpsWherePositionsOrNormalsAreNone) {
   }
 }
 
-TEST(IrradianceBatch, IsUnlitInAGridWithoutLight) {
-  const LightGrid grid = randomGrid(smallTree(), 3);
-  Batch batch = randomBatch(grid.tree.frame(), 100, 3);
-  LookUpScratch scratch;
-  batch.run(grid, &scratch);
-  for (const LightStatus status : batch.status) EXPECT_TRUE(status == LightStatus::unlit || status == LightStatus::outside);
-  for (const float value : batch.rgb) EXPECT_EQ(value, 0.0f);
-}
-
 TEST(IrradianceBatch, GivesLightWhoseIrradianceItGives) {
   const LightGrid grid = litGrid(smallTree(), 4);
   LookUpScratch scratch;

@@ -264,33 +264,6 @@ TEST(Irradiance, NeedsADirection) {
   }
 }
 
-TEST(Irradiance, IsNeverBelowZero) {
-  LightGrid grid = litGrid(smallTree(), 2);
-  for (size_t i = 0; i < grid.light.size(); ++i) {
-    if (i % kShFloats == 0) grid.light[i] = -1.0f;                   // red all round
-    if (i % kShFloats == 2 * kShChannels + 1) grid.light[i] = 9.0f;  // green from above
-  }
-  const PositionM at = positionAt(grid.tree.frame(), {1.0, 20.25, 20.5});
-  const float down[3] = {0, 0, -1};
-  float rgb[3];
-  ASSERT_NE(lookUpIrradiance(grid, at, down, rgb), LightStatus::outside);
-  EXPECT_EQ(rgb[0], 0.0f);
-  EXPECT_EQ(rgb[1], 0.0f);
-  EXPECT_GT(rgb[2], 0.0f);
-}
-
-TEST(Irradiance, StaysFiniteUpToTheLargestLight) {
-  LightGrid grid = litGrid(smallTree(), 2);
-  for (float& value : grid.light) value = value < 0 ? -kMaxGridLight : kMaxGridLight;
-  ASSERT_TRUE(checkLightGrid(grid).ok());
-  Random random(2);
-  for (int i = 0; i < 1000; ++i) {
-    float rgb[3];
-    lookUpIrradiance(grid, randomPosition(grid.tree.frame(), random), randomDirection(random).data(), rgb);
-    for (const float value : rgb) ASSERT_TRUE(std::isfinite(value) && value >= 0.0f);
-  }
-}
-
 TEST(Irradiance, AllocatesNothing) {
   const LightGrid grid = litGrid(smallTree(), 3);
   Random random(3);

@@ -150,38 +150,5 @@ TEST(PackedLight, IsDarkWhereNothingShines) {
   EXPECT_TRUE(unpacked(packed, 0).empty());
 }
 
-TEST(PackedLight, RefusesWhatPackingNeverGives) {
-  PackedLight good;
-  packLight(lampLight(7), 0.02, &good);
-  const auto statusOf = [&](auto spoil) {
-    PackedLight bad = good;
-    spoil(bad);
-    std::vector<float> light{1.0f};
-    const FileResult result = unpackLight(bad, kProbes, &light);
-    EXPECT_EQ(result.ok(), !light.empty());
-    EXPECT_EQ(result.ok(), result.detail.empty());
-    return result.status;
-  };
-  EXPECT_EQ(statusOf([](PackedLight&) {}), FileStatus::ok);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.records.pop_back(); }), FileStatus::tensor_unexpected);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes.resize(28); }), FileStatus::tensor_unexpected);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].bits = 13; }), FileStatus::value_out_of_range);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].offset = -4097; }), FileStatus::value_out_of_range);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.scale_bits = 12; }), FileStatus::value_out_of_range);
-  EXPECT_EQ(statusOf([](PackedLight& p) { p.axes[1].direction[3] = 0xfc00; }), FileStatus::value_not_finite);
-  EXPECT_EQ(statusOf([](PackedLight& p) {
-              for (LightAxis& axis : p.axes) axis.bits = kMostAxisBits;
-            }),
-            FileStatus::value_out_of_range);
-  // a bit that belongs to no number
-  EXPECT_EQ(statusOf([](PackedLight& p) {
-              --p.axes.back().bits;
-              std::fill(p.records.begin(), p.records.end(), ~0u);
-            }),
-            FileStatus::value_out_of_range);
-  for (const float unit : {0.0f, -1.0f, std::numeric_limits<float>::infinity(), std::nanf("")})
-    EXPECT_EQ(statusOf([=](PackedLight& p) { p.unit = unit; }), FileStatus::value_out_of_range) << unit;
-}
-
 }  // namespace
 }  // namespace nlg

@@ -84,16 +84,5 @@ TEST(RangeCoder, CodesDifferencesByWhatTwoModelsSay) {
   EXPECT_LT(8.0 * static_cast<double>(bytes.size()) / static_cast<double>(numbers.size()), 6.35);
 }
 
-TEST(RangeCoder, ReadsNothingBeyondOtherBytes) {
-  Random random(3);
-  for (int trial = 0; trial < 200; ++trial) {
-    std::vector<uint8_t> bytes(random.below(40));
-    for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random.below(256));
-    NumberModel model(9);
-    RangeDecoder decoder(bytes.data(), bytes.size());
-    for (int i = 0; i < 100; ++i) ASSERT_LT(decoder.next(&model), 512u);
-  }
-}
-
 }  // namespace
 }  // namespace nlg

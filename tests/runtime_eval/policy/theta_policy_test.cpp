@@ -17,15 +17,6 @@
 namespace nlg {
 namespace {
 
-StoredSample tentSample() {
-  StoredSample sample;
-  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
-  for (int p = 0; p < kSupportPointCount; ++p) {
-    sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
-  }
-  return sample;
-}
-
 // Walls, and a bare tent in every fifth place.
 struct Functions {
   explicit Functions(int count) {
@@ -53,12 +44,6 @@ PolicyOptions shortOptions() {
   return options;
 }
 
-std::vector<ThetaStage> namesOf(const std::vector<StagePlan>& plan) {
-  std::vector<ThetaStage> names;
-  for (const StagePlan& stage : plan) names.push_back(stage.stage);
-  return names;
-}
-
 TEST(TakesBareTent, SaysNoWhereTheTentLeaksIntoFewPointsBehindAWall) {
   StoredSample sample = tentSample();
   FunctionChecker checker;
@@ -71,22 +56,6 @@ TEST(TakesBareTent, SaysNoWhereTheTentLeaksIntoFewPointsBehindAWall) {
   const FunctionCheck leaking = checker.checkBareTent(sample.view(), options.check());
   ASSERT_LE(leaking.rmse, options.bare_tent_rmse) << "its error is small enough";
   EXPECT_FALSE(takesBareTent(leaking, options));
-}
-
-TEST(StagesOf, IsTheListThatEachKindOfRepresentationGoesThrough) {
-  using enum ThetaStage;
-  PolicyOptions options;
-  EXPECT_EQ(namesOf(stagesOf({Representation::tentMlp(), true}, options)), (std::vector{network, last_layer, adam, refinement}));
-  EXPECT_EQ(namesOf(stagesOf({Representation{RepresentationKind::tent_mlp4}, false}, options)),
-            (std::vector{network, adam, refinement}));
-  EXPECT_EQ(namesOf(stagesOf({Representation::productField(5), false}, options)),
-            (std::vector{network, lm, lm_theta0, refinement}));
-  EXPECT_EQ(namesOf(stagesOf({Representation::code(sampleDictionary(3, 16, 1)), false}, options)),
-            (std::vector{network, lm, refinement}));
-  options.lm_iterations = options.lm_theta0_iterations = options.adam_steps = options.refine_rounds = options.code_iterations = 0;
-  EXPECT_EQ(namesOf(stagesOf({Representation::productField(3), false}, options)), std::vector{network});
-  EXPECT_EQ(namesOf(stagesOf({Representation::mlp(), false}, options)), std::vector{network});
-  EXPECT_EQ(namesOf(stagesOf({Representation::code(sampleDictionary(3, 16, 1)), false}, options)), std::vector{network});
 }
 
 TEST(StagesOf, IsInTheOrderOfTheWords) {

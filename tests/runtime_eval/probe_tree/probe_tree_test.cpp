@@ -161,13 +161,6 @@ TEST(ProbeTree, SupportsHoldThePositionsThatReadThem) {
   });
 }
 
-TEST(ProbeTree, TentsTimesRatiosSumToOne) {
-  forManyLookUps([](const ProbeTree& tree, const ProbeCell&, const std::array<double, 3>&, const ProbesAround& around) {
-    ASSERT_NEAR(interpolated(tree, around, [](const auto&) { return 1.0; }), 1.0, 1e-5);
-    for (const ProbeAround& corner : around.corners) ASSERT_TRUE(corner.tent_ratio >= 0.0f && corner.tent_ratio <= 1.0f);
-  });
-}
-
 TEST(ProbeTree, RatiosAreOneWhereProbesAreAsFarApartAsTheirSpacing) {
   int same = 0, other = 0;
   forManyLookUps([&](const ProbeTree& tree, const ProbeCell& cell, const std::array<double, 3>&, const ProbesAround& around) {

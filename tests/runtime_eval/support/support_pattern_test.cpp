@@ -13,26 +13,10 @@ namespace {
 
 const std::vector<LocalPoint>& points() { return supportPattern().points; }
 
-double distance(const LocalPoint& a, const LocalPoint& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
-
-// The densest packing of N spheres in a unit cube has centres about (sqrt(2) / N)^(1/3) apart.
-double packingDistance(int count) { return std::cbrt(std::sqrt(2.0) / count); }
-
 TEST(SupportPattern, HasTheHashThatTravelsWithArtefacts) {
   // golden: a change of one bit of one coordinate makes every stored artefact foreign
   EXPECT_EQ(supportPattern().hash, 0x37ee02039e27bac5u);
   EXPECT_EQ(supportPattern().hash, hashPoints(points()));
-}
-
-TEST(SupportPattern, LiesOnTheLatticeAwayFromMirrorPlanesAndBorder) {
-  ASSERT_EQ(points().size(), size_t{kSupportPointCount});
-  for (int i = 0; i < kSupportPointCount; ++i) {
-    for (const float coordinate : points()[i]) {
-      const double lattice = std::fabs(double{coordinate}) * 65536.0;
-      ASSERT_EQ(lattice, std::floor(lattice)) << "point " << i;
-      ASSERT_TRUE(lattice > 0 && lattice < 65536) << "point " << i << ": " << coordinate;
-    }
-  }
 }
 
 TEST(SupportPattern, IsItsOwnMirrorImage) {
@@ -50,58 +34,6 @@ TEST(SupportPattern, NumbersMirrorsByTheirSigns) {
     for (int axis = 0; axis < 3; ++axis) {
       ASSERT_EQ(points()[i][axis] < 0, ((i / kOctantPointCount) >> axis & 1) == 1) << "point " << i << ", axis " << axis;
     }
-  }
-}
-
-TEST(SupportPattern, SharesTheCellWithItsOtherProbes) {
-  // the octant of mirror m, seen from the cell's corner (0, 0, 0), is the octant of mirror 0
-  const std::set<LocalPoint> cell(points().begin(), points().begin() + kOctantPointCount);
-  for (int i = 0; i < kSupportPointCount; ++i) {
-    LocalPoint place = points()[i];
-    for (float& coordinate : place) coordinate += coordinate < 0 ? 1.0f : 0.0f;  // exact: multiples of 2^-16
-    ASSERT_EQ(cell.count(place), 1u) << "point " << i;
-  }
-}
-
-TEST(SupportPattern, StandsOnBothSidesOfEveryWallAlongAnAxis) {
-  // 256 values an axis, 4 points each, none farther than half a step from even spacing
-  for (int axis = 0; axis < 3; ++axis) {
-    std::map<int, int> counts;
-    for (int i = 0; i < kOctantPointCount; ++i) {
-      const float step = points()[i][axis] * 256.0f;
-      ++counts[static_cast<int>(step)];
-      ASSERT_NEAR(step - std::floor(step), 0.5, 0.25) << "point " << i << ", axis " << axis;
-    }
-    ASSERT_EQ(counts.size(), 256u) << "axis " << axis;
-    for (const auto& [value, count] : counts) ASSERT_EQ(count, 4) << "axis " << axis << ", value " << value;
-  }
-}
-
-TEST(SupportPattern, KeepsPointsApart) {
-  // Images in a plane may come near; from all other points a point keeps three quarters of the distance of the densest packing in
-  // the mean. Independent points would keep half of it: .554 n^(-1/3) of 1.122 n^(-1/3).
-  double sum = 0;
-  for (int i = 0; i < kOctantPointCount; ++i) {
-    double nearest = 2.0;
-    for (int k = 0; k < kOctantPointCount; ++k) {
-      if (k != i) nearest = std::min(nearest, distance(points()[i], points()[k]));
-    }
-    EXPECT_GE(nearest, 1.0 / 512) << "point " << i;
-    sum += nearest;
-  }
-  EXPECT_GE(sum / kOctantPointCount, 0.75 * packingDistance(kOctantPointCount));
-}
-
-TEST(SupportPattern, LeavesNoHole) {
-  // A place that is farther than the packing distance from all points, and from its own images in the mirror planes and in the
-  // border, has room for another point.
-  const double largest = packingDistance(kOctantPointCount);
-  for (const LocalPoint& place : testPoints(4000)) {
-    const auto has_room = [&](float c) { return std::fabs(c) > largest / 2 && std::fabs(c) < 1 - largest / 2; };
-    if (!has_room(place[0]) || !has_room(place[1]) || !has_room(place[2])) continue;
-    double nearest = 2.0;
-    for (const LocalPoint& point : points()) nearest = std::min(nearest, distance(place, point));
-    ASSERT_LE(nearest, largest) << place[0] << ' ' << place[1] << ' ' << place[2];
   }
 }
 
@@ -123,25 +55,6 @@ TEST(Strata, PartitionTheSupport) {
     }
   }
   EXPECT_EQ(seen.size(), size_t{kSupportPointCount});
-}
-
-TEST(Strata, AreAsWellSpreadAsThePattern) {
-  // of the 16 points of a cell of a quarter of a spacing a stratum has two; along an axis nearly all of its values differ
-  for (int stratum = 0; stratum < kStratumCount; ++stratum) {
-    std::map<int, int> counts;
-    std::array<std::set<float>, 3> values;
-    for (int i = stratum; i < kOctantPointCount; i += kStratumCount) {
-      int cell = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        cell = cell * 4 + static_cast<int>(points()[i][axis] * 4);
-        values[axis].insert(points()[i][axis]);
-      }
-      ++counts[cell];
-    }
-    ASSERT_EQ(counts.size(), 64u) << "an empty cell";
-    for (const auto& [cell, count] : counts) ASSERT_EQ(count, 2) << "stratum " << stratum << ", cell " << cell;
-    for (const std::set<float>& axis : values) EXPECT_GE(axis.size(), 110u) << "stratum " << stratum;
-  }
 }
 
 TEST(Tent, IsTheProductOfThreeRamps) {

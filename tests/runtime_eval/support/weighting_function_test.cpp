@@ -32,13 +32,6 @@ TEST(DecodeBatch, EqualsTheNaiveDecodeUnderAllMirrors) {
   }
 }
 
-TEST(DecodeBatch, StaysInTheUnitInterval) {
-  StoredSample sample = noiseSample(2);
-  for (int p = 0; p < kSupportPointCount; ++p) sample.phi[p] = static_cast<uint8_t>(p % 256);
-  const WeightingFunction function = decoded(sample.view());
-  for (const float phi : function.phi) ASSERT_TRUE(phi >= 0.0f && phi <= 1.0f) << phi;
-}
-
 TEST(DecodeFunction, JoinsItsStrata) {
   const StoredSample sample = noiseSample(3);
   const WeightingFunction function = decoded(sample.view(), stratumOrder());
@@ -96,27 +89,6 @@ TEST(DecodeFunction, WeighsLitPointsByWhatTheBlendHasThere) {
     }
     EXPECT_GT(below_floor, 0);
     EXPECT_GT(alone, 0);
-  }
-}
-
-TEST(DecodeBatch, MirroringTwiceIsNothing) {
-  const StoredSample sample = crowdedSample(4);
-  const WeightingFunction function = decoded(sample.view(), stratumOrder(), CheckOptions().loss());
-  for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
-    StoredSample mirrored;
-    mirrored.blend_sum.resize(kSupportPointCount);
-    for (int p = 0; p < kSupportPointCount; ++p) {
-      const int source = p ^ (mirror * kOctantPointCount);
-      mirrored.phi[p] = sample.phi[source];
-      mirrored.blend_sum[p] = sample.blend_sum[source];
-      if (sample.valid(source)) mirrored.validity[p / 8] |= static_cast<uint8_t>(1 << (p % 8));
-    }
-    for (int k = 0; k < kStratumCount; ++k) {
-      float phi[kStratumPointCount], mask[kStratumPointCount];
-      decodeBatch(stratumOrder(), k, mirrored.view(), mirror, LossWeights(CheckOptions().loss()), phi, mask);
-      EXPECT_TRUE(std::equal(phi, phi + kStratumPointCount, &function.phi[k * kStratumPointCount])) << "mirror " << mirror;
-      EXPECT_TRUE(std::equal(mask, mask + kStratumPointCount, &function.mask[k * kStratumPointCount])) << "mirror " << mirror;
-    }
   }
 }
 

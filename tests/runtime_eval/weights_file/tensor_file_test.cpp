@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "runtime_eval/weights_file/safetensors_layout.h"
+#include "tests/damage.h"
 
 namespace nlg {
 namespace {
@@ -85,23 +86,8 @@ TEST(TensorFile, ReadsBackEveryType) {
 
 TEST(TensorFile, IsTheSameBytesForTheSameLists) { EXPECT_EQ(bytesOf({}), bytesOf({})); }
 
-TEST(TensorFile, RefusesEveryTruncationAndExtension) {
-  const std::string bytes = bytesOf({});
-  TensorFileReader reader;
-  for (size_t length = 0; length < bytes.size(); ++length)
-    ASSERT_FALSE(reader.openBytes(std::string_view(bytes).substr(0, length)).ok()) << length << " bytes";
-  EXPECT_EQ(reader.openBytes(bytes + '\0').status, FileStatus::tensor_malformed);
-}
-
-TEST(TensorFile, RefusesEveryFlippedBit) {
-  const std::string bytes = bytesOf({});
-  TensorFileReader reader;
-  for (size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
-    std::string damaged = bytes;
-    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ 1 << bit % 8);
-    // a key of another name is a file of before digests: what reads the tensors knows whether it may be
-    ASSERT_FALSE(reader.openBytes(damaged).ok() && reader.hasDigest()) << "bit " << bit;
-  }
+TEST(TensorFile, RefusesWhatIsDamaged) {
+  expectDamageIsRefused(bytesOf({}), [](const std::string& bytes) { return TensorFileReader().openBytes(bytes).detail; });
 }
 
 TEST(TensorFile, RefusesTensorsOfAnotherNameTypeOrShape) {
@@ -118,25 +104,14 @@ TEST(TensorFile, RefusesTensorsOfAnotherNameTypeOrShape) {
   }
 }
 
-TEST(TensorFile, RefusesHeadersThatDoNotFitTheirBytes) {
-  constexpr FileStatus kMalformed = FileStatus::tensor_malformed;
+// What all layouts refuse is in weights_file_test.cpp; here tensors begin where their elements may, and know other dtypes.
+TEST(TensorFile, RefusesElementsThatAreNotAlignedAndOtherDtypes) {
   EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 8), FileStatus::ok);
-  EXPECT_EQ(statusOf(R"({"a":{"dtype":"I64","shape":[1],"data_offsets":[0,8]}})", 8), kMalformed);
-  EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[3],"data_offsets":[0,8]}})", 8), kMalformed);
-  EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[4611686018427387906],"data_offsets":[0,8]}})", 8), kMalformed);
-  EXPECT_EQ(statusOf(R"({"a":{"dtype":"U8","shape":[0],"data_offsets":[8,0]}})", 8), kMalformed);
-  EXPECT_EQ(statusOf(R"({"a":{"dtype":"U8","shape":[8],"data_offsets":[4,12]}})", 12), kMalformed);
+  EXPECT_EQ(statusOf(R"({"a":{"dtype":"I64","shape":[1],"data_offsets":[0,8]}})", 8), FileStatus::tensor_malformed);
   EXPECT_EQ(
       statusOf(R"({"a":{"dtype":"U8","shape":[6],"data_offsets":[0,6]},"b":{"dtype":"F32","shape":[1],"data_offsets":[6,10]}})",
                10),
-      kMalformed);
-  EXPECT_EQ(
-      statusOf(R"({"a":{"dtype":"U8","shape":[68],"data_offsets":[0,68]},"b":{"dtype":"U8","shape":[4],"data_offsets":[64,68]}})",
-               68),
-      kMalformed);
-  EXPECT_EQ(statusOf(R"({"a":{"dtype":"U8","shape":[1000000000000],"data_offsets":[0,1000000000000]}})", 8),
-            FileStatus::too_short);
-  EXPECT_EQ(statusOf(R"({"a":)", 0), FileStatus::header_malformed);
+      FileStatus::tensor_malformed);
 }
 
 TEST(TensorFileWriter, RefusesWhatNoReaderTakes) {

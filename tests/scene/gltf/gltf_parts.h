@@ -11,9 +11,9 @@
 #include <initializer_list>
 #include <string>
 
-#include "tests/scene/input_error.h"
+#include "tests/input_error.h"
 #include "tests/scene/scene_triangles.h"
-#include "tests/scene/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace nlg {
 

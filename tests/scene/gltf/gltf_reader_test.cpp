@@ -342,27 +342,6 @@ TEST_F(GltfReader, LeavesOutCamerasThatAreNone) {
   EXPECT_NE(saidOf(parts.text()).find("node 0: camera"), std::string::npos);
 }
 
-TEST_F(GltfReader, LeavesOutLightsThatAreNone) {
-  const auto expectError = [&](const std::string& words, const std::string& from, const std::string& to) {
-    Parts parts;
-    parts.more = replaced(kLights, from, to);
-    const std::string error = saidOf(parts.text());
-    EXPECT_NE(error.find(words), std::string::npos) << "expected " << words << ", got: " << error;
-  };
-  expectError("light 0: color", "[1,0.5,0]", "[1,0.5]");
-  expectError("light 0: color", "[1,0.5,0]", "[1,0.5,\"red\"]");
-  expectError("light 0: intensity times color", "40", "1e300");
-  expectError("light 0: intensity", "40", "\"40\"");
-  expectError("light 1: innerConeAngle", "0.25", "\"narrow\"");
-  for (const char* idx : {"1", "-1", "0.5", "\"0\""}) {
-    Parts parts;
-    parts.nodes = std::string(R"([{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":)") + idx + "}}}]";
-    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"}]}})";
-    const std::string error = saidOf(parts.text());
-    EXPECT_NE(error.find("node 0: light"), std::string::npos) << idx << ": " << error;
-  }
-}
-
 // Each light on a node of its own; by the second node's scale.
 Parts lightsOnNodes(const std::string& lights, const std::string& scale = "[1,1,1]") {
   Parts parts;
@@ -442,13 +421,6 @@ TEST_F(GltfReader, DropsAndCountsFlatTriangles) {
   EXPECT_EQ(scene.triangles.size(), 1u);
   EXPECT_EQ(scene.dropped_triangle_count, 1u);
   EXPECT_EQ(scene.objects[0].triangle_count, 1u);
-}
-
-TEST_F(GltfReader, NeverOpensImages) {
-  Parts parts;
-  parts.more = R"(,"images":[{"uri":"../secret.png"},{"uri":"no such file.png"}],"textures":[{"source":0}])";
-  std::ofstream(folder_ / "secret.png") << "not an image";
-  EXPECT_EQ(read(parts).triangles.size(), 2u);
 }
 
 TEST_F(GltfReader, RefusesBuffersOutsideTheFolder) {
@@ -563,22 +535,6 @@ TEST_F(GltfReader, RefusesEveryTruncationOfAGlb) {
   for (size_t size = 0; size < whole.size(); ++size) EXPECT_NE(errorOf(whole.substr(0, size)), "no error") << size << " bytes";
 }
 
-// What the header says of its chunks must fit the file; tinygltf alone reads up to eight bytes past a binary chunk's end.
-TEST_F(GltfReader, RefusesChunksThatReachPastTheEnd) {
-  const std::string whole = Parts().binary();
-  const size_t bin_header = whole.find(std::string("BIN\0", 4)) - 4;
-  for (const size_t word : {size_t{4}, size_t{12}, bin_header}) {
-    for (const uint32_t delta : {4u, 8u, 0x7fffffffu, 0xfffffff0u}) {
-      std::string hostile = whole;
-      uint32_t value = 0;
-      std::memcpy(&value, hostile.data() + word, 4);
-      value += delta;
-      std::memcpy(hostile.data() + word, &value, 4);
-      EXPECT_NE(errorOf(hostile), "no error") << "word at " << word << " plus " << delta;
-    }
-  }
-}
-
 struct Hostile {
   const char* name;
   const char* from;
@@ -586,68 +542,34 @@ struct Hostile {
   const char* place;  // what the error must name
 };
 
-// Each is the square with one thing replaced.
+// Each is the square with one thing replaced: one of each check. gltf_strangers_test.cpp has parts that are left out alone,
+// tests/fuzz numbers that reach too far.
 const Hostile kHostile[] = {
-    {"no such index accessor", R"("indices":1)", R"("indices":2)", "meshes[0].primitives[0].indices"},
-    {"no such position accessor", R"("POSITION":0)", R"("POSITION":7)", "mesh 0, primitive 0: POSITION"},
-    {"no position", R"("POSITION":0)", R"("NORMAL":0)", "mesh 0, primitive 0: POSITION"},
-    {"position of a wrong type", R"("VEC3")", R"("VEC4")", "mesh 0, primitive 0: POSITION"},
     {"position of 16 bits", "5126", "5123", "mesh 0, primitive 0: POSITION"},
-    {"signed indices", "5123", "5122", "mesh 0, primitive 0: indices"},
     {"float indices", "5123", "5126", "mesh 0, primitive 0: indices"},
     {"accessor past the view", R"("count":4)", R"("count":5)", "mesh 0, primitive 0: POSITION"},
-    {"accessor past the view by its offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":4,)",
-     "mesh 0, primitive 0: POSITION"},
-    {"huge count", R"("count":4)", R"("count":9007199254740000)", "mesh 0, primitive 0: POSITION"},
-    {"count that overflows", R"("count":4)", R"("count":1537228672809129302)", "accessors[0].count"},
-    {"huge count without a view", R"("bufferView":0,"componentType":5126,"count":4)",
-     R"("componentType":5126,"count":4000000000)", "mesh 0, primitive 0: POSITION"},
-    {"huge offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":9007199254740990,)", "mesh 0, primitive 0: POSITION"},
-    {"negative offset", R"("bufferView":0,)", R"("bufferView":0,"byteOffset":-4,)", "accessors[0].byteOffset"},
     {"fewer vertices than indexed", R"("count":4)", R"("count":3)", "mesh 0, primitive 0: indices"},
     {"corners not in threes", R"("count":6)", R"("count":5)", "mesh 0, primitive 0: 5 corners"},
-    {"view past the buffer", R"("byteLength":48)", R"("byteLength":4800)", "mesh 0, primitive 0: POSITION"},
-    {"view at a huge offset", R"("byteOffset":48)", R"("byteOffset":9007199254740990)", "mesh 0, primitive 0: indices"},
     {"view of no buffer", R"({"buffer":0,"byteLength":48})", R"({"buffer":3,"byteLength":48})",
      "bufferViews[0]: expected all that glTF asks of it"},
     {"stride below the element", R"("byteLength":48})", R"("byteLength":48,"byteStride":4})", "mesh 0, primitive 0: POSITION"},
-    {"no such view", R"("bufferView":0,)", R"("bufferView":9,)", "mesh 0, primitive 0: POSITION"},
     {"index of 33 bits", R"("POSITION":0)", R"("POSITION":4294967296)", "meshes[0].primitives[0].attributes.POSITION"},
-    {"mode that does not exist", R"("indices":1)", R"("indices":1,"mode":9)", "mesh 0, primitive 0: mode"},
-    {"no such material", R"("indices":1)", R"("indices":1,"material":0)", "mesh 0, primitive 0: material"},
-    {"no such mesh", R"("mesh":0)", R"("mesh":1)", "node 0: mesh"},
-    {"mesh as text", R"("mesh":0)", R"("mesh":"0")", "nodes[0].mesh"},
     {"mesh as a fraction", R"("mesh":0)", R"("mesh":0.5)", "nodes[0].mesh"},
     {"node that is its own child", R"("mesh":0)", R"("mesh":0,"children":[0])", "node 0"},
-    {"child that does not exist", R"("mesh":0)", R"("mesh":0,"children":[4])", "node 4"},
     {"child as text", R"("mesh":0)", R"("mesh":0,"children":["a"])", "nodes[0].children[0]"},
-    {"short translation", R"("mesh":0)", R"("mesh":0,"translation":[1,2])", "nodes[0].translation"},
-    {"text in a translation", R"("mesh":0)", R"("mesh":0,"translation":[1,2,"3"])", "nodes[0].translation[2]"},
     {"infinite translation", R"("mesh":0)", R"("mesh":0,"translation":[1e999,0,0])", "hostile.gltf"},
-    {"translation beyond the world", R"("mesh":0)", R"("mesh":0,"translation":[1e300,0,0])", "node 0"},
     {"scale that overflows", R"("mesh":0)", R"("mesh":0,"scale":[1e308,1e308,1e308],"translation":[1e308,0,0])", "node 0"},
-    {"rotation of length zero", R"("mesh":0)", R"("mesh":0,"rotation":[0,0,0,0])", "node 0: rotation"},
     {"matrix of 15", R"("mesh":0)", R"("mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0])", "nodes[0].matrix"},
     {"projective matrix", R"("mesh":0)", R"("mesh":0,"matrix":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1])", "node 0: matrix"},
-    {"matrix and scale", R"("mesh":0)", R"("mesh":0,"scale":[1,1,1],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1])",
-     "nodes[0]: a matrix, and translation"},
     {"nodes that are no list", R"("nodes":[{"mesh":0,"name":"square"}])", R"("nodes":5)", "nodes"},
-    {"node twice", R"("nodes":[0])", R"("nodes":[0,0])", "node 0"},
-    {"no such root", R"("nodes":[0])", R"("nodes":[1])", "node 1"},
     {"no such scene", R"("scenes":)", R"("scene":3,"scenes":)", "scene"},
     {"required extension", R"("asset":)", R"("extensionsRequired":["KHR_texture_basisu","XYZ_packed"],"asset":)",
      "extensionsRequired[1]: expected "},
-    {"required extension's name", R"("asset":)", R"("extensionsRequired":["XYZ_packed"],"asset":)", "got XYZ_packed"},
     {"required extension before what it provides", R"("buffers":[)",
      R"("extensionsRequired":["XYZ_packed"],"buffers":[{"byteLength":60},)", "got XYZ_packed"},
-    {"normalized as text", R"("count":4)", R"("count":4,"normalized":"yes")", "accessors[0].normalized"},
-    {"colour of three", R"("asset":)", R"("materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0]}}],"asset":)",
-     "materials[0].pbrMetallicRoughness.baseColorFactor"},
     {"key twice", R"("mesh":0)", R"("mesh":0,"mesh":0)", "key \"mesh\""},
     {"buffer without uri", R"("buffers":[)", R"("buffers":[{"byteLength":60},)", "buffer view 0 within the buffer's 1 bytes"},
     {"buffer of another length", R"("byteLength":60)", R"("byteLength":61)", "hostile.gltf"},
-    {"buffer of no length", R"("byteLength":60)", R"("byteLength":0)", "hostile.gltf"},
-    {"image without source", R"("asset":)", R"("images":[{"uri":""}, 7],"asset":)", "images[1]"},
     {"wrong version", R"("asset":{"version":"2.0"})", R"("asset":{})", "hostile.gltf"},
 };
 
@@ -700,12 +622,8 @@ TEST_F(GltfReader, RefusesDeepNesting) {
 
 TEST_F(GltfReader, RefusesBadSparseAccessors) {
   const Hostile cases[] = {
-      {"index past the count", R"("count":1,"indices")", R"("count":9,"indices")", "POSITION"},
       {"float indices", R"("bufferView":2,"componentType":5123)", R"("bufferView":2,"componentType":5126)", "POSITION"},
-      {"no such view", R"("values":{"bufferView":3})", R"("values":{"bufferView":30})", "POSITION"},
-      {"values past the view", R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":4})", "POSITION"},
-      {"offset of 33 bits", R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":4294967296})",
-       "accessors[0].sparse.values.byteOffset"}};
+      {"values past the view", R"("values":{"bufferView":3})", R"("values":{"bufferView":3,"byteOffset":4})", "POSITION"}};
   Parts parts;
   parts.bin = kSquare + bytesOf<uint16_t>({2, 0}) + bytesOf<float>({3, 3, 0});
   parts.views =
@@ -719,35 +637,6 @@ TEST_F(GltfReader, RefusesBadSparseAccessors) {
   }
   parts.bin[60] = 4;
   EXPECT_NE(errorOf(parts.text()).find("sparse indices below 4"), std::string::npos);
-}
-
-TEST_F(GltfReader, RefusesWhatIsNoGltf) {
-  for (const std::string& bytes :
-       {std::string(), std::string("{"), std::string("[]"), std::string("{}"), std::string("glTF"),
-        std::string("\0\0\0\0\0\0", 6), std::string("{\"asset\":"), std::string("{\"a\":\"\\u12"),
-        std::string("{\"asset\":{\"version\":\"2.0\"}} x"), std::string(1000, '{'), std::string("\xff\xfe{}")}) {
-    EXPECT_NE(errorOf(bytes), "no error") << bytes.substr(0, 40);
-  }
-}
-
-// The levels that come with their triangle counts in a table: | name.glb | origin | licence | triangles | ...
-TEST(GltfLevels, HaveTheTriangleCountsOfTheirTable) {
-  const char* folder = std::getenv("NLG_SHARED_SCENES");
-  if (folder == nullptr) GTEST_SKIP() << "NLG_SHARED_SCENES names no folder";
-  std::ifstream table(fs::path(folder) / "levels" / "LICENSES.md");
-  if (!table) GTEST_SKIP() << folder << " has no levels/LICENSES.md";
-  size_t level_count = 0;
-  for (std::string line; std::getline(table, line);) {
-    std::vector<std::string> cells;
-    std::istringstream row(line);
-    for (std::string cell; std::getline(row, cell, '|');) cells.push_back(cell);
-    if (cells.size() < 5 || cells[1].find(".glb") == std::string::npos) continue;
-    const std::string name = cells[1].substr(1, cells[1].size() - 2);
-    const Scene scene = readGltf((fs::path(folder) / "levels" / name).string()).scene;
-    EXPECT_EQ(scene.triangles.size() + scene.dropped_triangle_count, std::stoul(cells[4])) << name;
-    ++level_count;
-  }
-  EXPECT_GT(level_count, 0u);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "scene/interiors/furniture_use.h"
-#include "tests/scene/input_error.h"
+#include "tests/input_error.h"
 #include "tiny_library.h"
 
 namespace nlg {

@@ -8,7 +8,7 @@
 
 #include "runtime_eval/numbers/random.h"
 #include "scene/obj/obj_reader.h"
-#include "tests/scene/input_error.h"
+#include "tests/input_error.h"
 #include "tiny_library.h"
 
 namespace nlg {

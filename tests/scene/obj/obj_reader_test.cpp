@@ -8,10 +8,10 @@
 
 #include "scene/image/surface_look.h"
 #include "scene/scene_source.h"
+#include "tests/input_error.h"
 #include "tests/scene/image/hand_built_images.h"
-#include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
-#include "tests/scene/temporary_folder.h"
+#include "tests/temporary_folder.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -11,8 +11,8 @@
 #include "scene/image/surface_look.h"
 #include "scene/jitter.h"
 #include "scene/quake/bsp_reader.h"
+#include "tests/input_error.h"
 #include "tests/scene/image/hand_built_images.h"
-#include "tests/scene/input_error.h"
 #include "tests/scene/scene_triangles.h"
 
 namespace nlg {

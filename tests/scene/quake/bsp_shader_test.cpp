@@ -6,8 +6,8 @@
 #include "scene/quake/bsp_file.h"
 #include "scene/quake/quake_tokens.h"
 #include "scene/quake/texture_colour.h"
+#include "tests/input_error.h"
 #include "tests/scene/image/hand_built_images.h"
-#include "tests/scene/input_error.h"
 
 namespace nlg {
 namespace {
@@ -156,22 +156,6 @@ TEST(TextureColour, AveragesInLinearLight) {
   const auto packed = averageColour(targa(10, 2, 2, 24, std::string("\x82\0\0\xff\0\0\0\0", 8)));
   ASSERT_TRUE(packed.has_value());
   EXPECT_EQ(*packed, glm::vec3(0.75f, 0, 0));
-}
-
-TEST(TextureColour, ReadsJpeg) {
-  const auto colour = averageColour(jpeg(33, 188, 188, 188));
-  ASSERT_TRUE(colour.has_value());
-  for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR((*colour)[channel], kHalf, 0.01) << "a code up or down";
-}
-
-TEST(TextureColour, DamagedImagesHaveNoColour) {
-  EXPECT_FALSE(averageColour("").has_value());
-  EXPECT_FALSE(averageColour("no image at all, but long enough").has_value());
-  EXPECT_FALSE(averageColour(targa(2, 2, 2, 24, "short")).has_value());
-  EXPECT_FALSE(averageColour(targa(10, 2, 2, 24, "\x82")).has_value());
-  const std::string image = jpeg(64, 10, 20, 30);
-  EXPECT_FALSE(averageColour(image.substr(0, image.size() / 2)).has_value());
-  EXPECT_FALSE(averageColour(std::string(1 << 16, '\0')).has_value());
 }
 
 TEST(TextureColour, TakesItsPixelsOfTheBudgetOnceForEveryScan) {

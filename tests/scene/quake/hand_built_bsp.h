@@ -13,7 +13,7 @@
 
 #include <glm/glm.hpp>
 
-#include "tests/scene/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace nlg {
 

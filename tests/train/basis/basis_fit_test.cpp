@@ -141,18 +141,6 @@ TEST(BasisFit, SortsASpectrumThatAddsUpToTheTotalVariance) {
   EXPECT_NEAR(sum, total, 1e-10 * total);
 }
 
-TEST(BasisFit, FindsNoMoreComponentsThanTheFunctionsSpan) {
-  // N functions have at most N - 1 directions about their mean in class 0 and at most N in every other class
-  const BasisData& data = wideBasis().data;
-  EXPECT_LE(data.class_count[0], kFunctionCount - 1);
-  for (int c = 1; c < kParityClassCount; ++c) EXPECT_LE(data.class_count[c], kFunctionCount) << "class " << c;
-  EXPECT_EQ(std::accumulate(data.class_count.begin(), data.class_count.end(), 0), data.coefficientCount());
-  EXPECT_EQ(data.components.size(), size_t(data.coefficientCount()) * kOctantPointCount);
-  EXPECT_GT(data.coefficientCount(), 7 * kFunctionCount) << "random walls are independent: nearly all directions are there";
-  for (const float deviation : data.deviation) ASSERT_GT(deviation, 0.0f);
-  EXPECT_EQ(wideBasis().function_count, uint64_t{kFunctionCount});
-}
-
 TEST(BasisFit, DoesNotDependOnTheOrderOfAdditions) {
   BasisFit fit;
   for (int n = kFunctionCount; n-- > 0;) fit.add(&functions()[size_t(n) * kSupportPointCount], 1);
@@ -283,19 +271,6 @@ TEST(KeptVariance, OfTheTrainingSetIsTheSpectrumsShare) {
     EXPECT_NEAR(kept[i], expected, 16 * kFloatRounding) << counts[i] << " components";
   }
   EXPECT_NEAR(kept.back(), 1.0, 1e-6) << "the training set lies in its own basis";
-}
-
-TEST(KeptVariance, GrowsWithTheCountAndStaysAShare) {
-  std::vector<uint8_t> other;
-  for (uint64_t n = 0; n < 6; ++n) {
-    const StoredSample sample = wallSample(900 + n);
-    other.insert(other.end(), sample.phi.begin(), sample.phi.end());
-  }
-  const std::vector<double> kept = keptVariance(wideBasis(), other.data(), 6, {0, 1, 4, 16, 64, 256, 1024});
-  EXPECT_EQ(kept.front(), 0.0);
-  for (size_t i = 1; i < kept.size(); ++i) ASSERT_GE(kept[i], kept[i - 1]);
-  EXPECT_LE(kept.back(), 1.0);
-  EXPECT_EQ(keptVariance(wideBasis(), nullptr, 0, {4}), std::vector<double>{1.0});
 }
 
 }  // namespace

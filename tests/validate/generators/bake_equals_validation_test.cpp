@@ -2,13 +2,13 @@
 // whatever batches and threads either runs in.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
 #include <filesystem>
 
 #include "bake/scene_bake.h"
 #include "tests/runtime_eval/sample_generator.h"
+#include "tests/temporary_folder.h"
 #include "validate/generators/policy_words.h"
 
 namespace nlg {
@@ -27,11 +27,6 @@ struct Samples {
 
 class BakeEqualsValidation : public testing::Test {
  protected:
-  BakeEqualsValidation() : folder_(fs::temp_directory_path() / ("nlg_bake_equals_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~BakeEqualsValidation() override { fs::remove_all(folder_); }
-
   static Generator generatorOf(const std::string& representation) {
     const std::string path = std::string(NLG_SOURCE_WEIGHTS) + "/" + representation + ".safetensors";
     Generator generator;
@@ -70,7 +65,7 @@ class BakeEqualsValidation : public testing::Test {
 
   void expectTheSame(const std::vector<std::string>& representations, ThetaPrecision precision) const;
 
-  fs::path folder_;
+  const TemporaryFolder folder_;
 };
 
 void expectSameCheck(const FunctionCheck& baked, const FunctionCheck& validated, const std::string& where) {

@@ -85,26 +85,6 @@ TEST(SceneBootstrap, GivesTheValueItselfForOneSceneAndSaysSo) {
   EXPECT_FALSE(SceneBootstrap({3, 4, 3}).isOneScene());
 }
 
-TEST(SceneBootstrap, GivesZerosForAnEmptyList) {
-  const SceneBootstrap bootstrap(std::vector<uint32_t>{});
-  EXPECT_TRUE(bootstrap.isOneScene());
-  EXPECT_EQ(bootstrap.mean({}).high, 0.0);
-  EXPECT_EQ(bootstrap.quantiles({}, {0.5}).front().low, 0.0);
-}
-
-TEST(SceneBootstrap, MeansAndQuantilesAreThoseOfTheDrawnFunctions) {
-  // two scenes, {0, 0} and {1, 1, 1, 1}: a resample is either twice, or both; its mean is 0, 2/3 or 1, its median 0, 1 or 1
-  const SceneBootstrap bootstrap({0, 0, 9, 9, 9, 9});
-  const std::vector<double> values = {0, 0, 1, 1, 1, 1};
-  const Interval mean = bootstrap.mean(values), median = bootstrap.quantiles(values, {0.5}).front();
-  EXPECT_DOUBLE_EQ(mean.value, 2.0 / 3.0);
-  EXPECT_EQ(mean.low, 0.0);
-  EXPECT_EQ(mean.high, 1.0);
-  EXPECT_EQ(median.value, 1.0);
-  EXPECT_EQ(median.low, 0.0);
-  EXPECT_EQ(median.high, 1.0);
-}
-
 TEST(SceneBootstrap, ItsQuantilesAreThoseOfAListWrittenOut) {
   // one resample: the interval's ends are its figure, which a list of the drawn scenes' values gives as well
   const Sample sample = drawScenes(5, 7, 3);
@@ -123,15 +103,6 @@ TEST(SceneBootstrap, ItsQuantilesAreThoseOfAListWrittenOut) {
   }
   for (size_t q = 0; q < shares.size(); ++q) EXPECT_DOUBLE_EQ(intervals[q].low, quantile(drawn, shares[q])) << shares[q];
   EXPECT_DOUBLE_EQ(bootstrap.mean(sample.values).low, mean(drawn));
-}
-
-TEST(SceneBootstrap, IsTheSameEveryTime) {
-  const Sample sample = drawScenes(6, 10, 5);
-  const Interval a = SceneBootstrap(sample.scenes).mean(sample.values), b = SceneBootstrap(sample.scenes).mean(sample.values);
-  EXPECT_EQ(a.low, b.low);
-  EXPECT_EQ(a.high, b.high);
-  EXPECT_LT(a.low, a.value);
-  EXPECT_GT(a.high, a.value);
 }
 
 }  // namespace

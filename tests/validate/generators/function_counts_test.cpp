@@ -1,13 +1,14 @@
 #include "validate/generators/function_counts.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 
 #include "runtime_eval/support/weighting_function.h"
+#include "tests/input_error.h"
+#include "tests/temporary_folder.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -27,10 +28,6 @@ std::vector<uint8_t> phiOf(int n, bool is_mirrored = false) {
 
 class FunctionCountsOfShards : public testing::Test {
  protected:
-  FunctionCountsOfShards()
-      : folder_(std::filesystem::temp_directory_path() / ("nlg_function_counts_" + std::to_string(::getpid()))) {}
-  ~FunctionCountsOfShards() override { std::filesystem::remove_all(folder_); }
-
   std::string write(const std::string& name, const std::vector<std::vector<uint8_t>>& functions) {
     Shard shard;
     shard.scene_id = name;
@@ -49,7 +46,7 @@ class FunctionCountsOfShards : public testing::Test {
       shard.flags.push_back(0);
     }
     shard.counts.functions = shard.counts.visited_probes = shard.counts.grid_probes = functions.size();
-    std::string path = (folder_ / (name + ".h5")).string();
+    std::string path = folder_ / (name + ".h5");
     writeShard(path, shard);
     return path;
   }
@@ -58,7 +55,7 @@ class FunctionCountsOfShards : public testing::Test {
     return readFunctionSet(paths, supportPattern().hash, kSupportPointCount);
   }
 
-  std::filesystem::path folder_;
+  const TemporaryFolder folder_;
 };
 
 TEST_F(FunctionCountsOfShards, AreTheSameOnAnyNumberOfThreads) {
@@ -98,12 +95,7 @@ TEST_F(FunctionCountsOfShards, RefuseADamagedShardWhereverItStands) {
     file.seekp(-1, std::ios::end);  // of the samples or what follows them: the SHA-256 knows every byte
     file.put('!');
     file.close();
-    try {
-      countFunctions(training, held_out, set, 3);
-      FAIL() << "took shard " << damaged;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(training[damaged]), std::string::npos) << error.what();
-    }
+    expectInputError(training[damaged], [&] { countFunctions(training, held_out, set, 3); });
   }
 }
 

@@ -16,15 +16,6 @@ namespace {
 
 constexpr int kTents = 3, kWalls = 9, kCount = kTents + kWalls, kTestPoints = 64;
 
-StoredSample tentSample() {
-  StoredSample sample;
-  for (int p = 0; p < kSupportPointCount; ++p) {
-    sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
-  }
-  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
-  return sample;
-}
-
 // Bare tents first, then functions cut by walls; scenes in turn. What has weight is seen.
 FunctionSet smallSet() {
   FunctionSet set;
@@ -169,45 +160,6 @@ TEST_F(PolicyWordsTest, MoreStartsNeverMakeDirectFitsWorse) {
   EXPECT_EQ(convergence.by_steps[2].adam_steps, options_.direct.adam_steps);
   EXPECT_EQ(convergence.by_steps[2].blend_rmse_mean, convergence.by_restarts[1].blend_rmse_mean)
       << "direct itself, on both curves";
-}
-
-TEST_F(PolicyWordsTest, StagesAreThePolicysOwnList) {
-  const PolicyWords words = measurePolicy(generator_, set_, populations_, options_);
-  const auto stages = stagesJson(words.plan);
-  ASSERT_EQ(stages.size(), words.plan.size());
-  EXPECT_EQ(stages.front()["name"], "network");
-  EXPECT_TRUE(stages.front()["budget"].is_null());
-  EXPECT_EQ(stages.back()["name"], "refinement");
-  EXPECT_EQ(stages.back()["word"], "fitted");
-  EXPECT_EQ(stages.back()["budget"], "1 round at most");
-}
-
-TEST_F(PolicyWordsTest, AScenesErrorsAreOfBothKinds) {
-  PolicyWords words = measurePolicy(generator_, set_, populations_, options_);
-  LongFits fits = measureLongFits(generator_, set_, populations_, words.least_wrong, options_);
-  const MeasuredWord& stored = words.at(ThetaWord::stored);
-  double blend_rmse = 0.0, rmse = 0.0;
-  for (uint64_t i = kTents; i < kCount; ++i) {
-    if (set_.scene_idx[i] != 0) continue;
-    blend_rmse = std::max(blend_rmse, stored.functions[i].error.blend_rmse);
-    rmse = std::max(rmse, stored.functions[i].error.rmse);
-  }
-  EXPECT_GT(blend_rmse, rmse) << "no weight is below 1";
-  const ValidatedGenerator validated{
-      generator_, std::string(NLG_SOURCE_WEIGHTS) + "/tent_mlp.safetensors", std::move(words), std::move(fits), {}};
-  const auto scene = representationJson(validated, context_)["by_scene"]["a"]["stored"];
-  EXPECT_EQ(scene["blend_rmse"]["worst"], blend_rmse);
-  EXPECT_EQ(scene["rmse"]["worst"], rmse);
-}
-
-TEST_F(PolicyWordsTest, TheCsvHasALineAFunctionAndWord) {
-  const PolicyWords words = measurePolicy(generator_, set_, populations_, options_);
-  FunctionsCsv csv(set_, populations_);
-  csv.add("tent_mlp", words.at(ThetaWord::network));
-  const std::string text = csv.text();
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + kCount);
-  EXPECT_NE(text.find("\ntent_mlp,network,0,a,0,0,"), std::string::npos);
-  EXPECT_NE(text.find("\ntent_mlp,network,3,b,1,1,"), std::string::npos);
 }
 
 }  // namespace

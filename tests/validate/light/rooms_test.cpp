@@ -97,10 +97,5 @@ TEST(Rooms, AreTheSameOnAnyNumberOfThreads) {
   }
 }
 
-TEST(Rooms, OfNoPlacesAreNone) {
-  const RayScene rays(makeBuiltInScene("daylight", 0));
-  EXPECT_TRUE(findRooms(rays, {}, {}).empty());
-}
-
 }  // namespace
 }  // namespace nlg

@@ -1,4 +1,4 @@
-// What a call refuses, for tests of readers.
+// What a call refuses.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,15 +9,20 @@
 
 namespace nlg {
 
-// The line of the InputError that the call throws; "no error" when it throws none.
-template <class Call>
-std::string inputErrorOf(const Call& call) {
+// The line of the error that the call throws; "no error" when it throws none.
+template <class Error, class Call>
+std::string errorOfCall(const Call& call) {
   try {
     call();
-  } catch (const InputError& error) {
+  } catch (const Error& error) {
     return error.what();
   }
   return "no error";
+}
+
+template <class Call>
+std::string inputErrorOf(const Call& call) {
+  return errorOfCall<InputError>(call);
 }
 
 template <class Call>
