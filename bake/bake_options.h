@@ -7,7 +7,6 @@
 
 #include "bake/policy_options.h"
 #include "datagen/weighting/weighting_builder.h"
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "scene/lights/light_options.h"

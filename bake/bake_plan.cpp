@@ -8,7 +8,6 @@
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
 #include "datagen/weighting/weighting_builder.h"
-#include "nlg/policy.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "scene/lights/light_sets.h"
 #include "scene/scene_size.h"

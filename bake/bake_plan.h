@@ -7,7 +7,6 @@
 
 #include "bake/bake_options.h"
 #include "datagen/probes/probe_placement.h"
-#include "nlg/generator.h"
 
 namespace nlg {
 

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/blend_targets.h"
-#include "nlg/light_grid.h"
 
 namespace nlg {
 

@@ -13,7 +13,6 @@
 #include "light/air.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
-#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/lights/light_sets.h"
 #include "tool/error.h"

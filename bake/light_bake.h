@@ -8,8 +8,6 @@
 #include "light/dark_rooms.h"
 #include "light/probe_light.h"
 #include "light/thinning.h"
-#include "nlg/light_grid.h"
-#include "runtime_eval/light_grid/packed_light.h"
 
 namespace nlg {
 

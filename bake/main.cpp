@@ -20,7 +20,6 @@
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
 #include "bake/probe_list.h"
-#include "nlg/light_grid.h"
 #include "nlg/simd.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "scene/lights/light_sets.h"

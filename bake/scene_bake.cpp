@@ -7,7 +7,6 @@
 #include <unordered_map>
 
 #include "runtime_eval/policy/refinement.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "tool/parallel_for.h"
 #include "tool/processor_time.h"
 #include "tool/progress.h"

@@ -9,9 +9,6 @@
 #include "bake/blend_error.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
-#include "nlg/generator.h"
-#include "nlg/light_grid.h"
-#include "nlg/policy.h"
 
 namespace nlg {
 

@@ -11,8 +11,6 @@
 #include "bake/blend_targets.h"
 #include "datagen/probes/probe_placement.h"
 #include "light/air.h"
-#include "nlg/light_grid.h"
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/probe_tree/probe_tree_data.h"
 #include "runtime_eval/support/weighting_function.h"

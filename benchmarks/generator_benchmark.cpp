@@ -7,7 +7,6 @@
 #include "benchmarks/fma_peak.h"
 #include "benchmarks/random_generator.h"
 #include "nlg/simd.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
 #include "tool/processor_time.h"
 
 namespace nlg {

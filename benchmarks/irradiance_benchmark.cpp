@@ -11,9 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_dictionary.h"

@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "nlg/light_grid.h"
 #include "nlg/shader_grid.h"
 #include "tests/runtime_eval/shader_grid/compute_device.h"
 #include "tests/runtime_eval/shader_grid/places.h"

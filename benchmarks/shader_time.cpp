@@ -22,7 +22,6 @@
 #include <string>
 #include <vector>
 
-#include "nlg/light_grid.h"
 #include "nlg/shader_grid.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/adam.h"

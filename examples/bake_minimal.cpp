@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <vector>
 
-#include "nlg/generator.h"
 #include "nlg/policy.h"
 
 namespace {

@@ -8,7 +8,6 @@
 #include "export/used_by/used_by.h"
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator_data.h"
-#include "runtime_eval/weights_file/weights_file.h"
 #include "tool/file_info.h"
 #include "tool/provenance.h"
 #include "tool/require_read.h"

@@ -11,7 +11,6 @@
 #include "export/commands.h"
 #include "export/onnx_export.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/weights_file/weights_file.h"
 #include "tool/atomic_file.h"
 #include "tool/file_info.h"
 #include "tool/output_path.h"

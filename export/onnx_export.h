@@ -6,7 +6,6 @@
 
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator_data.h"
-#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 

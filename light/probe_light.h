@@ -12,7 +12,6 @@
 #include "light/air_places.h"
 #include "light/light_solve.h"
 #include "light/light_transport.h"
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 
 namespace nlg {

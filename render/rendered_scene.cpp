@@ -13,7 +13,6 @@
 #include "bake/default_weights.h"
 #include "bake/load_generators.h"
 #include "bake/scene_bake.h"
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/lights/light_sets.h"

@@ -12,7 +12,6 @@
 #include "light/light_transport.h"
 #include "light/methods/light_method.h"
 #include "light/methods/method_set.h"
-#include "nlg/light_grid.h"
 #include "render/render_run.h"
 #include "render/sight.h"
 

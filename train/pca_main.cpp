@@ -12,7 +12,6 @@
 #include "datagen/dataset/function_set.h"
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator_data.h"
-#include "runtime_eval/weights_file/weights_file.h"
 #include "tool/atomic_file.h"
 #include "tool/file_info.h"
 #include "tool/progress.h"

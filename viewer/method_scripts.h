@@ -5,7 +5,6 @@
 
 #include "light/methods/ddgi.h"
 #include "light/methods/method_set.h"
-#include "nlg/light_grid.h"
 #include "viewer/data_script.h"
 
 namespace nlg {

@@ -8,7 +8,6 @@
 
 #include "export/shader/shader_export.h"
 #include "light/air.h"
-#include "nlg/light_grid.h"
 #include "render/camera.h"
 #include "render/lit_picture.h"
 #include "render/place_picture.h"

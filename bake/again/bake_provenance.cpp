@@ -8,7 +8,6 @@
 
 #include "bake/bake_options.h"
 #include "nlg/simd.h"
-#include "nlg/support.h"
 #include "scene/lights/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

@@ -8,7 +8,6 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "bake/scene_functions.h"
-#include "nlg/light_grid.h"
 #include "tool/options.h"
 
 namespace nlg {

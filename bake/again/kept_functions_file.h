@@ -8,7 +8,6 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "bake/again/kept_functions.h"
-#include "nlg/representation.h"
 
 namespace nlg {
 

@@ -9,7 +9,6 @@
 #include "bake/bake_options.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
-#include "nlg/light_grid.h"
 #include "tool/options.h"
 
 namespace nlg {

@@ -4,7 +4,6 @@
 
 #include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/shard.h"
-#include "nlg/support.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"

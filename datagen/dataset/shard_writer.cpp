@@ -3,7 +3,6 @@
 #include "datagen/dataset/chunk_codec.h"
 #include "datagen/dataset/shard.h"
 #include "datagen/dataset/shard_check.h"
-#include "nlg/support.h"
 #include "runtime_eval/support/point_set.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "datagen/shards/shard_scene.h"
-#include "nlg/support.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/support/point_set.h"
 #include "tool/error.h"

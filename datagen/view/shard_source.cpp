@@ -1,7 +1,6 @@
 #include "datagen/view/shard_source.h"
 
 #include "datagen/shards/shard_scene.h"
-#include "nlg/support.h"
 #include "tool/error.h"
 
 namespace nlg {

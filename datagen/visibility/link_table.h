@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "datagen/visibility/segment_kernel.h"
-#include "nlg/support.h"
 
 namespace nlg {
 

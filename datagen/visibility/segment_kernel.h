@@ -10,8 +10,6 @@
 
 #include "datagen/visibility/local_triangles.h"
 #include "datagen/visibility/packet_tree.h"
-#include "nlg/support.h"
-#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

@@ -18,7 +18,6 @@
 #include "datagen/visibility/solid_eye.h"
 #include "datagen/visibility/support_visibility.h"
 #include "nlg/probe_tree.h"
-#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

@@ -13,7 +13,6 @@
 #include "export/engine/engine_format.h"
 #include "export/engine/sh_texture.h"
 #include "export/shader/shader_export.h"
-#include "nlg/light_grid.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "export/engine/sh_texture.h"
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 #include "nlg/shader_grid.h"
 

@@ -9,7 +9,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "nlg/light_grid.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
 #include "tool/require_read.h"

@@ -10,7 +10,6 @@
 #include "nlg/generator.h"
 #include "nlg/light_grid.h"
 #include "runtime_eval/evaluator/generator_data.h"
-#include "runtime_eval/weights_file/weights_file.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"

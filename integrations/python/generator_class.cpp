@@ -6,7 +6,6 @@
 
 #include "integrations/python/arrays.h"
 #include "integrations/python/classes.h"
-#include "nlg/generator.h"
 #include "nlg/light_grid.h"
 #include "nlg/policy.h"
 

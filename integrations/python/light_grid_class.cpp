@@ -11,7 +11,6 @@
 
 #include "integrations/python/arrays.h"
 #include "integrations/python/classes.h"
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 
 namespace nlg {

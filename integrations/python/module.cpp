@@ -9,7 +9,6 @@
 #include "integrations/python/classes.h"
 #include "nlg/look_up.h"
 #include "nlg/simd.h"
-#include "nlg/support.h"
 
 namespace nlg {
 namespace {

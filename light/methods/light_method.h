@@ -13,9 +13,7 @@
 #include <glm/glm.hpp>
 
 #include "light/light_transport.h"
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
-#include "nlg/probe_tree.h"
 
 namespace nlg {
 

@@ -9,7 +9,6 @@
 #include "light/methods/weightings.h"
 #include "light/surface_cache.h"
 #include "light/thinning.h"
-#include "nlg/light_grid.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"

@@ -13,7 +13,6 @@
 #include "light/methods/light_method.h"
 #include "light/methods/weightings.h"
 #include "light/probe_light.h"
-#include "nlg/light_grid.h"
 
 namespace nlg {
 

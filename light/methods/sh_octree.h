@@ -11,7 +11,6 @@
 
 #include "light/methods/light_method.h"
 #include "light/probe_light.h"
-#include "nlg/probe_tree.h"
 
 namespace nlg {
 

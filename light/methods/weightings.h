@@ -9,9 +9,7 @@
 #include "datagen/weighting/weighting_builder.h"
 #include "light/methods/light_method.h"
 #include "light/probe_light.h"
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
-#include "nlg/probe_tree.h"
 
 namespace nlg {
 

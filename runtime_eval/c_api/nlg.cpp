@@ -9,15 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "nlg/generator.h"
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 #include "nlg/policy.h"
 #include "nlg/simd.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/projection.h"
-#include "runtime_eval/simd/aligned.h"
-#include "runtime_eval/support/point_set.h"
 
 namespace {
 

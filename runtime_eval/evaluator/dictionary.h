@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "nlg/representation.h"
-#include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/point_order.h"
 
 namespace nlg {

@@ -1,9 +1,7 @@
 // Evaluates one theta at many points.
 #pragma once
 
-#include "nlg/representation.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 

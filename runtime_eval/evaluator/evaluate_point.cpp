@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/node_place.h"
 

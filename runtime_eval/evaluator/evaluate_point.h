@@ -3,7 +3,6 @@
 #pragma once
 
 #include "nlg/representation.h"
-#include "nlg/support.h"
 
 namespace nlg {
 

@@ -4,9 +4,7 @@
 #include <vector>
 
 #include "nlg/representation.h"
-#include "nlg/result.h"
 #include "runtime_eval/evaluator/layer_stack.h"
-#include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {

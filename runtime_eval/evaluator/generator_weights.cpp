@@ -10,7 +10,6 @@
 #include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/weights_file/header_parser.h"
-#include "runtime_eval/weights_file/weights_file.h"
 
 namespace nlg {
 namespace {

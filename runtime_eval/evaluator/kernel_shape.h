@@ -7,9 +7,7 @@
 #include <array>
 #include <utility>
 
-#include "nlg/representation.h"
 #include "runtime_eval/evaluator/dictionary.h"
-#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 

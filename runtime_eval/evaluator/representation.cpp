@@ -1,4 +1,3 @@
-#include "nlg/representation.h"
 
 #include <utility>
 

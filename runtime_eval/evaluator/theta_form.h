@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "nlg/representation.h"
 #include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/numbers/half.h"
 

@@ -4,13 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/flush_subnormals.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 class AdamRun {

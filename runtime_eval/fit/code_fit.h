@@ -14,10 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nlg/representation.h"
 #include "runtime_eval/fit/fit_result.h"
-#include "runtime_eval/simd/aligned.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 

@@ -6,7 +6,6 @@
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 

@@ -5,7 +5,6 @@
 #pragma once
 
 #include "runtime_eval/fit/normal_equations.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 

@@ -4,7 +4,6 @@
 #include <chrono>
 
 #include "nlg/policy.h"
-#include "nlg/representation.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {

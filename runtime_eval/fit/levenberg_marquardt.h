@@ -2,7 +2,6 @@
 #pragma once
 
 #include "runtime_eval/fit/code_fit.h"
-#include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/fit/normal_equations.h"
 
 namespace nlg {

@@ -4,7 +4,6 @@
 #include "runtime_eval/fit/code_loss.h"
 #include "runtime_eval/fit/field_loss.h"
 #include "runtime_eval/fit/network_loss.h"
-#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 

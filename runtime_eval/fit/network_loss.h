@@ -5,7 +5,6 @@
 #pragma once
 
 #include "nlg/representation.h"
-#include "nlg/support.h"
 #include "runtime_eval/support/point_set.h"
 
 namespace nlg {

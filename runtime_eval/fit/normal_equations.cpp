@@ -3,7 +3,6 @@
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/field_normal_equations.h"
 #include "runtime_eval/fit/network_loss.h"
-#include "runtime_eval/support/point_order.h"
 
 #include <algorithm>
 

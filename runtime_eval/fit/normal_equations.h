@@ -5,7 +5,6 @@
 
 #include "nlg/representation.h"
 #include "runtime_eval/fit/symmetric_band.h"
-#include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {

@@ -6,7 +6,6 @@
 
 #include "nlg/representation.h"
 #include "runtime_eval/fit/adam_update.h"
-#include "runtime_eval/simd/aligned.h"
 
 namespace nlg {
 

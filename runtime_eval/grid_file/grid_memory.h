@@ -7,9 +7,7 @@
 #include <vector>
 
 #include "nlg/light_grid.h"
-#include "nlg/representation.h"
 #include "runtime_eval/evaluator/brick_quads.h"
-#include "runtime_eval/evaluator/dictionary.h"
 
 namespace nlg {
 

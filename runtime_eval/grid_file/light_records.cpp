@@ -6,8 +6,6 @@
 #include <string>
 #include <unordered_map>
 
-#include "nlg/light_grid.h"
-#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/range_coder.h"
 #include "runtime_eval/probe_tree/morton.h"
 

@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "nlg/probe_tree.h"
 #include "runtime_eval/light_grid/packed_light.h"
 
 namespace nlg {

@@ -5,10 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "nlg/light_grid.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/grid_file/grid_memory.h"
-#include "runtime_eval/numbers/half.h"
 #include "runtime_eval/weights_file/tensor_file.h"
 
 namespace nlg {

@@ -16,8 +16,6 @@
 #include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/product_field.h"
-#include "runtime_eval/simd/aligned.h"
-#include "runtime_eval/support/point_set.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/light_grid/look_up_batch.cpp"

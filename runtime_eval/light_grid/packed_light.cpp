@@ -7,9 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "nlg/light_grid.h"
-#include "runtime_eval/numbers/half.h"
-
 namespace nlg {
 namespace {
 

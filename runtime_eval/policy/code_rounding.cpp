@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 

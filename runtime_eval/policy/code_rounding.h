@@ -7,10 +7,8 @@
 
 #include <vector>
 
-#include "nlg/check.h"
 #include "runtime_eval/fit/code_fit.h"
 #include "runtime_eval/policy/theta_rounding.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 

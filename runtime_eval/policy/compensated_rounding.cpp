@@ -1,7 +1,5 @@
 #include "runtime_eval/policy/compensated_rounding.h"
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/support/weighting_function.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,11 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 namespace {

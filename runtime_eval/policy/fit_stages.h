@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "nlg/policy.h"
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
 #include "runtime_eval/policy/theta_batch.h"

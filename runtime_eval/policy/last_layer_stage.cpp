@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/direct.h"
-#include "runtime_eval/fit/fit_result.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 namespace {

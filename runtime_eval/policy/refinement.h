@@ -9,11 +9,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "nlg/check.h"
 #include "runtime_eval/fit/adam.h"
-#include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 

@@ -1,6 +1,4 @@
 #include "runtime_eval/policy/representation_choice.h"
-#include "nlg/check.h"
-#include "nlg/policy.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,6 @@
 
 #include <vector>
 
-#include "nlg/check.h"
 #include "nlg/policy.h"
 
 namespace nlg {

@@ -7,7 +7,6 @@
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 namespace {

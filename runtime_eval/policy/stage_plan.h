@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "nlg/check.h"
-#include "nlg/generator.h"
 #include "nlg/policy.h"
 
 namespace nlg {

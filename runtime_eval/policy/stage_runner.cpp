@@ -7,9 +7,6 @@
 #include "runtime_eval/numbers/flush_subnormals.h"
 #include "runtime_eval/policy/fit_stages.h"
 #include "runtime_eval/policy/last_layer_stage.h"
-#include "runtime_eval/policy/stage_plan.h"
-#include "runtime_eval/policy/theta_trace.h"
-#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 namespace {

@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include "nlg/policy.h"
 #include "runtime_eval/policy/stage_plan.h"
 #include "runtime_eval/policy/theta_batch.h"
 #include "runtime_eval/policy/theta_trace.h"

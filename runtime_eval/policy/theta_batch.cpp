@@ -10,9 +10,6 @@
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
-#include "runtime_eval/numbers/half.h"
-#include "runtime_eval/support/point_set.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 namespace {

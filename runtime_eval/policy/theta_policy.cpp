@@ -1,4 +1,3 @@
-#include "nlg/policy.h"
 
 #include <algorithm>
 #include <utility>

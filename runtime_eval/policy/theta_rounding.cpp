@@ -6,10 +6,8 @@
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/numbers/half.h"
 #include "runtime_eval/policy/code_rounding.h"
 #include "runtime_eval/policy/compensated_rounding.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 namespace {

@@ -3,9 +3,7 @@
 
 #include <memory>
 
-#include "nlg/check.h"
 #include "nlg/policy.h"
-#include "nlg/support.h"
 
 namespace nlg {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "nlg/probe_tree.h"
 #include "runtime_eval/probe_tree/probe_tree_numbering.h"
 
 namespace nlg {

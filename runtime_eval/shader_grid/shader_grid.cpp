@@ -10,7 +10,6 @@
 #include "runtime_eval/evaluator/brick_quads.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/packed_light.h"
-#include "runtime_eval/numbers/half.h"
 #include "runtime_eval/probe_tree/probe_tree_data.h"
 #include "runtime_eval/weights_file/sha256.h"
 

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "nlg/support.h"
 #include "runtime_eval/support/point_set.h"
 
 namespace nlg {

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "nlg/support.h"
-#include "runtime_eval/simd/aligned.h"
 #include "runtime_eval/support/loss_weights.h"
 #include "runtime_eval/support/point_order.h"
 

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "nlg/light_grid.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "scene/image/sky_file.h"
 #include "scene/lights/light_groups.h"

@@ -8,7 +8,6 @@
 #include "light/air.h"
 #include "light/methods/method_set.h"
 #include "nlg/look_up.h"
-#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/temporary_folder.h"
 #include "tool/error.h"

@@ -4,9 +4,7 @@
 #include <cmath>
 
 #include "bake/scene_bake.h"
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
-#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"

@@ -8,7 +8,6 @@
 #include "bake/again/relight.h"
 #include "bake/scene_bake.h"
 #include "light/air.h"
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"

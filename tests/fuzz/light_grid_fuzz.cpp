@@ -4,7 +4,6 @@
 #include <string>
 #include <string_view>
 
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 #include "tests/fuzz/digests.h"
 #include "tests/fuzz/fuzz.h"

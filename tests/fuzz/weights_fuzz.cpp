@@ -22,7 +22,6 @@
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/weights_file/header_parser.h"
-#include "runtime_eval/weights_file/weights_file.h"
 #include "tests/fuzz/digests.h"
 #include "tests/fuzz/fuzz.h"
 

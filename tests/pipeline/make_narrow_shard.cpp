@@ -1,7 +1,6 @@
 // Writes a shard that bears the support pattern's hash but rows of 16 points: what no tool of ours makes, and none may believe.
 // With a second argument its functions are all the same one.
 #include "datagen/dataset/shard.h"
-#include "nlg/support.h"
 #include "runtime_eval/support/point_set.h"
 
 int main(int argc, char** argv) {

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "nlg/representation.h"
 #include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/numbers/random.h"
 

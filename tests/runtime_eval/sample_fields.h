@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nlg/representation.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/simd/aligned.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {

@@ -10,7 +10,6 @@
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
 

@@ -1,7 +1,6 @@
 // A small generator of random numbers to test with.
 #pragma once
 
-#include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator_data.h"
 #include "tests/runtime_eval/sample_functions.h"
 

@@ -3,7 +3,6 @@
 
 #include <torch/torch.h>
 
-#include "runtime_eval/support/point_order.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
 #include "train/generator/generator_network.h"

@@ -5,13 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "nlg/generator.h"
-#include "nlg/policy.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/policy/stage_runner.h"
-#include "runtime_eval/support/weighting_function.h"
-#include "runtime_eval/weights_file/weights_file.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/atomic_file.h"
 

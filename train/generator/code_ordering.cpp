@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/code_fit.h"
-#include "runtime_eval/support/point_order.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "train/generator/theta_stages.h"

@@ -5,7 +5,6 @@
 // out of a code's end costs least, and the mean code is 0. A unit is a 127th of the furthest that a fit went, and some more.
 #pragma once
 
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/generator_data.h"
 #include "train/generator/generator_network.h"
 #include "train/generator/training_data.h"

@@ -15,7 +15,6 @@
 
 #include "nlg/policy.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/support/loss_weights.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"

@@ -6,7 +6,6 @@
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/loss_kernel.h"
 #include "runtime_eval/numbers/flush_subnormals.h"
-#include "runtime_eval/support/point_order.h"
 
 namespace nlg {
 

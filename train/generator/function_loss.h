@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "nlg/representation.h"
-#include "runtime_eval/simd/aligned.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "train/generator/sample_order.h"
 #include "train/generator/training_data.h"
 

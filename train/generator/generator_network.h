@@ -5,10 +5,8 @@
 
 #include <vector>
 
-#include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/fit/fit_result.h"
-#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "nlg/support.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {

@@ -3,7 +3,6 @@
 #include "train/generator/dictionary_loss.h"
 
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/support/point_order.h"
 #include "tool/parallel_for.h"
 
 namespace nlg {

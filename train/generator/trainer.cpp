@@ -7,7 +7,6 @@
 
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/direct.h"
-#include "runtime_eval/support/point_order.h"
 #include "tool/error.h"
 #include "tool/progress.h"
 #include "train/generator/dictionary_loss.h"

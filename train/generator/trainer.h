@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/fit/direct.h"
 #include "tool/options.h"

@@ -9,7 +9,6 @@
 
 #include "datagen/dataset/function_set.h"
 #include "runtime_eval/evaluator/projection.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "train/generator/function_cache.h"
 
 namespace nlg {

@@ -2,8 +2,6 @@
 #pragma once
 
 #include "datagen/dataset/function_set.h"
-#include "nlg/policy.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "validate/generators/populations.h"
 
 namespace nlg {

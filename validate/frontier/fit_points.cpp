@@ -8,7 +8,6 @@
 #include "runtime_eval/fit/levenberg_marquardt.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/policy/stage_plan.h"
-#include "runtime_eval/support/point_order.h"
 #include "validate/frontier/plot_point.h"
 
 namespace nlg {

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "nlg/policy.h"
-#include "nlg/representation.h"
 #include "validate/frontier/chosen_functions.h"
 
 namespace nlg {

@@ -5,7 +5,6 @@
 
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/policy/stage_plan.h"
-#include "runtime_eval/support/point_set.h"
 #include "validate/frontier/plot_point.h"
 
 namespace nlg {

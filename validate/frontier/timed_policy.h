@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "nlg/policy.h"
 #include "validate/frontier/plot_point.h"
 
 namespace nlg {

@@ -10,10 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "nlg/generator.h"
 #include "runtime_eval/fit/direct.h"
-#include "runtime_eval/fit/fit_result.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "validate/generators/measured_word.h"
 
 namespace nlg {

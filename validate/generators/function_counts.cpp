@@ -2,8 +2,6 @@
 
 #include <array>
 
-#include "nlg/support.h"
-#include "runtime_eval/support/point_set.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "nlg/check.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 

@@ -6,12 +6,7 @@
 #include <vector>
 
 #include "datagen/dataset/function_set.h"
-#include "nlg/check.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/simd/aligned.h"
-#include "runtime_eval/support/loss_weights.h"
-#include "runtime_eval/support/point_set.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "validate/generators/populations.h"
 #include "validate/generators/statistics.h"
 

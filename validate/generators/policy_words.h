@@ -5,10 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/policy/stage_plan.h"
-#include "runtime_eval/support/point_set.h"
 #include "validate/generators/measured_word.h"
 
 namespace nlg {

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "datagen/dataset/function_set.h"
-#include "nlg/representation.h"
 #include "validate/generators/policy_words.h"
 
 namespace nlg {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bake/policy_options.h"
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/direct.h"
 #include "tool/options.h"

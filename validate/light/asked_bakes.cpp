@@ -6,7 +6,6 @@
 
 #include "bake/light_bake.h"
 #include "bake/load_generators.h"
-#include "nlg/policy.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/policy/theta_trace.h"
 #include "runtime_eval/support/weighting_function.h"

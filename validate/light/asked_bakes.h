@@ -9,8 +9,6 @@
 #include "bake/bake_options.h"
 #include "bake/scene_functions.h"
 #include "light/methods/method_set.h"
-#include "nlg/generator.h"
-#include "nlg/light_grid.h"
 
 namespace nlg {
 

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
-#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "validate/generators/statistics.h"

@@ -11,7 +11,6 @@
 #include "runtime_eval/fit/code_fit.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/support/point_order.h"
 #include "validate/generators/populations.h"
 #include "validate/stability/extreme_function.h"
 

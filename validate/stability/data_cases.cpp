@@ -10,8 +10,6 @@
 #include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/simd/aligned.h"
-#include "runtime_eval/support/point_set.h"
 #include "train/basis/basis_fit.h"
 #include "validate/stability/extreme_function.h"
 #include "validate/stability/stability_case.h"

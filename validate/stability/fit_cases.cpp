@@ -8,10 +8,8 @@
 #include <fmt/format.h>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/policy/refinement.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "validate/stability/extreme_function.h"
 
 namespace nlg {

@@ -11,7 +11,6 @@
 #include "datagen/view/png_file.h"
 #include "light/air.h"
 #include "light/methods/method_set.h"
-#include "nlg/light_grid.h"
 #include "render/tone.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"

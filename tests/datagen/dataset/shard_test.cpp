@@ -10,7 +10,6 @@
 #include "datagen/dataset/hdf5_file.h"
 #include "datagen/dataset/shard_reader.h"
 #include "datagen/dataset/shard_writer.h"
-#include "nlg/support.h"
 #include "runtime_eval/support/point_set.h"
 #include "tests/damage.h"
 #include "tests/input_error.h"

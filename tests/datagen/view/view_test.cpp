@@ -12,7 +12,6 @@
 #include "datagen/shards/shard_scene.h"
 #include "datagen/view/image.h"
 #include "datagen/view/legend.h"
-#include "nlg/support.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/support/point_set.h"
 #include "scene/procedural/procedural.h"

@@ -10,7 +10,6 @@
 
 #include "nlg/look_up.h"
 #include "nlg/shader_grid.h"
-#include "runtime_eval/light_grid/packed_light.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 
 extern "C" int cHeaderIrradiance(const uint8_t* bytes, size_t size, const float* position_m, const float* normal, float* rgb);

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "nlg/light_grid.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tool/atomic_file.h"
 

@@ -23,7 +23,6 @@
 
 #include "export/engine/engine_format.h"
 #include "export/engine/sh_texture.h"
-#include "nlg/light_grid.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tool/atomic_file.h"
 

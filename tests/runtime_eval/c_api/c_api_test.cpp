@@ -9,16 +9,10 @@
 #include <limits>
 #include <type_traits>
 
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 #include "nlg/nlg.h"
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/generator_data.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/simd/aligned.h"
-#include "runtime_eval/support/point_set.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "tests/runtime_eval/c_api/c_engine.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_generator.h"

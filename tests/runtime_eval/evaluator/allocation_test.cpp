@@ -1,10 +1,8 @@
 // The hot calls allocate nothing.
 #include <gtest/gtest.h>
 
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/policy/stage_runner.h"
-#include "runtime_eval/simd/aligned.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/sample_generator.h"
 

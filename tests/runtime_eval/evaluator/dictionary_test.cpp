@@ -1,4 +1,3 @@
-#include "runtime_eval/evaluator/dictionary.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,3 @@
-#include "nlg/generator.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,8 +9,6 @@
 #include <thread>
 
 #include "runtime_eval/evaluator/generator_data.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/weights_file/weights_file.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"

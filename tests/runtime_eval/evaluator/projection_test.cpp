@@ -1,4 +1,3 @@
-#include "runtime_eval/evaluator/projection.h"
 
 #include <gtest/gtest.h>
 

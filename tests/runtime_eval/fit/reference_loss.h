@@ -3,7 +3,6 @@
 
 #include "nlg/representation.h"
 #include "runtime_eval/support/point_order.h"
-#include "runtime_eval/support/point_set.h"
 
 namespace nlg {
 

@@ -12,9 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "nlg/light_grid.h"
 #include "runtime_eval/light_grid/packed_light.h"
-#include "runtime_eval/numbers/half.h"
 #include "runtime_eval/weights_file/tensor_file.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 

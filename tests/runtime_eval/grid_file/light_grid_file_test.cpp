@@ -1,4 +1,3 @@
-#include "nlg/light_grid.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,13 +8,11 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/coded_bytes.h"
-#include "runtime_eval/numbers/half.h"
 #include "runtime_eval/weights_file/safetensors_layout.h"
 #include "tests/damage.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"

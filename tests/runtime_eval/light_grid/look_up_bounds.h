@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "nlg/light_grid.h"
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "tests/runtime_eval/sample_functions.h"
 

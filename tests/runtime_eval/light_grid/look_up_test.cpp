@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 
-#include "runtime_eval/evaluator/kernel_shape.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_functions.h"

@@ -1,4 +1,3 @@
-#include "runtime_eval/light_grid/packed_light.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "nlg/light_grid.h"
 #include "runtime_eval/grid_file/light_records.h"
 #include "runtime_eval/numbers/random.h"
 

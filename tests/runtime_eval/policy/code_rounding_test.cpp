@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/evaluator/dictionary.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "tests/runtime_eval/fit/code_functions.h"
 
 namespace nlg {

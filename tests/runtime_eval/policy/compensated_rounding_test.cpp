@@ -4,12 +4,8 @@
 
 #include <cmath>
 
-#include "runtime_eval/evaluator/dictionary.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/direct.h"
-#include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {

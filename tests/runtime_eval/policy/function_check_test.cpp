@@ -1,10 +1,6 @@
-#include "nlg/check.h"
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/fit_result.h"
-#include "runtime_eval/support/loss_weights.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_functions.h"

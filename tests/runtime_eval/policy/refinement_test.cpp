@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {

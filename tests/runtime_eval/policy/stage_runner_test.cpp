@@ -5,12 +5,8 @@
 #include <cstring>
 
 #include "runtime_eval/evaluator/generator_data.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
-#include "runtime_eval/policy/theta_trace.h"
-#include "runtime_eval/support/weighting_function.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {

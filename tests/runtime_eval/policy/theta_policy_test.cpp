@@ -1,14 +1,11 @@
-#include "nlg/policy.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
 #include "runtime_eval/evaluator/generator_data.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/finite.h"
-#include "runtime_eval/numbers/half.h"
 #include "runtime_eval/policy/stage_plan.h"
 #include "runtime_eval/policy/theta_trace.h"
 #include "tests/runtime_eval/sample_dictionary.h"

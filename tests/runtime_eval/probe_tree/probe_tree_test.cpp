@@ -1,4 +1,3 @@
-#include "nlg/probe_tree.h"
 
 #include <gtest/gtest.h>
 

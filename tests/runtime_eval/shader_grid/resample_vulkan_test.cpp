@@ -4,10 +4,8 @@
 #include <array>
 #include <bit>
 
-#include "nlg/light_grid.h"
 #include "nlg/look_up.h"
 #include "nlg/shader_grid.h"
-#include "runtime_eval/numbers/half.h"
 #include "tests/runtime_eval/shader_grid/compute_device.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tests/runtime_eval/shader_grid/resampled_box.h"

@@ -10,9 +10,7 @@
 
 #include "nlg/look_up.h"
 #include "runtime_eval/evaluator/brick_quads.h"
-#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_functions.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"

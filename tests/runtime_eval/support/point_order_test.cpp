@@ -1,4 +1,3 @@
-#include "runtime_eval/support/point_order.h"
 
 #include <gtest/gtest.h>
 

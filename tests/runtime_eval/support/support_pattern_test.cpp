@@ -1,4 +1,3 @@
-#include "nlg/support.h"
 #include "runtime_eval/support/point_set.h"
 
 #include <gtest/gtest.h>

@@ -1,11 +1,6 @@
-#include "runtime_eval/support/weighting_function.h"
 
 #include <gtest/gtest.h>
 
-#include "nlg/policy.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/support/loss_weights.h"
-#include "runtime_eval/support/point_set.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {

@@ -5,12 +5,8 @@
 
 #include <map>
 
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/generator_data.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/policy/stage_runner.h"
-#include "runtime_eval/support/loss_weights.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
 #include "train/generator/trainer.h"

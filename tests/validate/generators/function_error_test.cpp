@@ -5,11 +5,6 @@
 #include <cmath>
 #include <functional>
 
-#include "nlg/policy.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/support/loss_weights.h"
-#include "runtime_eval/support/weighting_function.h"
-
 namespace nlg {
 namespace {
 

@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "nlg/support.h"
-
 namespace nlg {
 namespace {
 

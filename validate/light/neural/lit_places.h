@@ -13,7 +13,6 @@
 #include "light/light_transport.h"
 #include "light/methods/light_method.h"
 #include "light/probe_light.h"
-#include "nlg/probe_tree.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
