@@ -64,8 +64,8 @@ std::string withoutDoubleBlankLines(std::string text) {
 
 // Adds --help and --help-all to app. Without this it has CLI11's own --help.
 void addHelpFlags(CLI::App& app) {
-  app.set_help_flag("--help,-h", "what is needed first");
-  app.set_help_all_flag("--help-all", "all options, by groups");
+  app.set_help_flag("--help,-h", "print the main options");
+  app.set_help_all_flag("--help-all", "print all options");
 }
 
 // The text. Lines are broken at 100 columns. app and its options are changed on the way: it is of no use afterwards.

@@ -37,7 +37,7 @@ class Outputs(unittest.TestCase):
 
     def assert_refused(self, done, flag):
         self.assertEqual(done.returncode, USAGE_ERROR, done.stderr)
-        self.assertRegex(done.stderr, rf"(?m)^nlg-\w+: error: {flag}: expected a new file, or .* to replace, got ")
+        self.assertRegex(done.stderr, rf"(?m)^nlg-\w+: error: {flag}: expected a new file, or .* to overwrite, got ")
 
     def test_a_bake_replaces_its_own(self):
         own = ["--out", "grid", "--json", "report", "--inputs", "inputs"]

@@ -341,7 +341,7 @@ TEST(ProbePlacement, RefusesByTheEstimateWhatIsFarTooMuch) {
   ProbePlacementOptions options{.spacing_min_m = 0.1, .spacing_max_m = 0.1, .density_growth = 0.5};
   options.max_probes = 20000;
   const std::string error = errorOf(boxScene(glm::vec3(-30), glm::vec3(30)), options);
-  EXPECT_NE(error.find("at most 20000 probes (max_probes), which a finest spacing of "), std::string::npos) << error;
+  EXPECT_NE(error.find("at most 20000 probes (max_probes); a finest spacing of "), std::string::npos) << error;
   EXPECT_NE(error.find("got about "), std::string::npos) << error;
   EXPECT_THROW(estimateProbes(boxScene(glm::vec3(-30), glm::vec3(30)), options, 1), UsageError);
   options.max_probes = 1;
