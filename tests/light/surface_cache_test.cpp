@@ -135,5 +135,12 @@ TEST(SurfaceCache, FindsNoCellsBeyondItsReach) {
   EXPECT_LT(makeSurfaceCache(transport, places, 1.0, light, 2)->cellCount(), all.cellCount());
 }
 
+TEST(SurfaceCache, DividedCellsAreNotUsed) {
+  const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {3.9, 2.9, 1.9}, 400, 5);
+  const CachedScene lit(dividedRoom(), places);
+  EXPECT_GT(lit.cache().dividedCount(), 10u);  // the partition is 4 m wide, of 16 cells
+  EXPECT_LT(lit.cache().dividedCount(), lit.cache().cellCount() / 4);
+}
+
 }  // namespace
 }  // namespace nlg

@@ -51,5 +51,13 @@ TEST(Camera, SeesAPointWhereItsRayGoes) {
   EXPECT_FALSE(camera.seenAt(camera.eye_m - glm::dvec3(camera.forward), 1.7).has_value());
 }
 
+TEST(Camera, LooksStraightUpAndDown) {
+  for (const double way : {1.0, -1.0}) {
+    const Camera camera = cameraAlong(glm::dvec3(0.0), {0, way, 0}, 1.0);
+    expectNear(camera.direction(0.5, 0.5, 1.0), {0, static_cast<float>(way), 0});
+    EXPECT_NEAR(glm::length(camera.up), 1.0f, 1e-6f);
+  }
+}
+
 }  // namespace
 }  // namespace nlg

@@ -184,5 +184,16 @@ TEST(ShardScene, TreeIsThatOfTheOptions) {
   for (size_t i = 0; i < expected.probeCount(); ++i) EXPECT_EQ(tree.probePosition(i), expected.probePosition(i)) << i;
 }
 
+TEST(ShardScene, RefusesAProvenanceThatLacksWhatItNeeds) {
+  Shard shard = tentsOverAHouse(1);
+  for (const char* text :
+       {"", "[]", "{}", R"({"options":3})", R"({"options":{"seed":7}})",
+        R"({"options":{"seed":-7,"move_m":0.5,"turn_degrees":20,"scale":0.1,"drop_share":0,"structure_share":0}})",
+        R"({"options":{"seed":7,"move_m":1e300,"turn_degrees":20,"scale":0.1,"drop_share":0,"structure_share":0}})"}) {
+    shard.provenance_json = text;
+    EXPECT_THROW(rebuildShardScene(shard, "a.h5", "house:3"), InputError) << text;
+  }
+}
+
 }  // namespace
 }  // namespace nlg

@@ -305,5 +305,15 @@ TEST(WeightingBuilder, GivesTheSameFunctionWhateverItBuiltBefore) {
   EXPECT_EQ(used.seen, build(wallWithHole()).function.seen);
 }
 
+TEST(WeightingBuilder, ScalesWithTheSpacing) {
+  // powers of two change no bit of any ray
+  Scene large = wallWithHole();
+  for (glm::vec3& position : large.positions) position *= 4.0f;
+  const GeneratedFunction small_function = build(wallWithHole()).function;
+  const GeneratedFunction large_function = build(large, {}, glm::vec3(0), 4.0f).function;
+  EXPECT_EQ(small_function.phi, large_function.phi);
+  EXPECT_EQ(small_function.valid, large_function.valid);
+}
+
 }  // namespace
 }  // namespace nlg

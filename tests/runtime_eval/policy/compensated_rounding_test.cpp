@@ -86,5 +86,14 @@ TEST(CompensatedRounding, RefusesAFunctionWithoutAPointAndLeavesTheta) {
   EXPECT_EQ(theta, randomTheta({}, 1));
 }
 
+// Nothing reads a unit of zeros, and nothing that it reads changes: their derivatives are 0.
+TEST(CompensatedRounding, SurvivesUnitsOfNothing) {
+  const WeightingFunction function = decoded(wallSample(2).view());
+  Theta theta(ThetaLayout::count, 0.0f);
+  theta[ThetaLayout::b3] = 0.3f;
+  ASSERT_TRUE(CompensatedRounding().round({}, function, {}, theta.data()));
+  for (const float number : theta) EXPECT_TRUE(std::isfinite(number));
+}
+
 }  // namespace
 }  // namespace nlg

@@ -107,16 +107,6 @@ TEST(FunctionLoss, IsTheMeanSquaredErrorOfEachSample) {
   }
 }
 
-TEST(FunctionLoss, IsZeroForAStratumWithoutAnyValidPoint) {
-  torch::Tensor theta = randomThetaBatch(2).requires_grad_();
-  const torch::Tensor losses = functionLoss(theta, {}, {{5, 0, 3}, {0, 0, 3}});
-  EXPECT_EQ(losses[0].item<float>(), 0.0f);
-  EXPECT_GT(losses[1].item<float>(), 0.0f);
-  losses.sum().backward();
-  EXPECT_EQ(theta.grad()[0].abs().max().item<float>(), 0.0f);
-  EXPECT_GT(theta.grad()[1].abs().max().item<float>(), 0.0f);
-}
-
 TEST(FunctionLoss, ReadsThetaThatIsNotContiguous) {
   const torch::Tensor theta = randomThetaBatch(3);
   const std::vector<Sample> samples(kSamples.begin(), kSamples.begin() + 3);

@@ -193,19 +193,6 @@ TEST(PointFigures, OfAllFunctionsHoldBareTentsAtTimeZero) {
   EXPECT_EQ(of(figures.figures, Population::theta).errors.rmse.mean, 3.5);
 }
 
-TEST(PointFigures, HaveNoneOfHardFunctionsWithoutAny) {
-  ChosenFunctions functions = sampleFunctions();
-  functions.hard.assign(6, false);
-  PointMeasurement measured;
-  measured.rmse.assign(6, 1.0);
-  measured.blend_rmse.assign(6, 1.0);
-  measured.fails_check.assign(6, false);
-  measured.took_fit.assign(6, false);
-  measured.times = {{0, {1, 2, 3, 4}}};
-  EXPECT_FALSE(figuresOf(measured, sampleSet(), functions, sampleBlocks(), {}).figures[2]);
-  EXPECT_FALSE(figuresOfTent(sampleSet(), functions, sampleTents()).figures[2]);
-}
-
 TEST(ChosenFunctions, TakeBareTentsInTheProportionOfEveryScene) {
   FunctionSet set;
   set.point_count = kSupportPointCount;
@@ -381,15 +368,6 @@ TEST(FitPoints, OfAGateFitOnOnlyWhatIsNotGoodYet) {
   }
 }
 
-TEST(FitPoints, GiveProductFieldsAThirtySecondOfDirectAdamSteps) {
-  std::vector<int> budgets;
-  for (const PlotPoint& point :
-       pointsOf(directFits(sampleShared(Representation::productField(3)), {}, {{}, {}, {}, {8, 16, 64, 320}}, 1))) {
-    if (point.family == "adam_from_random") budgets.push_back(*point.budget);
-  }
-  EXPECT_EQ(budgets, (std::vector<int>{1, 2, 10}));
-}
-
 // Of a code Levenberg–Marquardt runs from random starts too: what a start is worth is to be seen.
 TEST(FitPoints, OfACodeStartFromItsMeanAndAtRandom) {
   const auto generator = sampleShared(Representation::code(sampleDictionary(5, 16, 1)));
@@ -435,17 +413,17 @@ TEST(ChoicePoint, IsThePolicyOverSeveralGenerators) {
   }
 }
 
-TEST(FrontierOptions, RefuseListsThatDoNotRise) {
-  for (const char* wrong : {"0", "-1", "1.5", "x", "", "99999999"}) {
-    FrontierOptions options;
-    options.lm_steps = {wrong};
-    EXPECT_THROW(options.budgets(), UsageError) << wrong;
-  }
-  FrontierOptions options;
-  options.direct_adam_steps = {"2", "2"};
-  EXPECT_THROW(options.budgets(), UsageError);
-  options.direct_adam_steps = {"2", "3"};
-  EXPECT_EQ(options.budgets().direct_adam, (std::vector<int>{2, 3}));
+TEST(PointFigures, HaveNoneOfHardFunctionsWithoutAny) {
+  ChosenFunctions functions = sampleFunctions();
+  functions.hard.assign(6, false);
+  PointMeasurement measured;
+  measured.rmse.assign(6, 1.0);
+  measured.blend_rmse.assign(6, 1.0);
+  measured.fails_check.assign(6, false);
+  measured.took_fit.assign(6, false);
+  measured.times = {{0, {1, 2, 3, 4}}};
+  EXPECT_FALSE(figuresOf(measured, sampleSet(), functions, sampleBlocks(), {}).figures[2]);
+  EXPECT_FALSE(figuresOfTent(sampleSet(), functions, sampleTents()).figures[2]);
 }
 
 }  // namespace

@@ -90,5 +90,16 @@ TEST(PooledMagnitudes, AddUp) {
   for (const double share : {0.01, 0.3, 0.6, 0.99}) EXPECT_EQ(a.quantile(share), both.quantile(share)) << share;
 }
 
+TEST(Quantiles, AreZeroWithoutValues) {
+  const Quantiles q = quantiles({});
+  EXPECT_EQ(q.count, 0u);
+  EXPECT_EQ(q.median + q.mean + q.p95 + q.p99 + q.worst, 0.0);
+}
+
+TEST(PooledMagnitudes, AreZeroWithoutValues) {
+  EXPECT_EQ(PooledMagnitudes().mean(), 0.0);
+  EXPECT_EQ(PooledMagnitudes().quantile(0.99), 0.0);
+}
+
 }  // namespace
 }  // namespace nlg

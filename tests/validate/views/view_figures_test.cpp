@@ -244,5 +244,19 @@ TEST(ViewTruth, TakesMoreRoundsWhereItIsNoisy) {
   EXPECT_LT(meanDeviation(most), 0.5 * meanDeviation(one));
 }
 
+// Half of the floor is lit by a thousandth of the other's light: whatever is wrong with it there, nobody sees it.
+TEST(ViewFigures, DoNotLookIntoTheBlack) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f), answer = light;
+  for (size_t i = 0; i < light.size(); i += 3) {
+    light[i].irradiance = glm::vec3(0.001f);
+    answer[i].irradiance = glm::vec3(0.009f);
+  }
+  const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
+  EXPECT_EQ(of(viewFigures(surfaces, truth, answer), ViewClass::all).off_first.brighter, 0.0);
+  for (size_t i = 0; i < light.size(); i += 3) answer[i].irradiance = glm::vec3(0.011f);
+  EXPECT_NEAR(of(viewFigures(surfaces, truth, answer), ViewClass::all).off_first.brighter, 1.0 / 3.0, 1e-3);
+}
+
 }  // namespace
 }  // namespace nlg

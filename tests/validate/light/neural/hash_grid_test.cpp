@@ -27,27 +27,6 @@ torch::Tensor randomTable(const HashGrid& grid, uint64_t seed) {
   return table;
 }
 
-TEST(HashGrid, SharesOfEveryLevelSumToOneAndRowsAreOfTheirLevel) {
-  const HashGrid grid = smallGrid(10);  // every level has 2^10 rows
-  const torch::Tensor places = randomPlaces(500, 1);
-  for (int i = 0; i < 500; ++i) {
-    HashGrid::Corners corners;
-    grid.cornersAt(places.data_ptr<float>() + 3 * i, &corners);
-    for (int l = 0; l < kHashLevels; ++l) {
-      const auto first = corners.share.begin() + 8 * l;
-      // eight shares of float rounding
-      EXPECT_NEAR(std::accumulate(first, first + 8, 0.0f), 1.0f, 1e-6f) << "place " << i << ", level " << l;
-      for (int c = 8 * l; c < 8 * l + 8; ++c) EXPECT_EQ(corners.row[c] >> 10, static_cast<uint32_t>(l)) << "place " << i;
-    }
-  }
-}
-
-TEST(HashGrid, HasARowForEachNodeWhereTheTableHoldsThem) {
-  // 18 x 10 x 7 nodes of the coarsest level are more than 2^10 rows and fewer than 2^11
-  EXPECT_EQ(smallGrid(10).rowCount(), 8u << 10);
-  EXPECT_EQ(smallGrid(11).rowCount(), 18u * 10u * 7u + (7u << 11));
-}
-
 TEST(HashGrid, ReproducesWhatIsLinearInPlaceByItsCoarsestLevel) {
   const HashGrid grid = smallGrid(16);
   // the features of the coarsest level's nodes are a linear function of where they stand
