@@ -252,7 +252,7 @@ WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m) {
 
 std::vector<glm::dvec3> placesForRareProbes(const RayScene& rays, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
                                             const WeightsAt& weights_at, int thread_count) {
-  constexpr float kWellRead = 1.0f, kLeastShare = 0.2f;
+  constexpr float kWellRead = 0.3f, kLeastShare = 0.2f;
   constexpr int kMostPlaces = 12, kMostDraws = 256;
   std::vector<ProbeWeights> shares(places.size());
   parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {

@@ -43,8 +43,8 @@ using WeightsAt = std::function<void(const glm::dvec3& position_m, ProbeWeights*
 // must outlive it.
 WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m);
 
-// More places in air, for probes that `places` hardly read: the sum of their squared shares of blends is below 1, where a probe in the open has
-// 3. A probe takes up to 12 of them, at which its share is a fifth or more, in the order of probes.
+// More places in air, for probes that `places` hardly read: the sum of their squared shares of blends is below .3, where one whole cell of
+// air gives .44 and open air 3.5. A probe takes up to 12 of them, at which its share is a fifth or more, in the order of probes.
 // tree, places   in the scene's coordinates
 std::vector<glm::dvec3> placesForRareProbes(const RayScene& rays, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
                                             const WeightsAt& weights_at, int thread_count);

@@ -49,12 +49,12 @@ CALLS_REFUSED = [
     (INPUT_ERROR, "missing.glb", "nlg-datagen plan --scene missing.glb"),
     (USAGE_ERROR, "--max-functions", "nlg-datagen plan --scene house:1 --max-functions=0"), (USAGE_ERROR, "--jitter", "nlg-datagen plan --scene house:1 --jitter -1"),
     # outputs that are empty, folders, inputs
-    (USAGE_ERROR, ["--out", "empty"], "nlg-datagen --scene house:1 --out ''"), (USAGE_ERROR, ["--out", "no input"], "nlg-datagen --scene level.glb --out ./level.glb"),
-    (USAGE_ERROR, ["--out", "no input"], "nlg-datagen view training.h5 --probe 0 --out training.h5"), (USAGE_ERROR, "--probe", "nlg-datagen view training.h5 --probe -1 --out x.png"),
+    (USAGE_ERROR, ["--out", "empty"], "nlg-datagen --scene house:1 --out ''"), (USAGE_ERROR, ["--out", "not an input"], "nlg-datagen --scene level.glb --out ./level.glb"),
+    (USAGE_ERROR, ["--out", "not an input"], "nlg-datagen view training.h5 --probe 0 --out training.h5"), (USAGE_ERROR, "--probe", "nlg-datagen view training.h5 --probe -1 --out x.png"),
     (USAGE_ERROR, ["--out", "empty"], "nlg-export shader --grid grid.safetensors --out ''"),
     (USAGE_ERROR, ["--out", "empty"], "nlg-validate --weights weights.safetensors --held-out held_out.h5 --out ''"),
     (USAGE_ERROR, ["--out", "folder"], "nlg-bake house:1 --weights weights.safetensors --out bad.folder/"),
-    (USAGE_ERROR, ["--out", "no input"], "nlg-bake house:1 --weights weights.safetensors --out ./weights.safetensors"),
+    (USAGE_ERROR, ["--out", "not an input"], "nlg-bake house:1 --weights weights.safetensors --out ./weights.safetensors"),
     (OUTPUT_ERROR, "file", call("nlg-view", by={"bad_view": "file"})),
     *((OUTPUT_ERROR, "file: ", f"nlg-export {what} --out file")
       for what in ("used-by --bake grid.safetensors --weights weights.safetensors", "shader --grid grid.safetensors")),

@@ -19,7 +19,7 @@ TEST(OneFileEach, NamesBothFilesOfOneThing) {
   files.add("a", "mlp");
   files.add("b", "pf5");
   EXPECT_EQ(errorOfCall<UsageError>([&] { files.add("c", "mlp"); }),
-            "--weights: expected one file a representation, got two of mlp: a and c");
+            "--weights: expected one file per representation, got two of mlp: a and c");
 }
 
 }  // namespace

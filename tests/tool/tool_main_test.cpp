@@ -209,7 +209,7 @@ TEST(RunTool, NamesWhatItDoesNotKnowInTheOrderOfTheCommandLine) {
             "nlg-pca: error: command line: expected an option of --help-all, got '--nothing-like-it'\n");
   const Outcome numbers = runWith({"--jobs", "4", "50", "3,2.8"});
   EXPECT_EQ(numbers.code, codeOf(ExitCode::usage_error));
-  EXPECT_NE(numbers.err.find("got '50', which belongs to no option: a list of numbers is one word"), std::string::npos)
+  EXPECT_NE(numbers.err.find("got '50', which belongs to no option; write a list of numbers with commas"), std::string::npos)
       << numbers.err;
 }
 

@@ -146,9 +146,9 @@ TEST_F(Hdf5File, RefusesAnotherShapeTypeOrName) {
   EXPECT_EQ(refusalOfRead(0.0f, "values", {3, 2}), path_ + ": dataset values: expected shape 3 x 2, got 2 x 3");
   EXPECT_EQ(refusalOfRead(0.0f, "values", {6}), path_ + ": dataset values: expected shape 6, got 2 x 3");
   EXPECT_EQ(refusalOfRead(0.0, "values", {2, 3}),
-            path_ + ": dataset values: expected the element type of the contract, got another");
+            path_ + ": dataset values: expected the element type of the format, got another type");
   EXPECT_EQ(refusalOfRead(int32_t{}, "values", {2, 3}),
-            path_ + ": dataset values: expected the element type of the contract, got another");
+            path_ + ": dataset values: expected the element type of the format, got another type");
   EXPECT_EQ(refusalOfRead(0.0f, "other", {2, 3}).rfind(path_ + ": dataset other: expected an array, got ", 0), 0u);
 }
 

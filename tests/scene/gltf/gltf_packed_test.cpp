@@ -73,7 +73,7 @@ const Spoilt kSpoiltMeshopt[] = {
     {"filter of indices", R"("mode":"TRIANGLES")", R"("mode":"TRIANGLES","filter":"EXPONENTIAL")",
      "expected no filter of indices"},
     {"plain view of the fallback", R"({"buffer":1,"byteOffset":48)",
-     R"({"buffer":1,"byteOffset":48},{"buffer":1,"byteOffset":48)", "bufferViews[1]: expected all that glTF asks of it"}};
+     R"({"buffer":1,"byteOffset":48},{"buffer":1,"byteOffset":48)", "bufferViews[1]: expected all members that glTF requires"}};
 
 TEST_F(GltfPacked, SpoiltMeshoptIsRefusedByPlace) {
   for (const Spoilt& spoilt : kSpoiltMeshopt) {

@@ -551,7 +551,7 @@ const Hostile kHostile[] = {
     {"fewer vertices than indexed", R"("count":4)", R"("count":3)", "mesh 0, primitive 0: indices"},
     {"corners not in threes", R"("count":6)", R"("count":5)", "mesh 0, primitive 0: 5 corners"},
     {"view of no buffer", R"({"buffer":0,"byteLength":48})", R"({"buffer":3,"byteLength":48})",
-     "bufferViews[0]: expected all that glTF asks of it"},
+     "bufferViews[0]: expected all members that glTF requires"},
     {"stride below the element", R"("byteLength":48})", R"("byteLength":48,"byteStride":4})", "mesh 0, primitive 0: POSITION"},
     {"index of 33 bits", R"("POSITION":0)", R"("POSITION":4294967296)", "meshes[0].primitives[0].attributes.POSITION"},
     {"mesh as a fraction", R"("mesh":0)", R"("mesh":0.5)", "nodes[0].mesh"},

@@ -263,7 +263,7 @@ TEST_F(GltfTextures, NamesWhatIsOutOfRangeByItsPlace) {
       {R"("index":0)", R"("index":0,"extensions":{"KHR_texture_transform":{"offset":[1]}})", "material 0: offset"},
       {R"("index":0)", R"("index":0,"extensions":{"KHR_texture_transform":{"rotation":1e300}})",
        "material 0: KHR_texture_transform"},
-      {R"("bufferView":4,)", R"("bufferView":400,)", "images[0]: expected all that glTF asks of it"},
+      {R"("bufferView":4,)", R"("bufferView":400,)", "images[0]: expected all members that glTF requires"},
       {R"("TEXCOORD_0":2)", R"("TEXCOORD_0":1)", "mesh 0, primitive 0: TEXCOORD_0"},
       {R"("TEXCOORD_0":2)", R"("TEXCOORD_0":9)", "mesh 0, primitive 0: TEXCOORD_0"}};
   const std::string good = texturedSquare(baseTexture(), png(2, 1, kHalves)).text();
