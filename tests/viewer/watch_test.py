@@ -376,7 +376,7 @@ class Page(Case):
         slide("screen", "color", "#00ff00")
         self.assertGreater(picture("screen")[1], 0)
         slide("screen", "color", "#0000ff")
-        self.assertEqual(picture("screen_blue")[1:], [0, 0])
+        self.assertLess(max(picture("screen_blue")[1:]), .01, "but for what storing light adds")
         slide("cold, blue", "range", 0.5)
         slide("warm", "range", 1)
         # the camera turns and a ball is carried; both stay, and so do sliders
