@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "datagen/view/legend.h"
-#include "scene/lights/luminance.h"
 #include "scene/image/surface_look.h"
+#include "scene/lights/luminance.h"
 
 namespace nlg {
 namespace {

@@ -134,8 +134,7 @@ TEST(LightSetsOfABake, TellWhichSetIsWrong) {
   EXPECT_EQ(lineOf("house:3", {"day", "night sky=.1"}).find("--light-set night: --sky: expected r,g,b"), 0u);
   // what Blender's exporter multiplied by 683 is told by what shines beside it: by night here, and not by day
   const std::string line = lineOf(NLG_KITCHEN, {"day", "night sun=0"});
-  EXPECT_NE(line.find("lamps and suns have another unit in day than in night, where they were divided by 683"),
-            std::string::npos)
+  EXPECT_NE(line.find("lamps and suns have another unit in day than in night, where they were divided by 683"), std::string::npos)
       << line;
   EXPECT_EQ(lineOf(NLG_KITCHEN, {"day light_unit=file", "night light_unit=file sun=0"}), "");
   EXPECT_EQ(lineOf(NLG_KITCHEN, {"day sky=.5,.7,1", "night sun=0"}), "");

@@ -322,8 +322,7 @@ int viewsMain(int argc, char** argv) {
   BakeOptions options;
   OptionTable table("bake");
   describe(options, table);
-  table.common(
-      {"weights", "spacing_m", "grids_only", "target_functions", "pictures", "truth", "most_views", "truth_rays", "threads"});
+  table.common({"weights", "spacing_m", "grids_only", "target_functions", "pictures", "most_views", "truth_rays", "threads"});
   app.add_option("scene", request.scene, "scene, as for nlg-bake")->required();
   app.add_option("--out", request.out, "result to write (.json)")->required();
   app.add_option(

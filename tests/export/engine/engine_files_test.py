@@ -129,7 +129,7 @@ def check_refusals():
     # an input under the name of an output
     os.mkdir("folder")
     shutil.copy("grid.safetensors", "folder/light.bin")
-    refuses(USAGE_ERROR, ["no input"], "--grid", "folder/light.bin", "--format", "three", "--out", "folder", *BOX)
+    refuses(USAGE_ERROR, ["not an input"], "--grid", "folder/light.bin", "--format", "three", "--out", "folder", *BOX)
     must(open("folder/light.bin", "rb").read() == open("grid.safetensors", "rb").read(), "an input was replaced")
     must(os.listdir("folder") == ["light.bin"], "something was written beside an input that was not replaced")
 
