@@ -311,7 +311,7 @@ class Served(Case):
     def test_a_bake_that_is_interrupted_leaves_nothing(self):
         """Ctrl-C at moments that do not depend on the machine: when it has said its first, its third … line."""
         # a bake that would take hours: it does not end by itself
-        bake = [BUILD / "bin/nlg-bake", "level.gltf", "--light-rays", "1048576", "--light-places", "4096"]
+        bake = [BUILD / "bin/nlg-bake", "level.gltf", "--light-rays", "1048576", "--light-samples", "4096"]
         before = sorted(self.folder.iterdir())
         for lines in (1, 3, 5, 8):
             process = subprocess.Popen(bake, cwd=self.folder, stderr=subprocess.PIPE, text=True, env={**os.environ, "NLG_PROGRESS": "lines"})
