@@ -54,10 +54,6 @@ void describe(BakeOptions& o, OptionTable& table) {
             "sample points in air per cell at which light is measured; raised in scenes that would have fewer than 2,048 in all",
             1, 4096);
   table.add("light_rays", &o.light_rays, "rays per sample point", 8, 1 << 20);
-  table.add(
-      "light_noise", &o.light_noise,
-      "relative noise of light above which 64 neighbouring sample points get more rays, at most 8 times light_rays. 0: never",
-      0.0, 1.0);
   table.add("light_probe_rays", &o.light_probe_rays, "rays per probe, with --light point", 8, 1 << 24);
   table.add("light_cache", &o.light_cache,
             "cache irradiance at surfaces, so that each bounce is traced once for all probes. Off: every path is traced in full");

@@ -35,8 +35,7 @@ struct BakeOptions {
   std::string light = "solved";      // how probes are lit; "none": they are not
   std::string light_direct = "all";  // which light of lamps and suns probes hold themselves
   int light_samples = 12;            // in air, of every cell
-  int light_rays = 64;               // of every place
-  double light_noise = 0.1;          // of light at places, above which they get more rays; 0: none do
+  int light_rays = 128;              // of every place
   int light_probe_rays = 512;        // of every probe, when light is "point"
   bool light_cache = true;           // bounces are kept on surfaces, where they are traced
   double light_pull = 0.1;

@@ -18,7 +18,8 @@ namespace nlg {
 namespace {
 
 // What the sample below does not see. Of twenty scenes: docs/lab/performance.md.
-constexpr double kLightSeconds = 0.65e-6;  // of a thread, for a ray of a place, bounces between surfaces included
+// Of a thread: for a probe, bounces between surfaces and the solve; and for a ray of a sample point.
+constexpr double kLightProbeSeconds = 0.3e-3, kLightRaySeconds = 0.18e-6;
 constexpr double kBaseBytes = 75e6, kProbeBytes = 6e3, kTriangleBytes = 400.0;
 
 constexpr double kMostSampleSeconds = 0.25;  // for functions, and as much again for their theta
@@ -131,7 +132,8 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, const s
   plan.machine_bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   double seconds = generators.empty() ? 0.0 : functionSeconds(sample, RayScene(scene), options, generators);
   if (options.light != "none")
-    seconds += kLightSeconds * options.light_rays * options.light_samples * static_cast<double>(litScenes(source).size());
+    seconds += (kLightProbeSeconds + kLightRaySeconds * options.light_rays * options.light_samples) *
+               static_cast<double>(litScenes(source).size());
   plan.seconds = 0.2 + seconds * plan.probes / thread_count;
   return plan;
 }

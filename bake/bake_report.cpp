@@ -97,7 +97,7 @@ nlohmann::ordered_json lightJson(const LightStatistics& light) {
       {"packing_error", light.packing.error},
       {"packing_worst", light.packing.worst},
       {"places", light.places},
-      {"rays", light.rays},
+      {"rays_per_place", light.rays_per_place},
       {"cache_cells", light.cache_cells},
       {"cache_divided", light.cache_divided},
       {"thinned", thinnedJson(light)},
@@ -124,12 +124,11 @@ std::string lightText(const BakeStatistics& s) {
   const LightStatistics& light = s.light;
   if (!light.is_lit) return text + "light: none\n";
   text += fmt::format(
-      "light: {} sample points, {} rays each on average, {}; by the clock {:.2f} s bounces, {:.2f} s sample points, {:.2f} s "
+      "light: {} sample points x {} rays, {}; by the clock {:.2f} s bounces, {:.2f} s sample points, {:.2f} s "
       "solve ({} "
       "iterations)",
-      light.places, light.places > 0 ? light.rays / light.places : 0,
-      light.is_gathered ? "gathered from the level's own light" : "traced", light.cache_wall_s, light.measure_wall_s,
-      light.solve_wall_s, light.solve_iterations);
+      light.places, light.rays_per_place, light.is_gathered ? "gathered from the level's own light" : "traced",
+      light.cache_wall_s, light.measure_wall_s, light.solve_wall_s, light.solve_iterations);
   return text + fmt::format("; mean radiance {:.4g}\n", light.mean);
 }
 

@@ -73,10 +73,9 @@ struct LitSet {
 };
 
 // Bounces between surfaces, once for all places of a set.
-void cacheSurfaces(const BakeScene& scene, const std::vector<glm::dvec3>& places, int threads, std::deque<LitSet>* sets,
-                   LightStatistics* statistics) {
+void cacheSurfaces(const BakeScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
   for (LitSet& set : *sets) {
-    set.cache = makeSurfaceCache(set.transport, places, scene.tree.frame().spacing_m, set.options, threads);
+    set.cache = makeSurfaceCache(set.transport, scene.air.places, scene.tree.frame().spacing_m, set.options, threads);
     if (set.cache == nullptr) continue;
     statistics->cache_cells += set.cache->cellCount();
     statistics->cache_divided += set.cache->dividedCount();
@@ -84,14 +83,12 @@ void cacheSurfaces(const BakeScene& scene, const std::vector<glm::dvec3>& places
   }
 }
 
-void measureSets(const BakeScene& scene, const std::vector<glm::dvec3>& places, int threads, std::deque<LitSet>* sets,
-                 LightStatistics* statistics) {
+void measureSets(const BakeScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
   const glm::dvec3& origin_m = scene.source.scene.origin_m;
   std::vector<glm::dvec3>& buried_m = statistics->buried_lamps_m;
   for (LitSet& set : *sets) {
-    uint64_t rays = 0;
-    set.place_light = measureLight(set.transport, places, set.options, threads, &set.place_groups, &rays);
-    statistics->rays += rays;
+    set.place_light =
+        measureLight(set.transport, scene.air.places, set.options.place, set.options.seed, threads, &set.place_groups);
     for (const Lamp& lamp : set.transport.scene().light.lamps) {
       const glm::dvec3 at(lamp.position);
       // most lamps are in all sets
@@ -116,19 +113,19 @@ void findDark(const BakeScene& scene, const std::deque<LitSet>& sets, LightStati
 }
 
 // Each set by itself, by the same functions at the same places: what a bake of it alone would give.
-std::vector<ProbeLight> solveSets(const BakeScene& scene, const std::vector<glm::dvec3>& places, const LightGrid& grid,
-                                  const std::deque<LitSet>& sets, int threads, LightStatistics* statistics) {
+std::vector<ProbeLight> solveSets(const BakeScene& scene, const LightGrid& grid, const std::deque<LitSet>& sets, int threads,
+                                  LightStatistics* statistics) {
   const glm::dvec3& origin_m = scene.source.scene.origin_m;
   const std::vector<std::string>& names = scene.source.light_sets;
   std::vector<ProbeLight> lit;
   statistics->of_sets.clear();
   statistics->largest = 0.0;
   for (const LitSet& set : sets) {
-    lit.push_back(lightProbes(set.transport, scene.tree, places, set.place_light, weightsOf(grid, origin_m), set.options, threads,
-                              set.place_groups));
+    lit.push_back(lightProbes(set.transport, scene.tree, scene.air.places, set.place_light, weightsOf(grid, origin_m),
+                              set.options, threads, set.place_groups));
     const ProbeLight& of_set = lit.back();
     LightAtPlaces at_places{meanOf(set.place_light), of_set.error, of_set.median_error, of_set.p95_error};
-    if (!places.empty()) at_places.worst_m = origin_m + places[of_set.worst_place];
+    if (!scene.air.places.empty()) at_places.worst_m = origin_m + scene.air.places[of_set.worst_place];
     if (lit.size() == 1) static_cast<LightAtPlaces&>(*statistics) = at_places;
     if (!names.empty()) statistics->of_sets.emplace_back(names[lit.size() - 1], at_places);
     const std::vector<float> coefficients = floatsOf(of_set.light);
@@ -167,7 +164,6 @@ size_t bytesWith(LightGrid grid, const BakeOptions& options, const GridMetadata&
 
 struct ThinningInputs {
   const BakeScene& scene;
-  const std::vector<glm::dvec3>& places;
   const BakeOptions& options;
   const GridMetadata& metadata;
   const GroupsOfGrid& groups;
@@ -189,12 +185,12 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   double error = options.thin_error;
   if (error == 0.0 && isWithin(lit)) return lit;
   const Progress progress("thinning");
-  const std::vector<glm::dvec3> beside =
-      placesBesideSurfaces(inputs.scene.rays, inputs.places, inputs.scene.tree.frame().spacing_m, options.seed, kBesideEvery);
+  const std::vector<glm::dvec3> beside = placesBesideSurfaces(inputs.scene.rays, inputs.scene.air.places,
+                                                              inputs.scene.tree.frame().spacing_m, options.seed, kBesideEvery);
   const ProbeLight whole = std::move(lit);
   std::vector<const std::vector<LightSh>*> light;
   addLights(whole.light, whole.groups, &light);
-  GridThinner thinner(grid, scene.origin_m, inputs.places, inputs.measured, beside, light, options.light_dark_share,
+  GridThinner thinner(grid, scene.origin_m, inputs.scene.air.places, inputs.measured, beside, light, options.light_dark_share,
                       inputs.threads);
   if (error > 0.0) thinner.thinTo(error);
   // light that is solved for anew takes about as many bytes a probe: it is made when those would do
@@ -274,7 +270,6 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options) {
   ProbeLightOptions light;
   light.caches_surfaces = options.light_cache;
   light.place.rays = options.light_rays;
-  light.place_noise = options.light_noise;
   light.probe.rays = options.light_probe_rays;
   light.place.direct = light.probe.direct = directLightFromName(options.light_direct);
   light.pull = options.light_pull;
@@ -298,28 +293,25 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.is_lit = true;
   statistics.is_gathered = sets.front().transport.isBaked();
   statistics.groups = groups.names;
-  std::vector<glm::dvec3> places = scene.air.places;
-  const std::vector<glm::dvec3> more =
-      placesForRareProbes(scene.rays, scene.tree, places, weightsOf(*grid, scene.source.scene.origin_m), threads);
-  places.insert(places.end(), more.begin(), more.end());
-  statistics.places = places.size();
+  statistics.places = scene.air.places.size();
+  statistics.rays_per_place = static_cast<uint64_t>(light_options.place.rays);
 
   Clock::time_point start = Clock::now();
-  cacheSurfaces(scene, places, threads, &sets, &statistics);
+  cacheSurfaces(scene, threads, &sets, &statistics);
   statistics.cache_wall_s = secondsSince(start);
 
   start = Clock::now();
-  measureSets(scene, places, threads, &sets, &statistics);
+  measureSets(scene, threads, &sets, &statistics);
   findDark(scene, sets, &statistics);
   statistics.measure_wall_s = secondsSince(start);
 
   start = Clock::now();
-  const auto solve = [&] { return joined(solveSets(scene, places, *grid, sets, threads, &statistics), groups); };
+  const auto solve = [&] { return joined(solveSets(scene, *grid, sets, threads, &statistics), groups); };
   ProbeLight lit = solve();
   if (options.thin_error > 0.0 || options.max_bytes > 0.0) {
     std::vector<const std::vector<LightSh>*> measured;
     for (const LitSet& set : sets) addLights(set.place_light, set.place_groups, &measured);
-    lit = thin({scene, places, options, metadata, groups, measured, solve, threads}, std::move(lit), grid, &statistics);
+    lit = thin({scene, options, metadata, groups, measured, solve, threads}, std::move(lit), grid, &statistics);
   }
   statistics.solve_wall_s = secondsSince(start);
   statistics.unread_probes = lit.unread - statistics.thinned.probes;

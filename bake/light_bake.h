@@ -24,8 +24,8 @@ struct LightStatistics : LightAtPlaces {
   std::vector<std::string> groups;                             // of light, which the grid keeps apart; none: it is one
   std::vector<std::pair<std::string, LightAtPlaces>> of_sets;  // by name; none where there are no sets
   bool is_gathered = false;                                    // all bounces came from the level's own light: one ray held them
-  uint64_t places = 0, rays = 0;                               // rays: from places, of all sets
-  uint64_t unread_probes = 0;                                  // that weigh nothing at any place
+  uint64_t places = 0, rays_per_place = 0;
+  uint64_t unread_probes = 0;  // that weigh nothing at any place
   int solve_iterations = 0;
   uint64_t cache_cells = 0, cache_divided = 0;          // of surface; those that walls divide are not used
   double cache_wall_s = 0.0;                            // bounces between surfaces

@@ -218,7 +218,7 @@ class SavingsCount {
   void addLight() {
     const LightStatistics& light = statistics_.light;
     if (!light.is_lit) return;
-    const uint64_t rays = light.rays;
+    const uint64_t rays = light.places * light.rays_per_place;
     if (light.is_gathered)
       add("bounces that the level's own light holds", rays, rays, {}, 0, "one ray ends where the level's compiler left them all");
     if (light.cache_cells > 0)

@@ -1,7 +1,6 @@
 #include "light/probe_light.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -14,9 +13,8 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kPlaceStream = 0x706c6163, kMoreStream = 0x6d6f7265, kProbeStream = 0x70726f62;
+constexpr uint64_t kPlaceStream = 0x706c6163, kProbeStream = 0x70726f62;
 constexpr uint64_t kBlockPlaces = 64, kBlockSamples = 4096;
-constexpr double kMostMoreRays = 7.0;   // of noisy places, over those of all
 constexpr double kDarkestShare = 0.05;  // of the mean: an error in darker places is seen against so much
 // Rounds of the solve: each weighs places anew by the answer of the one before.
 constexpr int kRounds = 5;
@@ -39,10 +37,6 @@ float lightOf(const LightSh& light) {
 
 void add(LightSh* sum, float weight, const LightSh& light) {
   for (int k = 0; k < kShCount; ++k) (*sum)[k] += weight * light[k];
-}
-
-void mixInto(LightSh* light, const LightSh& other, float share) {
-  for (int k = 0; k < kShCount; ++k) (*light)[k] += share * (other[k] - (*light)[k]);
 }
 
 // Light under weights: every probe's own mean.
@@ -250,92 +244,22 @@ WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m) {
   };
 }
 
-std::vector<glm::dvec3> placesForRareProbes(const RayScene& rays, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
-                                            const WeightsAt& weights_at, int thread_count) {
-  constexpr float kWellRead = 0.3f, kLeastShare = 0.2f;
-  constexpr int kMostPlaces = 12, kMostDraws = 256;
-  std::vector<ProbeWeights> shares(places.size());
-  parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
-    for (uint64_t i = first; i < end; ++i) weights_at(places[i], &shares[i]);
-  });
-  std::vector<float> read(tree.probeCount(), 0.0f);
-  for (ProbeWeights& at_place : shares) {
-    normaliseWeights(&at_place);
-    for (int j = 0; j < at_place.count; ++j) read[at_place.probe[j]] += at_place.weight[j] * at_place.weight[j];
-  }
-  std::vector<uint32_t> rare;
-  for (size_t p = 0; p < read.size(); ++p) {
-    if (read[p] > 0.0f && read[p] < kWellRead) rare.push_back(static_cast<uint32_t>(p));
-  }
-  const std::vector<LocalPoint> draws = testPoints(kMostDraws);
-  std::vector<std::vector<glm::dvec3>> found(rare.size());
-  parallelFor(rare.size(), thread_count, [&](uint64_t r, int) {
-    const auto [x, y, z] = tree.probePosition(rare[r]);
-    const double spacing_m = tree.probeSpacing(rare[r]);
-    float sum = read[rare[r]];
-    for (const LocalPoint& draw : draws) {
-      if (found[r].size() == kMostPlaces || sum >= kWellRead) break;
-      const glm::dvec3 place = glm::dvec3(x, y, z) + spacing_m * glm::dvec3(draw[0], draw[1], draw[2]);
-      ProbeWeights weights;
-      weights_at(place, &weights);
-      if (!normaliseWeights(&weights)) continue;
-      const auto* const of_probe = std::find(weights.probe, weights.probe + weights.count, rare[r]);
-      if (of_probe == weights.probe + weights.count) continue;
-      const float share = weights.weight[of_probe - weights.probe];
-      if (share < kLeastShare || !isInAir(rays, place)) continue;
-      found[r].push_back(place);
-      sum += share * share;
-    }
-  });
-  std::vector<glm::dvec3> more;
-  for (const std::vector<glm::dvec3>& of_probe : found) more.insert(more.end(), of_probe.begin(), of_probe.end());
-  return more;
-}
-
 std::vector<LightSh> measureLight(const LightTransport& transport, const std::vector<glm::dvec3>& places,
-                                  const ProbeLightOptions& options, int thread_count, LightByGroup* groups, uint64_t* rays) {
+                                  const GatherOptions& options, uint64_t seed, int thread_count, LightByGroup* groups) {
   std::vector<LightSh> light(places.size());
-  const size_t group_count = groups != nullptr ? transport.scene().light.groups.names.size() : 0;
-  if (groups != nullptr) groups->assign(group_count, std::vector<LightSh>(places.size()));
-  // what all rays so far give; `share` of them are new
-  const auto gather = [&](uint64_t i, const GatherOptions& gathering, uint64_t stream, float share) {
-    const GatheredLight gathered = transport.gather(places[i], gathering, mixSeed(options.seed, stream), i);
-    mixInto(&light[i], gathered.light, share);
-    for (size_t g = 0; g < group_count; ++g) mixInto(&(*groups)[g][i], gathered.groups[g], share);
-    return irradianceSquares(gathered.deviation);
-  };
-  std::vector<float> noise_squares(places.size());
-  {
-    Progress progress("sample points lit", static_cast<int64_t>(places.size()));
-    parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
-      for (uint64_t i = first; i < end; ++i) noise_squares[i] = gather(i, options.place, kPlaceStream, 1.0f);
-      progress.advance(static_cast<int64_t>(end - first));
-    });
+  if (groups != nullptr) {
+    const size_t group_count = transport.scene().light.groups.names.size();
+    groups->assign(group_count, std::vector<LightSh>(places.size()));
   }
-  std::atomic<uint64_t> traced = places.size() * static_cast<uint64_t>(options.place.rays);
-  if (options.place_noise > 0.0) {
-    const double dark = kDarkestShare * meanLight(light);
-    Progress progress("noisy sample points lit", static_cast<int64_t>(places.size()));
-    parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
-      double sum = 0.0;
-      for (uint64_t i = first; i < end; ++i) {
-        const double own = lightOf(light[i]) + dark;
-        // a place that is all noise says no more than that
-        sum += std::min(1.0, noise_squares[i] / (own * own));
-      }
-      const double wanted = sum / static_cast<double>(end - first) / (options.place_noise * options.place_noise) - 1.0;
-      GatherOptions more = options.place;
-      // whole sets of directions (GatheredLight::deviation)
-      more.rays = static_cast<int>(std::min(wanted, kMostMoreRays) * options.place.rays) / 8 * 8;
-      if (more.rays >= 8) {
-        const float share = static_cast<float>(more.rays) / static_cast<float>(more.rays + options.place.rays);
-        for (uint64_t i = first; i < end; ++i) gather(i, more, kMoreStream, share);
-        traced += (end - first) * static_cast<uint64_t>(more.rays);
-      }
-      progress.advance(static_cast<int64_t>(end - first));
-    });
-  }
-  if (rays != nullptr) *rays = traced;
+  Progress progress("sample points lit", static_cast<int64_t>(places.size()));
+  parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
+    for (uint64_t i = first; i < end; ++i) {
+      const GatheredLight gathered = transport.gather(places[i], options, mixSeed(seed, kPlaceStream), i);
+      light[i] = gathered.light;
+      for (size_t g = 0; groups != nullptr && g < groups->size(); ++g) (*groups)[g][i] = gathered.groups[g];
+    }
+    progress.advance(static_cast<int64_t>(end - first));
+  });
   return light;
 }
 

@@ -27,7 +27,6 @@ LightWay lightWayFromName(const std::string& name);
 struct ProbeLightOptions {
   LightWay way = LightWay::solved;
   GatherOptions place{64, 64};   // of every place in air
-  double place_noise = 0.0;      // relative noise of light at places above which they get more rays (measureLight); 0: none do
   GatherOptions probe{512, 64};  // of every probe, for `point`
   bool caches_surfaces = true;   // makeSurfaceCache's ends both of their paths
   double pull = 0.1;             // of the prior, in shares of the weight that places read a probe by
@@ -43,12 +42,6 @@ using WeightsAt = std::function<void(const glm::dvec3& position_m, ProbeWeights*
 // must outlive it.
 WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m);
 
-// More places in air, for probes that `places` hardly read: the sum of their squared shares of blends is below .3, where one whole cell of
-// air gives .44 and open air 3.5. A probe takes up to 12 of them, at which its share is a fifth or more, in the order of probes.
-// tree, places   in the scene's coordinates
-std::vector<glm::dvec3> placesForRareProbes(const RayScene& rays, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
-                                            const WeightsAt& weights_at, int thread_count);
-
 // As a light grid holds it.
 std::vector<float> floatsOf(const std::vector<LightSh>& light);
 
@@ -56,15 +49,9 @@ std::vector<float> floatsOf(const std::vector<LightSh>& light);
 using LightByGroup = std::vector<std::vector<LightSh>>;
 
 // Light at places. Places that follow one another should be neighbours: their rays go into each other's gaps.
-//
-// Where the noise of 64 places in a row, RMS of irradiance over each place's own light and a twentieth of the mean, is above place_noise, they
-// get as many more rays as bring it down to it, up to 7 times `place.rays`. The noise of single places does not decide: those whose first rays
-// missed a rare bright path would keep too little light.
 // groups   receives what each group gives of it, when given
-// rays     receives how many were traced from places, when given
 std::vector<LightSh> measureLight(const LightTransport& transport, const std::vector<glm::dvec3>& places,
-                                  const ProbeLightOptions& options, int thread_count, LightByGroup* groups = nullptr,
-                                  uint64_t* rays = nullptr);
+                                  const GatherOptions& options, uint64_t seed, int thread_count, LightByGroup* groups = nullptr);
 
 struct ProbeLight {
   std::vector<LightSh> light;  // by probe

@@ -70,11 +70,11 @@ MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
           makeProbeSet(scene.tree, scene.transport, {options.probe, options.thread_count, mixSeed(options.seed, kProbeStream)})),
       tree_bytes_(treeBytes(scene.tree)) {
   const double start = processorSeconds();
-  ProbeLightOptions solve = options.solve;
+  GatherOptions place = options.solve.place;
   const std::unique_ptr<SurfaceCache> cache =
-      makeSurfaceCache(scene.transport, scene.air.places, scene.tree.frame().spacing_m, solve, options.thread_count);
-  solve.place.cache = cache.get();
-  place_light_ = measureLight(scene.transport, scene.air.places, solve, options.thread_count);
+      makeSurfaceCache(scene.transport, scene.air.places, scene.tree.frame().spacing_m, options.solve, options.thread_count);
+  place.cache = cache.get();
+  place_light_ = measureLight(scene.transport, scene.air.places, place, options.solve.seed, options.thread_count);
   measure_s_ = processorSeconds() - start;
 }
 

@@ -2,17 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <map>
 
 #include "datagen/probes/probe_placement.h"
-#include "light/air.h"
 #include "light/air_places.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/datagen/hand_built_scenes.h"
-#include "tests/scene/windowed_room.h"
 
 namespace nlg {
 namespace {
@@ -191,58 +187,6 @@ TEST(ProbeLight, HasNoDarkRingAroundALamp) {
     for (int j = 0; j < weights.count; ++j) answer += weights.weight[j] * light[weights.probe[j]][0].g;
     EXPECT_GT(answer, 2.0f / 3.0f) << place.x << ' ' << place.y << ' ' << place.z;
   }
-}
-
-// Half of a room has no places of its own: probes there are read by none or by the border's, and get places in air that read them.
-TEST(ProbeLight, FindsPlacesForProbesThatFewRead) {
-  const TentRoom room;
-  // of the whole room those in the corners of walls alone, which have a part of one cell
-  const size_t of_whole = placesForRareProbes(room.rays, room.tree, room.air.places, room.tents(), 2).size();
-  std::vector<glm::dvec3> half;
-  std::copy_if(room.air.places.begin(), room.air.places.end(), std::back_inserter(half), [](const auto& p) { return p.x < 0.3; });
-  const std::vector<glm::dvec3> more = placesForRareProbes(room.rays, room.tree, half, room.tents(), 2);
-  EXPECT_EQ(more, placesForRareProbes(room.rays, room.tree, half, room.tents(), 1));
-  EXPECT_GT(more.size(), 2 * of_whole);
-  EXPECT_LT(of_whole, room.air.places.size() / 10);
-  for (const glm::dvec3& place : more) {
-    EXPECT_TRUE(isInAir(room.rays, place));
-    ProbeWeights weights;
-    room.tents()(place, &weights);
-    EXPECT_GE(*std::max_element(weights.weight, weights.weight + weights.count), 0.2f);
-  }
-}
-
-// Light through a window: with a limit on noise its places get more rays, and err less for it.
-TEST(ProbeLight, GivesMoreRaysToNoisyPlaces) {
-  Scene scene = windowedRoom(false);
-  scene.light.sky = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(0.3f)};
-  const RayScene rays(scene);
-  const LightTransport transport(scene, rays);
-  std::vector<glm::dvec3> places;
-  for (int i = 0; i < 64; ++i) places.emplace_back(0.02 * (i % 8), 1.0, 0.02 * (i / 8));
-  const auto measured = [&](int ray_count, double noise, uint64_t* traced) {
-    ProbeLightOptions options;
-    options.place = {ray_count, 8};
-    options.place_noise = noise;
-    return measureLight(transport, places, options, 2, nullptr, traced);
-  };
-  uint64_t reference_rays = 0, few = 0, more = 0, most = 0;
-  const std::vector<LightSh> reference = measured(8192, 0.0, &reference_rays);
-  const auto errorOf = [&](const std::vector<LightSh>& light) {
-    double sum = 0.0;
-    for (size_t i = 0; i < light.size(); ++i) {
-      LightSh error = light[i];
-      for (int k = 0; k < kShCount; ++k) error[k] -= reference[i][k];
-      sum += irradianceSquares(error);
-    }
-    return sum;
-  };
-  const double plain = errorOf(measured(64, 0.0, &few)), limited = errorOf(measured(64, 0.05, &more));
-  measured(64, 1e-6, &most);
-  EXPECT_EQ(few, 64u * 64u);
-  EXPECT_GT(more, few);
-  EXPECT_EQ(most, 8 * few);
-  EXPECT_LT(limited, 0.7 * plain);
 }
 
 }  // namespace

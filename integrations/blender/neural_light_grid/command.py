@@ -12,7 +12,7 @@ from .errors import ToolError
 # While a level is worked on: no fits, a quarter of the rays, a third of the places. docs/guide/blender.md says what that costs and saves.
 PREVIEW = [
     "--lm-iterations", "0", "--lm-theta0-iterations", "0", "--adam-steps", "0", "--code-iterations", "0", "--refine-rounds", "0",
-    "--light-noise", "0", "--light-rays", "16", "--light-samples", "4",
+    "--light-rays", "16", "--light-samples", "4",
 ]
 # The page is for walking through: no baselines, and no ground truth.
 PAGE = ["--baselines", "none", "--truth-views", "0", "--truth-samples", "0"]

@@ -20,9 +20,7 @@ Scene daylitRoom(bool is_hollow, double cavity_m) {
 // Light of the room's probes by target functions, and what they give before the wall around the window.
 struct SolvedRoom {
   explicit SolvedRoom(Scene made) : lit(std::move(made)), tree(treeOfAir(lit.tree, lit.air)) {
-    ProbeLightOptions options;
-    options.place = {64, 8};
-    const std::vector<LightSh> light = measureLight(lit.transport, lit.air.places, options, 1);
+    const std::vector<LightSh> light = measureLight(lit.transport, lit.air.places, {64, 8}, 1, 1);
     probes = lightProbes(lit.transport, tree, lit.air.places, light, weights(lit.air.places), {}, 1).light;
   }
 

@@ -36,7 +36,7 @@ LitPlaces drawLitPlaces(const LightTransport& transport, const ProbeTree& tree, 
   of_more.seed = mixSeed(solve.seed, kMoreLightStream);
   const std::unique_ptr<SurfaceCache> cache = makeSurfaceCache(transport, more, tree.frame().spacing_m, of_more, thread_count);
   of_more.place.cache = cache.get();
-  const std::vector<LightSh> measured = measureLight(transport, more, of_more, thread_count);
+  const std::vector<LightSh> measured = measureLight(transport, more, of_more.place, of_more.seed, thread_count);
   lit.position_m.insert(lit.position_m.end(), more.begin(), more.end());
   lit.light.insert(lit.light.end(), measured.begin(), measured.end());
   lit.measure_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
