@@ -29,10 +29,15 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
   const auto tryFrom = [&](const Theta& from, int steps) {
     if (fails()) consider(fitOn(representation, function, from, steps));
   };
-  // what is stuck in a poor minimum gets round it from elsewhere; a field from coarse to fine. A code's fits end at one minimum,
-  // wherever they start (docs/lab/training.md)
+  // What is stuck in a poor minimum gets round it from elsewhere; a field from coarse to fine. A code's fits end at one minimum, wherever
+  // they start (docs/lab/training.md), but where all sigmoids are shut: then the mean code, as it stands, is better than where they ended.
   const auto tryOtherStarts = [&](int steps) {
-    if (representation.isCode()) return;
+    if (representation.isCode()) {
+      const Theta mean_code(static_cast<size_t>(representation.thetaCount()), 0.0f);
+      const FunctionCheck of_mean = checker_.check(representation, stored, mean_code.data(), check);
+      if (of_mean.trouble(check) < result.check.trouble(check)) tryFrom(mean_code, steps);
+      return;
+    }
     if (!theta0.empty()) tryFrom(theta0, steps);
     for (uint64_t seed = 1; seed <= kRandomStarts && representation.isNetwork(); ++seed) {
       tryFrom(randomTheta(representation, seed), steps);
