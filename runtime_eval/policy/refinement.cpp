@@ -1,6 +1,7 @@
 #include "runtime_eval/policy/refinement.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/direct.h"
@@ -11,6 +12,16 @@ namespace {
 constexpr int kNestedIterations = 40;    // on every grid, as direct optimisation has them
 constexpr int64_t kMostSteps = 1 << 24;  // of one round, whatever the growth
 constexpr int kRandomStarts = 3;         // tried beside theta0 where a network is stuck
+
+constexpr float kFarOut = 10.0f;  // of a code's number, in deviations of a training set: no level has one
+
+bool isFarOut(const Representation& code, const Theta& theta) {
+  const float* deviation = code.dictionary->deviations();
+  for (size_t k = 0; k < theta.size(); ++k) {
+    if (!(std::abs(theta[k]) <= kFarOut * deviation[k])) return true;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -30,12 +41,10 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
     if (fails()) consider(fitOn(representation, function, from, steps));
   };
   // What is stuck in a poor minimum gets round it from elsewhere; a field from coarse to fine. A code's fits end at one minimum, wherever
-  // they start (docs/lab/training.md), but where all sigmoids are shut: then the mean code, as it stands, is better than where they ended.
+  // they start (docs/lab/training.md), but for starts so far out that all sigmoids are shut: these begin anew at the mean code.
   const auto tryOtherStarts = [&](int steps) {
     if (representation.isCode()) {
-      const Theta mean_code(static_cast<size_t>(representation.thetaCount()), 0.0f);
-      const FunctionCheck of_mean = checker_.check(representation, stored, mean_code.data(), check);
-      if (of_mean.trouble(check) < result.check.trouble(check)) tryFrom(mean_code, steps);
+      if (isFarOut(representation, result.theta)) tryFrom(Theta(result.theta.size(), 0.0f), steps);
       return;
     }
     if (!theta0.empty()) tryFrom(theta0, steps);
