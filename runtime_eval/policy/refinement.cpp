@@ -13,7 +13,7 @@ constexpr int kNestedIterations = 40;    // on every grid, as direct optimisatio
 constexpr int64_t kMostSteps = 1 << 24;  // of one round, whatever the growth
 constexpr int kRandomStarts = 3;         // tried beside theta0 where a network is stuck
 
-constexpr float kFarOut = 10.0f;  // of a code's number, in deviations of a training set: no level has one
+constexpr float kFarOut = 4.0f;  // of a code's number, in deviations of a training set: no level has one
 
 bool isFarOut(const Representation& code, const Theta& theta) {
   const float* deviation = code.dictionary->deviations();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {
@@ -117,6 +118,20 @@ TEST(Refiner, GoesBackToTheta0WhenTheStartIsBroken) {
   FunctionChecker checker;
   EXPECT_LE(result.check.rmse, checker.check(Representation::tentMlp(), sample.view(), theta0.data(), check).rmse);
   for (const float value : result.theta) ASSERT_TRUE(std::isfinite(value));
+}
+
+// All sigmoids are shut there, and no step of a fit leads back.
+TEST(Refiner, BeginsAnewWhereACodeIsFarOut) {
+  Refiner refiner;
+  FunctionChecker checker;
+  const Representation code = Representation::code(sampleDictionary(9, 16, 1));
+  const StoredSample sample = wallSample(9);
+  Theta start(16, 0.0f);
+  start[0] = 1e30f;
+  const double before = checker.check(code, sample.view(), start.data(), {}).blend_rmse;
+  const RefinementResult result = refiner.refine(code, sample.view(), start, {}, {}, {.refine_rounds = 1});
+  EXPECT_LT(result.check.blend_rmse, 0.9 * before);
+  EXPECT_LT(std::abs(result.theta[0]), 1e3f);
 }
 
 TEST(WorstFirst, OrdersFailuresByTroubleThenIndex) {
