@@ -362,8 +362,7 @@ void describe(RenderRequest& r, CLI::App& app) {
       ->capture_default_str();
   app.add_option("--exposure", r.exposure,
                  "factor on radiance. 0: the median luminance of the first method without noise, or else of truth, becomes .18; "
-                 "it stays darker "
-                 "where it is below a ten-thousandth of the scene's brightest source")
+                 "it stays darker where it is below a ten-thousandth of the scene's brightest source")
       ->check(numberIn(0.0, 1e12))
       ->capture_default_str();
   app.add_option("--error-range", r.error_range,

@@ -1,7 +1,7 @@
 // Converts light to colours: exposure and tone of pictures, and the colours of errors.
 //
-// A pixel shows its radiance times the exposure, through Khronos PBR Neutral (neutral_tone.glsl), which loses no light at 1 but bends
-// towards white from .8 on. Then sRGB's transfer.
+// A pixel shows its radiance times the exposure, through Khronos PBR Neutral (neutral_tone.glsl): up to .8 colours lose .04 of their light
+// at most, above they approach 1 and white. Then sRGB's transfer.
 #pragma once
 
 #include "datagen/view/image.h"
