@@ -25,7 +25,7 @@ The light of probes is *point*, gathered where the probe stands; *solved*, least
 
 DDGI takes the back of a double-sided face for a front. RTXGI's shaders go by the hit alone, which leaves rooms of such sheets unlit: in a room whose faces all look outward 35 % of the points in air were unlit, and none are now (RMSE 1.00 → .49; at surfaces 1.00 → .97); in `meeting:0` the RMSE at surfaces falls from .51 to .35 (probes 1 m apart, 256 rays each). The figures below were measured before.
 
-Methods and measures: [formats](formats.md#lightjson). How light is baked: [theory](../theory/light.md). What was tried: [lab](../lab/light.md).
+Methods and measures: [formats](json.md#lightjson). How light is baked: [theory](../theory/light.md). What was tried: [lab](../lab/light.md).
 """
 
 
@@ -272,7 +272,7 @@ def methods_section(by_kind):
 
 SEEN_INTRODUCTION = """
 ## What the eye sees
-Views of every room from where a player stands, drawn by truth and by every method pixel by pixel. Each view is exposed by its own truth. ΔE is the mean HyAB distance in CIE L\\*a\\*b\\* of what is shown: 2.3 is just visible. *Off* is the share of pixels brighter or darker than truth by more than a factor of two, *edges* the same within 10 cm of edges. *Rings* are pixels darker by a third than every truth within 20 cm. A patch of sun smaller than the spacing of the probes is too dark in every grid; engines draw it with shadow maps. How it is measured: [formats](formats.md#viewsjson).
+Views of every room from where a player stands, drawn by truth and by every method pixel by pixel. Each view is exposed by its own truth. ΔE is the mean HyAB distance in CIE L\\*a\\*b\\* of what is shown: 2.3 is just visible. *Off* is the share of pixels brighter or darker than truth by more than a factor of two, *edges* the same within 10 cm of edges. *Rings* are pixels darker by a third than every truth within 20 cm. A patch of sun smaller than the spacing of the probes is too dark in every grid; engines draw it with shadow maps. How it is measured: [formats](json.md#viewsjson).
 
 Measured with `--width 192 --height 108 --most-views 12 --truth-rays 256 --truth-noise .05 --probe-rays 1024 --target-functions`; the defaults take a fraction of the time.
 """
@@ -322,7 +322,7 @@ def scenes_section(scenes):
 
 BLEND_INTRODUCTION = """
 ## Holes, leaks and shares
-Errors of blends by the functions of {ours}, probes {spacing} apart, at points in air and before surfaces. A *hole*: no probe has weight, though some should. A *leak*: probes that should have none hold more than a fifth. *TV*: half of the mean error of shares. In the order *holes; leaks; TV*, in per cent. Bounds: [theory](../theory/math.md#7-errors).
+Errors of blends by the functions of {ours}, probes {spacing} apart, at points in air and before surfaces. A *hole*: no probe has weight, though some should. A *leak*: probes that should have none hold more than a fifth. *TV*: half of the mean error of shares. In the order *holes; leaks; TV*, in per cent. Bounds: [theory](../theory/errors.md).
 """
 
 

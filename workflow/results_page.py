@@ -26,7 +26,7 @@ The *bare tent* is the function of a probe with free space around it; where it i
 *Direct*: the best of long fits from θ₀ (the same start for all functions) and from random starts. *Best known*: the least blend RMSE of any long fit, those from the generator's θ included.
 *Occluded* points are in air, and the probe does not see them.
 
-*Blend RMSE* is the root of the [loss](../theory/math.md#4-the-tiny-networks-their-loss-and-gradient) that every fit minimises, with and without a generator. It weighs points where the probe must not count most, then those that few other probes see. *RMSE* weighs all points alike. Both are over the points of a function that are in air. A function *fails the check* where either is above its threshold. Parentheses hold 95 % intervals, by bootstrap over scenes. Keys: [formats](formats.md#summaryjson). Methods: [error against run time](frontier.md), [stability](stability.md).
+*Blend RMSE* is the root of the [loss](../theory/math.md#4-the-tiny-networks-their-loss-and-gradient) that every fit minimises, with and without a generator. It weighs points where the probe must not count most, then those that few other probes see. *RMSE* weighs all points alike. Both are over the points of a function that are in air. A function *fails the check* where either is above its threshold. Parentheses hold 95 % intervals, by bootstrap over scenes. Keys: [formats](json.md#summaryjson). Methods: [error against run time](frontier.md), [stability](stability.md).
 """
 
 
