@@ -155,29 +155,23 @@ def asked(folder):
     return rows
 
 
-def cell(text):
-    return str(text).replace("|", "\\|")
-
-
 def default_text(row):
-    if "default" not in row:
-        return "required"
-    value = row["default"]
+    value = row.get("default")
     return "" if value is None else f"`{json.dumps(value, ensure_ascii=False)}`"
 
 
 def help_of(row):
-    """The help, with the values that a text or a list may hold."""
-    return row["help"] + (f". Out of {', '.join(row['one_of'])}" if row.get("one_of") else "")
+    """The help, and the values that a text or a list may hold."""
+    return ("" if "default" in row else "required; ") + row["help"] + (f". Values: {', '.join(row['one_of'])}" if row.get("one_of") else "")
 
 
-def table_of(rows):
-    return ["| setting | default | |", "|---|---|---|"] + [f"| `{row['name']}` | {cell(default_text(row))} | {cell(help_of(row))} |" for row in rows] + [""]
+def list_of(rows):
+    return [f"- `{row['name']}`{' = ' if default_text(row) else ''}{default_text(row)}: {help_of(row)}" for row in rows] + [""]
 
 
 def page_of(tool_rows):
     lines = ["# Settings", "",
-             "A configuration such as `pipeline.yaml` is a map of the sections below. A tool reads its own section of the file that `--config` names. Each setting is also a flag, which overrides the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` also prints ranges. Unknown settings and values out of range are refused with file and line.",
+             "A configuration such as `pipeline.yaml` is a map of the sections below. A tool reads its own section of the file that `--config` names. Each setting is also a flag, which overrides the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` also prints ranges. The values below are defaults. Unknown settings and values out of range are refused with file and line.",
              "", "`workflow/settings.py build/release/bin` writes this page, and the test `docs_settings` compares it.", ""]
     known = {}  # a setting as a section has it → that section
     rows = OWN + tool_rows
@@ -198,7 +192,7 @@ def page_of(tool_rows):
             title = [f"**{group}**"] if len(groups) > 1 and group else []
             others = "; ".join(f"as in [{other}](#{other}): " + (f"all {len(names)}" if not new and len(names) > 5 else ", ".join(f"`{name}`" for name in names)) for other, names in same.items())
             lines += [": ".join(title + [others]) + "." if others else title[0], ""] if title or others else []
-            lines += table_of(new) if new else []
+            lines += list_of(new) if new else []
     return "\n".join(lines)
 
 
