@@ -39,8 +39,9 @@ def page(all_results):
     all_hold = all(bad(row) == "0" for row in rows.values()) and not any(entry["failed"] for entry in findings.values())
     shown = lambda head, found: table(head[:2], [row[:2] for row in found]) if all_hold else table(head, found)
     text += "\n## Cases\n" + ("No case fails.\n" if all_hold else "") + shown(["kind", "cases", "failures"], [[name, f"{row['cases']:,}", bad(row)] for name, row in rows.items()])
-    text += "\n## Findings of the first run\nFixed, and repeated by `tests/fault_injection/run.py findings`.\n"
-    return text + shown(["finding", "cases", "failed"], [[name, entry["cases"], entry["failed"]] for name, entry in findings.items()])
+    repeated = sum(entry["cases"] for entry in findings.values())
+    failed = "; ".join(f"{name}: {entry['failed']} of {entry['cases']} fail" for name, entry in findings.items() if entry["failed"])
+    return text + f"\nThe {len(findings)} findings of the first run are repeated by `tests/fault_injection/run.py findings`: {repeated:,} cases, {failed or 'none fails'}.\n"
 
 
 def collect(folder):

@@ -58,10 +58,10 @@ def short_ratio(entry):
 def error_cells(theta, hard):
     blend = theta["blend_rmse"]
     return [with_interval(blend, "mean"), number(blend["p95"]), number(hard["blend_rmse"]["mean"]), number(theta["rmse"]["mean"]), number(theta["rmse_occluded"]["mean"]),
-            percent(theta["share_failing_check"]["value"]), percent(theta["share_fitted"]["value"])]
+            percent(theta["share_failing_check"]["value"])]
 
 
-ERROR_HEAD = ["", "", "blend RMSE: mean", "p95", "hard: mean", "RMSE: mean", "occluded, mean", "fails the check", "share fitted", "µs a function"]
+ERROR_HEAD = ["", "", "blend RMSE: mean", "p95", "hard: mean", "RMSE: mean", "occluded, mean", "fails the check", "µs a function"]
 
 
 def in_training(counts):
@@ -75,7 +75,7 @@ def evaluation_section(split):
     counts = split["functions"]
     text = (f"\n## Evaluation: levels that no generator was trained on\n{counts['held_out']:,} distinct functions of {counts['held_out_scenes']} levels and furnished villas. "
             f"The table covers the {counts['take_theta']:,} that take a θ; {counts['hard']:,} are hard. {in_training(counts)}"
-            f"θ is stored in {split['theta_precision']}. Revision `{split['revision']}`. *Fitted*: [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
+            f"θ is stored in {split['theta_precision']}. Revision `{split['revision']}`. *Fitted*, and the share fitted: [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
     rows = [["bare tent", "", *error_cells(split["tent"]["theta"], split["tent"]["hard"]), "0"]]
     for name, entry in split["representations"].items():
         # fitted differs from stored by rounding alone: the model cards have it
