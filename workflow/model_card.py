@@ -119,12 +119,15 @@ def sizes_section(cards, entries):
     rows = []
     for card in cards:
         entry = entries.get(card["name"])
-        sizes = [f"{size:,}" for size in entry["theta_bytes"].values()] if entry else ["", "", ""]
+        size = f"{entry['theta_bytes']['int8']:,}" if entry else ""
         if entry and "stored_bytes_mean" in entry and card["name"].startswith("code"):
-            sizes[-1] = f"{entry['stored_bytes_mean']:.0f} on average"
-        rows.append([f"`{card['name']}`", f"{card['numbers']:,}", *sizes, microseconds(entry["evaluate_us"]) if entry and "evaluate_us" in entry else "", f"{card['bytes'] / 1000:,.0f} kB", card["dtype"]])
-    return ("\n## Sizes\nBytes of one θ. int8 keeps the last layers of networks, and whole product fields, in float16.\n"
-            + table(["", "numbers", "bytes in float32", "in float16", "in int8", "µs for one θ at 8,192 points", "file", "matrices in"], rows))
+            size = f"{entry['stored_bytes_mean']:.0f} on average"
+        rows.append([f"`{card['name']}`", f"{card['numbers']:,}", size, microseconds(entry["evaluate_us"]) if entry and "evaluate_us" in entry else "", f"{card['bytes'] / 1000:,.0f} kB"])
+    return ("\n## Sizes\nNumbers of one θ, and its bytes in int8, which keeps the last layers of networks, and whole product fields, in float16.\n"
+            + table(["", "numbers", "bytes", "µs for one θ at 8,192 points", "weights file"], rows))
+
+
+SHOWN_STAGES = ("network", "fitted", "stored")
 
 
 def errors_section(names, results):
@@ -134,10 +137,10 @@ def errors_section(names, results):
         entry = evaluation["representations"][name]
         theta = {word: entry[word]["theta"] for word in STAGES}
         to_best = entry["sample"]["ratios"]["stored"]["to_best_known"] if "sample" in entry else None
-        rows.append([f"`{name}`", *(number(theta[word]["blend_rmse"]["mean"]) for word in STAGES), number(theta["stored"]["rmse"]["mean"]),
+        rows.append([f"`{name}`", *(number(theta[word]["blend_rmse"]["mean"]) for word in SHOWN_STAGES), number(theta["stored"]["rmse"]["mean"]),
                      percent(theta["stored"]["share_failing_check"]["value"]), share(theta["fitted"]["share_fitted"]), microseconds(theta["stored"]["us_per_function"]), ratio(to_best["median"]) if to_best else "", verdicts[name].verdict if name in verdicts else ""])
     counts = evaluation["functions"]
-    head = ["", *(f"{word}, mean" for word in STAGES), "stored, mean RMSE", "fails the check", "share fitted", "µs a function", "stored over best known, median", "[by our rule](../docs/guide/training.md#may-it-ship)"]
+    head = ["", *(f"{word}, mean" for word in SHOWN_STAGES), "stored, mean RMSE", "fails the check", "share fitted", "µs a function", "stored over best known, median", "[by our rule](../docs/guide/training.md#may-it-ship)"]
     return (f"\n## Errors\nOf the {counts['take_theta']:,} functions that take a θ in {counts['held_out_scenes']} levels and villas that no generator was trained on. Errors are blend RMSEs unless stated. Revision `{evaluation['revision']}`. "
             "[Words, and more](../docs/reference/results.md#words).\n" + table(head, rows))
 
@@ -162,14 +165,14 @@ def training_section(cards):
     # options come and go: those of a card that has one are compared
     values = {key: [card["options"][key] for card in cards if key in card["options"]] for key in keys}
     common = [key for key in keys if len({json.dumps(value) for value in values[key]}) == 1 and len(values[key]) > 1]
-    titles = {"configuration": "Configuration", "functions": "Distinct functions", "training_set": "Training set", "shards": "Data", "scenes": "Scenes"}
+    titles = {"configuration": "Configuration", "functions": "Distinct functions", "training_set": "Training set", "shards": "Data", "scenes": "Scenes", "revision": "Revision"}
     shown = lambda value: f"{value:,}" if isinstance(value, int) else str(value)
     text = "\n## How they were trained\n" + "".join(f"- {title}: {shown(cards[0][key])}\n" for key, title in titles.items() if shared(key))
-    text += "- Options of all that have them: " + ", ".join(f"{key} {values[key][0]}" for key in common) + "\n"
+    text += "- Options besides those below: the weights file holds them (`training_options`)\n"
     rest = [key for key in titles if not shared(key)]
-    rows = [[f"`{card['name']}`", *(shown(card[key]) for key in rest), *(card["options"].get(key, "") for key in keys if key not in common), card["minutes"], f"{card['samples_per_s']:,}", f"`{card['revision']}`",
+    rows = [[f"`{card['name']}`", *(shown(card[key]) for key in rest), *(card["options"].get(key, "") for key in keys if key not in common), card["minutes"], f"{card['samples_per_s']:,}",
              f"{card['parity_theta']:.1e}", f"{card['rounding_blend_rmse']:+.1e}" if "rounding_blend_rmse" in card else f"{card['rounding_rmse']:+.1e} RMSE"] for card in cards]
-    text += table(["", *(key.replace("_", " ") for key in rest), *(key for key in keys if key not in common), "minutes", "samples/s", "revision", "parity", "rounding"], rows)
+    text += table(["", *(key.replace("_", " ") for key in rest), *(key for key in keys if key not in common), "minutes", "samples/s", "parity", "rounding"], rows)
     return text + (f"\n*Parity*: the largest difference between θ of libtorch and of the evaluator, over {cards[0]['parity_functions']:,} functions. "
                    "*Rounding*: what float16 changes of the mean blend RMSE over them, or, where it says so, of the mean RMSE.\n")
 

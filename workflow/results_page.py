@@ -42,7 +42,7 @@ def with_interval(q, key):
 
 
 def share(entry):
-    if entry["low"] == entry["value"] == entry["high"]:
+    if percent(entry["low"]) == percent(entry["high"]):
         return percent(entry["value"])
     return percent(entry["value"]) + spread(entry["low"], entry["high"], percent)
 
