@@ -113,14 +113,7 @@ def validation_section(split):
 def frontier_section(front):
     counts = front["functions"]
     text = (f"\n## Error against run time\n{counts['theta']:,} functions of the evaluation that take a θ, {counts['hard']:,} of them hard. {front['front_sentences'].get('theta', '')} "
-            f"[How it is measured](frontier.md). Revision `{front['revision']}`.\n\n![Error against run time](../images/error_against_time.png)\n")
-    rows = []
-    members = [(name, point) for name, ways in front["points"].items() for point in ways.values() if point["figures"]["theta"]["on_front"]]
-    for name, point in sorted(members, key=lambda member: member[1]["figures"]["theta"]["us_median"]):
-        theta, hard = point["figures"]["theta"], point["figures"]["hard"]
-        label = f"bake, after: {point['label']}" if point["family"] == "stages" else point["label"]
-        rows.append([f"`{name}`", label, microseconds(theta["us_median"]), number(theta["blend_rmse_mean"]), number(hard["blend_rmse_mean"]) if hard else "", percent(theta["share_failing_check"])])
-    text += table(["", "", "µs a function, median", "blend RMSE: mean", "hard: mean", "fails the check"], rows)
+            f"[How it is measured](frontier.md); `docs/results/{MAIN}.json` has all ways. Revision `{front['revision']}`.\n\n![Error against run time](../images/error_against_time.png)\n")
     return text + speed_section(front)
 
 
