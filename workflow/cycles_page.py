@@ -26,14 +26,14 @@ workflow/cycles/compare.py                                        # a table of r
 workflow/results.py collect-cycles out/cycles                     # this page
 ```
 
-A room is 4 × 3 × 2.6 m, of closed boxes, with a crate in it. Two thirds of the sample points are in its air, with any normal; one third 2 cm before a surface, with its normal. Cycles bakes on squares of 2 mm that rays pass and that are not exported.
+A room is 4 × 3 × 2.6 m, of closed boxes, with a crate in it. Two thirds of the sample points are in its air, with any normal; one third 2 cm before a surface.
 """
 SETTINGS = """
 ## What makes both comparable
-- **Materials** are exported as Principled BSDF, which is not Lambertian at any roughness. Cycles uses diffuse, transparent and emission nodes with the same images instead.
+- **Materials** are exported as Principled BSDF, which is never Lambertian. Cycles uses diffuse, transparent and emission nodes with the same images instead.
 - **Cycles**: filter glossy, clamping, the light threshold, adaptive sampling and denoising are off; 64 bounces of every kind. Emissive meshes are met by paths alone (`sample_as_light` off), because light sampling of 3.4 is biased by 1 % against a closed form.
 - **Images** are large: between texels Cycles averages sRGB codes, glTF linear light. The fence's alpha has only 0 and 1.
-- **White**: no surface reflects more than .9, to which nlg clamps (`light/light_transport.cpp`).
+- **White**: no surface reflects more than .9, to which nlg clamps.
 - **Lamps and suns** have the exporter's default [unit](../theory/light.md#units), which nlg detects. The world is not exported; `--sky` sets it.
 """
 
@@ -55,7 +55,7 @@ def page(all_results):
     inside = sum(LOW <= ratio <= HIGH for ratio in ratios)
     first = next(iter(scenes.values()))
     text = INTRODUCTION + f"\nOf revision `{results['revision']}` and Blender {results['blender']}: {first['places']:,} sample points; {first['runs']} bakes of {first['samples']:,} samples; {first['runs']} runs of {first['rays']:,} rays.\n"
-    text += f"\n## Irradiance over Cycles'\nRatios of the means, with their standard errors. {inside} of {len(ratios)} lie from {number(LOW, 2)} to {number(HIGH, 2)}. *Points differ*: root mean square of the difference at a point over that of Cycles, in the channel where it is largest; in parentheses the share of both sides' noise in it.\n"
+    text += f"\n## Irradiance over Cycles'\nRatios of the means, with their standard errors. {inside} of {len(ratios)} lie from {number(LOW, 2)} to {number(HIGH, 2)}. *Points differ*: RMS of the difference at a point over that of Cycles, in the channel where it is largest; in parentheses, noise's share.\n"
     return text + table(["scene", *CHANNELS, "points differ"], [row(name, scenes[name]) for name in SCENES]) + SETTINGS
 
 

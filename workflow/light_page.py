@@ -6,12 +6,13 @@ NAME = "light"
 OURS = "tent_mlp4"  # what nlg-bake takes without being told
 GROUPS = ("air", "surface", "turned")
 KIND_TITLES = {"all": "All scenes", "levels": "Levels", "furnished": "Furnished scenes", "daylight": "Daylit rooms", "boxes": "Test boxes"}
+SHOWN_KINDS = ("levels", "furnished", "daylight")
 LIGHT_ORDER = ("point", "own", "solved")
 BOX_BYTES = {8: 1000, 729: 60000}  # by probes
 SHOWN_SPACING = "1m"
-UNSHOWN_METHODS = {"tetrahedra": ("point", "solved"), "DDGI's weights": ("point", "solved"), "valid trilinear": ("solved",), "APV": ("solved",), "exact visibility": ("point",), "target functions": ("point",), OURS: ("point",)}
+UNSHOWN_METHODS = {"tetrahedra": ("point", "solved"), "DDGI's weights": ("point", "solved"), "valid trilinear": ("solved",), "APV": ("solved",), "exact visibility": ("point",), "target functions": ("point",), OURS: ("point",), "DDGI as shipped": ("own",)}
 MOST_THINNED = .1  # in the table of thinning
-SHOWN_THINNED = (.03, .06)  # in tables of methods; what is thinned to more is for budgets of bytes
+SHOWN_THINNED = (.06,)  # in tables of methods
 
 INTRODUCTION = """# Light
 
@@ -126,7 +127,7 @@ def speed_rows(results):
 def targets_section(results):
     found = results["targets"]
     front, most, unlit, outside = found["front"], found["per_probe"], found["unlit_largest"], found["outside_largest"]
-    rows = [box_row(found["box"])] if found["box"] else []
+    rows = [box_row(found["box"])] if found["box"] and any(entry["probes"] in BOX_BYTES for entry in found["box"].values()) else []
     rows += [["points of storable baselines that one of ours matches in error at no more bytes", "all", f"{front['met']:,} of {front['of']:,}; the others: {missed_text(front)}", reached(front["met"] == front["of"] if front["of"] else None)],
              ["unlit air, and air outside the tree: largest of all scenes", "≤ .05 %; 0", f"{percent(unlit)}; {percent(outside)}", reached(unlit <= .0005 and outside == 0)],
              ["bytes a live probe, everything (talk: 236 to 339)", "≤ 60", f"{most['least']:.0f} to {most['most']:.0f}", reached(most["most"] <= 60)]]
@@ -241,7 +242,7 @@ def behind_by_scene(by_scene, scenes):
 def indirect_section(results):
     found = results["indirect"]
     places = next(iter(found["scenes"].values()))["places"]
-    kinds = [kind for kind in KIND_TITLES if kind in found["methods"]]
+    kinds = [kind for kind in SHOWN_KINDS if kind in found["methods"]]
     front = found["front"]
     text = INDIRECT_INTRODUCTION + f"\nRevision {', '.join(f'`{revision}`' for revision in found['revisions'])}; {len(found['scenes'])} scenes, {places['air']:,} points in air of each and {places['surface']:,} before surfaces. Ours is `{results['ours']}` with solved light. **Bold** reaches the target.\n"
     text += table(*indirect_rows(found))
@@ -254,7 +255,7 @@ def indirect_section(results):
 
 def methods_section(by_kind):
     """All light: a row a method; empty where nothing was measured at SHOWN_SPACING."""
-    kinds = [kind for kind in ("levels", "furnished", "daylight") if SHOWN_SPACING in by_kind.get(kind, {})]
+    kinds = [kind for kind in SHOWN_KINDS if SHOWN_SPACING in by_kind.get(kind, {})]
     if not kinds:
         return ""
 
@@ -299,6 +300,8 @@ def seen_section(results):
     percents = lambda value: number(100 * value, 1)
     rows = []
     for slug, name, light in dict.fromkeys((slug, entry["name"], entry["light"]) for methods in found["methods"].values() for slug, entry in methods.items()):
+        if light in UNSHOWN_METHODS.get(name, ()):
+            continue
         entries = [found["methods"][kind].get(slug) for kind in kinds]
         rows.append([name, light, *("; ".join([number(entry["all"]["hyab"], 1), percents(entry["all"]["off_2"]), percents(entry["edge"]["off_2"]) if "edge" in entry else "", percents(entry["all"]["ringing"])])
                                     if entry else "" for entry in entries)])
