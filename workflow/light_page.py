@@ -149,6 +149,8 @@ def thinning_section(found, explained=True):
     ratios = lambda entry, keys: "; ".join(number(entry[key]["value"], 2) for key in keys)
     spacings, before = (found[kinds[0]][key] for key in ("spacings_m", "bytes_before"))
     rows = [[f"{entry['name'].split(', ')[1]}: bytes; errors", "", *(ratios(found[kind]["thinned"][slug], ("bytes", *THINNED_ERRORS)) for kind in kinds)] for slug, entry in found[kinds[0]]["thinned"].items() if float(entry["name"].rsplit(" ", 1)[1]) <= MOST_THINNED]
+    if explained:  # of indirect light: as of all light, below
+        rows = []
     for way, what, targets in (("over_whole", "bytes at equal error, over the whole grid 1 m apart", {}), ("over_before", f"the same, over {before} bytes a probe", THINNED_KINDS)):
         cells = []
         for kind in kinds:
@@ -157,9 +159,9 @@ def thinning_section(found, explained=True):
             cells.append(f"**{text}**" if limit and all(value <= limit for value in values) else text)
         rows.append([what, "; ".join(f"≤ {number(targets[kind], 1)}" if targets[kind] else "" for kind in kinds if targets).strip("; "), *cells])
     if not explained:
-        return "\n### For fewer bytes\nAs of indirect light, above.\n" + table(["", "target", *(KIND_TITLES[kind].lower() for kind in kinds)], rows)
-    return ("\n### For fewer bytes\n[Thinned](../guide/bake.md#fewer-bytes-for-this-light) grids over the whole one, probes 1 m apart: bytes, then errors *air; surface; turned; relative error in air*. Below, the bytes at equal error, "
-            f"of all grids with probes {', '.join(f'{spacing:g}' for spacing in spacings[:-1])} and {spacings[-1]:g} m apart, whole and thinned. Geometric means over scenes. Targets are over a grid of {before} bytes a probe.\n"
+        return "\n### For fewer bytes\n[Thinned](../guide/bake.md#fewer-bytes-for-this-light) grids over the whole one, probes 1 m apart: bytes, then errors *air; surface; turned; relative error in air*; then bytes at equal error, as above.\n" + table(["", "target", *(KIND_TITLES[kind].lower() for kind in kinds)], rows)
+    return (f"\n### Bytes at equal error\nBytes for the errors *air; surface; turned; relative error in air*, of all grids with probes {', '.join(f'{spacing:g}' for spacing in spacings[:-1])} and {spacings[-1]:g} m apart, whole and "
+            f"[thinned](../guide/bake.md#fewer-bytes-for-this-light). Geometric means over scenes.\n"
             + table(["", "target", *(KIND_TITLES[kind].lower() for kind in kinds)], rows))
 
 

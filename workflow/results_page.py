@@ -61,7 +61,7 @@ def error_cells(theta, hard):
             percent(theta["share_failing_check"]["value"])]
 
 
-ERROR_HEAD = ["", "", "blend RMSE: mean", "p95", "hard: mean", "RMSE: mean", "occluded, mean", "fails the check", "µs a function"]
+ERROR_HEAD = ["", "blend RMSE: mean", "p95", "hard: mean", "RMSE: mean", "occluded, mean", "fails the check", "µs a function"]
 
 
 def in_training(counts):
@@ -75,12 +75,10 @@ def evaluation_section(split):
     counts = split["functions"]
     text = (f"\n## Evaluation: levels that no generator was trained on\n{counts['held_out']:,} distinct functions of {counts['held_out_scenes']} levels and furnished villas. "
             f"The table covers the {counts['take_theta']:,} that take a θ; {counts['hard']:,} are hard. {in_training(counts)}"
-            f"θ is stored in {split['theta_precision']}. Revision `{split['revision']}`. *Fitted*, and the share fitted: [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
-    rows = [["bare tent", "", *error_cells(split["tent"]["theta"], split["tent"]["hard"]), "0"]]
+            f"θ is stored in {split['theta_precision']}. Revision `{split['revision']}`. The table is of *stored* θ; *network*, *fitted* and the share fitted are in the [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
+    rows = [["bare tent", *error_cells(split["tent"]["theta"], split["tent"]["hard"]), "0"]]
     for name, entry in split["representations"].items():
-        # fitted differs from stored by rounding alone: the model cards have it
-        words = [word for word in ("network", "corrected", "stored") if word != "corrected" or entry[word]["theta"]["rmse"] != entry["network"]["theta"]["rmse"]]
-        rows += [[f"`{name}`" if word == STAGES[0] else "", word, *error_cells(entry[word]["theta"], entry[word]["hard"]), microseconds(entry[word]["theta"]["us_per_function"])] for word in words]
+        rows.append([f"`{name}`", *error_cells(entry["stored"]["theta"], entry["stored"]["hard"]), microseconds(entry["stored"]["theta"]["us_per_function"])])
     text += table(ERROR_HEAD, rows) + "\n![Slices through weighting functions: target, stored, difference, geometry](../images/slices.png)\n"
     return text + sample_section(split)
 
@@ -98,8 +96,8 @@ def sample_section(split):
         to_best = {word: entry["ratios"][word]["to_best_known"] for word in STAGES}
         mean = lambda word: number(entry[word]["theta"]["blend_rmse"]["mean"])
         rows.append([f"`{name}`", mean("stored"), mean("direct"), mean("best_known"), microseconds(entry["direct"]["theta"]["us_per_function"]),
-                     *(short_ratio(to_best[word]["median"]) for word in STAGES[:-1]), short_ratio(to_best["stored"]["median"]), short_ratio(to_best["stored"]["median_hard"])])
-    return text + table(["", "stored", "direct", "best known", "direct, µs a function", "over best known: network", "corrected", "fitted", "stored", "stored, hard"], rows)
+                     *(short_ratio(to_best[word]["median"]) for word in ("network", "fitted", "stored")), short_ratio(to_best["stored"]["median_hard"])])
+    return text + table(["", "stored", "direct", "best known", "direct, µs a function", "over best known: network", "fitted", "stored", "stored, hard"], rows)
 
 
 def validation_section(split):
