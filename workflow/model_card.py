@@ -155,24 +155,23 @@ def counted_scenes(text):
     return ", ".join(families + ([f"levels {levels} (`docs/results/weights.json` names them)"] if levels else []))
 
 
+SHOWN_OPTIONS = ("steps", "batch", "learning_rate")
+
+
 def training_section(cards):
     """What the cards have in common once, and a table of what differs."""
     # "308 scenes, 820 shards" differ where the scenes themselves, which fill lines, do not
     cards = [{**card, **dict(zip(("shards", "scenes"), card["scenes"].split(": ", 1)))} for card in cards]
     cards = [{**card, "scenes": counted_scenes(card.get("scenes", ""))} for card in cards]
     shared = lambda key: len({json.dumps(card[key]) for card in cards}) == 1
-    keys = list(dict.fromkeys(key for card in cards for key in card["options"]))
-    # options come and go: those of a card that has one are compared
-    values = {key: [card["options"][key] for card in cards if key in card["options"]] for key in keys}
-    common = [key for key in keys if len({json.dumps(value) for value in values[key]}) == 1 and len(values[key]) > 1]
     titles = {"configuration": "Configuration", "functions": "Distinct functions", "training_set": "Training set", "shards": "Data", "scenes": "Scenes", "revision": "Revision"}
     shown = lambda value: f"{value:,}" if isinstance(value, int) else str(value)
     text = "\n## How they were trained\n" + "".join(f"- {title}: {shown(cards[0][key])}\n" for key, title in titles.items() if shared(key))
-    text += "- Options besides those below: the weights file holds them (`training_options`)\n"
+    text += "- Options: the weights files hold all (`training_options`)\n"
     rest = [key for key in titles if not shared(key)]
-    rows = [[f"`{card['name']}`", *(shown(card[key]) for key in rest), *(card["options"].get(key, "") for key in keys if key not in common), card["minutes"], f"{card['samples_per_s']:,}",
+    rows = [[f"`{card['name']}`", *(shown(card[key]) for key in rest), *(card["options"].get(key, "") for key in SHOWN_OPTIONS), card["minutes"], f"{card['samples_per_s']:,}",
              f"{card['parity_theta']:.1e}", f"{card['rounding_blend_rmse']:+.1e}" if "rounding_blend_rmse" in card else f"{card['rounding_rmse']:+.1e} RMSE"] for card in cards]
-    text += table(["", *(key.replace("_", " ") for key in rest), *(key for key in keys if key not in common), "minutes", "samples/s", "parity", "rounding"], rows)
+    text += table(["", *(key.replace("_", " ") for key in rest), *SHOWN_OPTIONS, "minutes", "samples/s", "parity", "rounding"], rows)
     return text + (f"\n*Parity*: the largest difference between θ of libtorch and of the evaluator, over {cards[0]['parity_functions']:,} functions. "
                    "*Rounding*: what float16 changes of the mean blend RMSE over them, or, where it says so, of the mean RMSE.\n")
 
