@@ -20,7 +20,7 @@ INTRODUCTION = """# Reliability
 - **memory**: more than a scene may take, or a sanitizer's finding;
 - **wrong ending**: an exit code not in `tool/error.h`, not exactly one line, or control characters on stderr.
 
-*Kills* are SIGKILL at one system call, or at a random moment of a pipeline. *Injected errors* fail one call, or all from there on, or cut a read or write short. *Damage*: flipped bits, zeroed words, cuts, appended, swapped and lost bytes, and FIFOs, folders, links and devices in place of files. For JSON, CSV and YAML the ending is judged; changed files of a run are found by its record (*artefacts of a run*). *Hostile scenes* are mutated from small ones of every format.
+*Kills* are SIGKILL at one system call, or at a random moment of a pipeline. *Injected errors* fail one call, or all from there on, or cut a read or write short. *Damage*: changed, cut, appended, swapped and lost bytes, and FIFOs, folders, links and devices in place of files. *Hostile scenes* are mutated from small ones of every format.
 """
 
 

@@ -22,7 +22,7 @@ A *generator* predicts θ, the parameters of a representation, from a weighting 
 - **fitted**: after all steps of Adam or Levenberg–Marquardt that the bake takes.
 - **stored**: what the grid holds, rounded, with bare tents.
 
-*Share fitted*: functions that took such a step, kept or not. *Bare tent*: the function of a probe in free space; where it is accurate enough, a bake stores no θ. *Hard*: functions whose bare tent has an RMSE of .01 or more. *Direct*: the best of long fits from θ₀ (the same start for all functions) and from random starts. *Best known*: the least blend RMSE of any long fit, those from the generator's θ included. *Occluded*: points in air that the probe does not see.
+*Share fitted*: functions that took such a step, kept or not. *Bare tent*: the function of a probe in free space; where it is accurate enough, a bake stores no θ. *Hard*: functions whose bare tent has an RMSE of .01 or more. *Direct*: the best of long fits from θ₀ (the same for all functions) and from random starts. *Best known*: the best of any long fit, those from the generator's θ included. *Occluded*: points in air that the probe does not see.
 
 *Blend RMSE* is the root of the [loss](../theory/math.md#4-the-tiny-networks-their-loss-and-gradient) that every fit minimises. It weighs most the points where the probe must not count, then those that few other probes see. *RMSE* weighs all points in air alike. A function *fails the check* if either is above its threshold. Parentheses hold 95 % intervals, by bootstrap over scenes. Definitions: [errors](../theory/errors.md). Keys: [summary.json](json.md#summaryjson).
 """
@@ -132,7 +132,7 @@ def fastest_fit(speed):
 def speed_section(front):
     """Like with like: both sides minimise the one loss, and what fails stands beside both."""
     text = ("\n### Speed at equal error\n*Times as long*: the fastest fit without a generator to the same mean blend RMSE, over the network alone, and over the bake's *fitted*. Below 1 the fit without it is faster. "
-            "At equal means the shares that fail the check may differ.\n")
+            "\n")
     rows = []
     for name, words in front["speed_at_equal_error"].items():
         for word in ("network", "fitted"):
