@@ -157,7 +157,7 @@ def asked(folder):
 
 def default_text(row):
     value = row.get("default")
-    return "" if value is None else f"`{json.dumps(value, ensure_ascii=False)}`"
+    return "" if value is None else f" (`{json.dumps(value, ensure_ascii=False)}`)"
 
 
 def help_of(row):
@@ -166,12 +166,12 @@ def help_of(row):
 
 
 def list_of(rows):
-    return [f"- `{row['name']}`{' = ' if default_text(row) else ''}{default_text(row)}: {help_of(row)}" for row in rows] + [""]
+    return [f"- `{row['name']}`{default_text(row)}: {help_of(row)}" for row in rows] + [""]
 
 
 def page_of(tool_rows):
     lines = ["# Settings", "",
-             "A configuration such as `pipeline.yaml` is a map of the sections below. A tool reads its own section of the file that `--config` names. Each setting is also a flag, which overrides the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` also prints ranges. The values below are defaults. Unknown settings and values out of range are refused with file and line.",
+             "A configuration such as `pipeline.yaml` is a map of the sections below. A tool reads its own section of the file that `--config` names. Each setting is also a flag, which overrides the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` also prints ranges. Parentheses hold defaults. Unknown settings and values out of range are refused with file and line.",
              "", "`workflow/settings.py build/release/bin` writes this page, and the test `docs_settings` compares it.", ""]
     known = {}  # a setting as a section has it → that section
     rows = OWN + tool_rows
