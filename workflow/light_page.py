@@ -317,7 +317,7 @@ def scenes_section(scenes):
     noise = max(scenes.values(), key=lambda entry: entry["truth"]["noise"])
     floors = "; ".join(f"{group} {number(min(values), 3)} to {number(max(values), 3)}" for group in GROUPS for values in [[entry["floor"][group] for entry in scenes.values()]])
     places = next(iter(scenes.values()))["truth"]["places"]
-    return (f"\n## Scenes\n{places['air']:,} points in air of each and {places['surface']:,} before surfaces: {', '.join(sorted(entry['name'] for entry in scenes.values()))}. Truth's noise is at most "
+    return (f"\n## Scenes\n{', '.join(sorted(entry['name'] for entry in scenes.values()))}; {places['air']:,} points in air of each and {places['surface']:,} before surfaces. Truth's noise is at most "
             f"{percent(noise['truth']['noise'])} of its root mean square ({noise['name']}). Harmonics gathered at the sample point itself, a lower bound for probes, err: {floors}.\n")
 
 

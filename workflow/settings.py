@@ -40,8 +40,8 @@ def own(section, name, kind, help_text, **more):
 
 OWN = [
     own("", "name", "text", "name of the run, whose results are written to `out/NAME`. `\"\"`: the name of `scenes.folder`", default=""),
-    own("", "effort", "text", "`full`: the section `full` overrides the other sections", one_of=["short", "full"], default="short"),
-    own("", "full", "map", "options of other sections, which `effort: full` uses. The report of a short run says what it leaves out", default={}),
+    own("", "effort", "text", "with `full` the section `full` overrides the others", one_of=["short", "full"], default="short"),
+    own("", "full", "map", "options of other sections, for `effort: full`. The report of a short run says what it leaves out", default={}),
     own("", "representations", "any", "representations that get a generator ([names](formats.md#all-files)): a list, or a map from each to its own options of the section `train`"),
     own("", "init", "text", "folder of weights, `REPRESENTATION.safetensors`, from which training starts. Their basis and shape override the options of `train`", default=""),
     own("", "data", "text", "name of another run whose data set, basis and function cache are used, and made if they are missing. `scenes`, `split`, `datagen` and `basis` must be equal in both", default=""),
