@@ -137,11 +137,11 @@ def errors_section(names, results):
         entry = evaluation["representations"][name]
         theta = {word: entry[word]["theta"] for word in STAGES}
         to_best = entry["sample"]["ratios"]["stored"]["to_best_known"] if "sample" in entry else None
-        rows.append([f"`{name}`", *(number(theta[word]["blend_rmse"]["mean"]) for word in SHOWN_STAGES), number(theta["stored"]["rmse"]["mean"]),
-                     percent(theta["stored"]["share_failing_check"]["value"]), share(theta["fitted"]["share_fitted"]), microseconds(theta["stored"]["us_per_function"]), ratio(to_best["median"]) if to_best else "", verdicts[name].verdict if name in verdicts else ""])
+        rows.append([f"`{name}`", *(number(theta[word]["blend_rmse"]["mean"]) for word in SHOWN_STAGES),
+                     percent(theta["stored"]["share_failing_check"]["value"]), percent(theta["fitted"]["share_fitted"]["value"]), microseconds(theta["stored"]["us_per_function"]), ratio(to_best["median"]) if to_best else "", verdicts[name].verdict if name in verdicts else ""])
     counts = evaluation["functions"]
-    head = ["", *(f"{word}, mean" for word in SHOWN_STAGES), "stored, mean RMSE", "fails the check", "share fitted", "µs a function", "stored over best known, median", "[by our rule](../docs/guide/training.md#may-it-ship)"]
-    return (f"\n## Errors\nOf the {counts['take_theta']:,} functions that take a θ in {counts['held_out_scenes']} levels and villas that no generator was trained on. Errors are blend RMSEs unless stated. Revision `{evaluation['revision']}`. "
+    head = ["", *(f"{word}, mean" for word in SHOWN_STAGES), "fails the check", "share fitted", "µs a function", "stored over best known, median", "[by our rule](../docs/guide/training.md#may-it-ship)"]
+    return (f"\n## Errors\nOf the {counts['take_theta']:,} functions that take a θ in {counts['held_out_scenes']} levels and villas that no generator was trained on. Errors are blend RMSEs. Revision `{evaluation['revision']}`. "
             "[Words, and more](../docs/reference/results.md#words).\n" + table(head, rows))
 
 
