@@ -21,7 +21,7 @@ import sys
 from pathlib import Path
 
 from results_collect import STAGES, dump, fail, read_json
-from results_page import judgements, ratio, share, table
+from results_page import judgements, ratio, table
 from results_quotes import MAIN, microseconds, number, percent
 from tool.atomic_file import write_atomically
 from tool.errors import CHECK_FAILED

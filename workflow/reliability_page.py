@@ -12,13 +12,13 @@ INTRODUCTION = """# Reliability
 
 `tests/fault_injection/run.py` injects faults into every tool and the whole pipeline; the same seed gives the same cases. Failures are
 
-- **torn**: a file under its final name is not whole, a restart gives other bytes than an undisturbed run, or somebody else's file was changed;
-- **left behind**: a temporary or useless file stays;
+- **torn**: an incomplete file under its final name, other bytes after a restart, or a change to somebody else's file;
+- **left behind**: a temporary file stays;
 - **hang**: a tool exceeds its time;
 - **silently accepted**: a reader succeeds on altered bytes, or a tool without its result;
 - **traceback or abort**: a signal, an assertion or an uncaught exception;
 - **memory**: more than a scene may take, or a sanitizer's finding;
-- **wrong ending**: an exit code not in `tool/error.h`, not exactly one line, or control characters on stderr.
+- **wrong ending**: an undocumented exit code, not exactly one line, or control characters on stderr.
 
 *Kills* are SIGKILL at one system call, or at a random moment of a pipeline. *Injected errors* fail one call, or all from there on, or cut a read or write short. *Damage*: changed, cut, appended, swapped and lost bytes, and FIFOs, folders, links and devices in place of files. *Hostile scenes* are mutated from small ones of every format.
 """
