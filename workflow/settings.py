@@ -29,7 +29,6 @@ OTHER_TOOLS = ["nlg-cache", "nlg-view", "nlg-render", "nlg-render irradiance", "
 MOST_IN_HELP = 12
 
 FAMILIES = ["house", "maze", "colonnade", "stairs", "clutter", "outdoor", "cave", "kitchen", "gallery", "meeting"]
-REPRESENTATIONS = ["mlp", "tent_mlp", "tent_mlp44", "tent_mlp4", "pf3", "pf5", "pf7", "pf9", "code16", "code32", "code48", "code64", "code128"]
 MAX_SHARDS = 1000000
 
 
