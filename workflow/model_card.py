@@ -173,7 +173,7 @@ def training_section(cards):
              f"{card['parity_theta']:.1e}", f"{card['rounding_blend_rmse']:+.1e}" if "rounding_blend_rmse" in card else f"{card['rounding_rmse']:+.1e} RMSE"] for card in cards]
     text += table(["", *(key.replace("_", " ") for key in rest), *SHOWN_OPTIONS, "minutes", "samples/s", "parity", "rounding"], rows)
     return text + (f"\n*Parity*: the largest difference between θ of libtorch and of the evaluator, over {cards[0]['parity_functions']:,} functions. "
-                   "*Rounding*: what float16 changes of the mean blend RMSE over them, or, where it says so, of the mean RMSE.\n")
+                   "*Rounding*: what float16 changes of their mean blend RMSE.\n")
 
 
 def page(all_results):

@@ -74,8 +74,8 @@ def in_training(counts):
 def evaluation_section(split):
     counts = split["functions"]
     text = (f"\n## Evaluation: levels that no generator was trained on\n{counts['held_out']:,} distinct functions of {counts['held_out_scenes']} levels and furnished villas. "
-            f"The table covers the {counts['take_theta']:,} that take a θ; {counts['hard']:,} are hard. {in_training(counts)}"
-            f"θ is stored in {split['theta_precision']}. Revision `{split['revision']}`. The table is of *stored* θ; *network*, *fitted* and the share fitted are in the [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
+            f"The table shows *stored* θ of the {counts['take_theta']:,} that take one, in {split['theta_precision']}; {counts['hard']:,} are hard. {in_training(counts)}"
+            f"Revision `{split['revision']}`. *Network*, *fitted* and the share fitted: [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
     rows = [["bare tent", *error_cells(split["tent"]["theta"], split["tent"]["hard"]), "0"]]
     for name, entry in split["representations"].items():
         rows.append([f"`{name}`", *error_cells(entry["stored"]["theta"], entry["stored"]["hard"]), microseconds(entry["stored"]["theta"]["us_per_function"])])
@@ -131,8 +131,7 @@ def fastest_fit(speed):
 
 def speed_section(front):
     """Like with like: both sides minimise the one loss, and what fails stands beside both."""
-    text = ("\n### Speed at equal error\n*Times as long*: the fastest fit without a generator to the same mean blend RMSE, over the network alone, and over the bake's *fitted*. Below 1 the fit without it is faster. "
-            "\n")
+    text = ("\n### Speed at equal error\n*Times as long*: the fastest fit without a generator to the same mean blend RMSE, over the network alone, and over the bake's *fitted*. Below 1 the fit without it is faster.\n")
     rows = []
     for name, words in front["speed_at_equal_error"].items():
         for word in ("network", "fitted"):
