@@ -29,6 +29,7 @@ OTHER_TOOLS = ["nlg-cache", "nlg-view", "nlg-render", "nlg-render irradiance", "
 MOST_IN_HELP = 12
 
 FAMILIES = ["house", "maze", "colonnade", "stairs", "clutter", "outdoor", "cave", "kitchen", "gallery", "meeting"]
+REPRESENTATIONS = ["mlp", "tent_mlp", "tent_mlp44", "tent_mlp4", "pf3", "pf5", "pf7", "pf9", "code16", "code32", "code48", "code64", "code128"]
 MAX_SHARDS = 1000000
 
 
@@ -56,7 +57,7 @@ OWN = [
     own("split", "seed", "integer", "seed of that choice", min=0, default=1),
     own("split", "evaluation", "texts", "patterns of names of further held-out scenes, on which the published figures are measured ([the split](../guide/levels.md#the-split))", default=[]),
     own("report", "stability", "text", "stability cases to run. `short` leaves out training", one_of=["short", "full", "long"], default="full"),
-    own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights, to measure what the bake leaves out. Default: the first scene of each split", default=None),
+    own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights, to measure what the bake leaves out. `[]`: none. Default: the first scene of each split", default=None),
     own("validate_light", "scenes", "texts", "scenes, as for nlg-bake, whose light is measured with each generator and the section `bake`", default=[]),
     own("validate_light", "spacings", "numbers", "finest probe spacings, metres", min=0.01, max=1000.0, default=[1.0]),
 ]
