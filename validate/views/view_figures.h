@@ -43,6 +43,9 @@ struct ViewTruth {
   double colour_noise = 0.0;  // HyAB between truth and truth plus one standard deviation, the mean
 
   bool isKnown() const { return median_noise <= kMostNoise; }  // well enough to hold answers against
+  // a hollow where truth is black everywhere is no picture that a player sees: whatever leaks into it would outweigh the lit views
+  bool isLit() const { return median > 0.0; }
+  bool isCounted() const { return isKnown() && isLit(); }
 };
 
 // Median luminance of the irradiance of receivers that are not black; 0 where all are.

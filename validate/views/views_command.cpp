@@ -86,9 +86,11 @@ class ViewsMeasurement {
     }
     for (size_t v = 0; v < ready_.size(); ++v) {
       ready_[v].truth = truthOf(ready_[v].surfaces, std::move(traced[v].at), brightest, threads_);
-      known_views_ += ready_[v].truth.isKnown();
+      counted_views_ += ready_[v].truth.isCounted();
     }
-    if (known_views_ == 0)
+    if (std::none_of(ready_.begin(), ready_.end(), [](const ReadyView& view) { return view.truth.isLit(); }))
+      throw InputError(request.scene, "light", "light in a view or more", fmt::format("none in {}", ready_.size()));
+    if (counted_views_ == 0)
       throw InputError(request.scene, "truth", fmt::format("a view whose noise is at most {:.2f}", kMostNoise),
                        fmt::format("none of {}; raise --truth-rays", ready_.size()));
   }
@@ -122,27 +124,27 @@ class ViewsMeasurement {
   }
 
   std::string table() const {
-    std::string text = viewsTable(scene_.source.id, ofKnown(), meanOf(&ViewTruth::colour_noise));
-    if (known_views_ < ready_.size())
-      text +=
-          fmt::format("{} of {} views are not counted: their truth is not known\n", ready_.size() - known_views_, ready_.size());
+    std::string text = viewsTable(scene_.source.id, ofCounted(), meanOf(&ViewTruth::colour_noise));
+    if (counted_views_ < ready_.size())
+      text += fmt::format("{} of {} views are not counted: light does not reach them, or their truth is too noisy\n",
+                          ready_.size() - counted_views_, ready_.size());
     return text;
   }
 
  private:
   double meanOf(double ViewTruth::*noise) const {
     double sum = 0.0;
-    for (const ReadyView& view : ready_) sum += view.truth.isKnown() ? view.truth.*noise : 0.0;
-    return sum / static_cast<double>(known_views_);
+    for (const ReadyView& view : ready_) sum += view.truth.isCounted() ? view.truth.*noise : 0.0;
+    return sum / static_cast<double>(counted_views_);
   }
 
-  // Of views whose truth is known, what means are made of.
-  std::vector<MeasuredViews> ofKnown() const {
+  // Of views that means are made of.
+  std::vector<MeasuredViews> ofCounted() const {
     std::vector<MeasuredViews> methods;
     for (const MeasuredViews& method : measured_) {
       MeasuredViews& known = methods.emplace_back(MeasuredViews{method.weights, method.light, {}});
       for (size_t v = 0; v < ready_.size(); ++v) {
-        if (ready_[v].truth.isKnown()) known.views.push_back(method.views[v]);
+        if (ready_[v].truth.isCounted()) known.views.push_back(method.views[v]);
       }
     }
     return methods;
@@ -205,7 +207,9 @@ class ViewsMeasurement {
     return {
         fmt::format("view {}, room {}{}", view + 1, views_.views[view].room + 1, views_.views[view].has_roof ? "" : ", no roof"),
         fmt::format("noise {:.1f} %, ", 100.0 * truth.median_noise) +
-            (truth.isKnown() ? fmt::format("HyAB {:.1f}", truth.colour_noise) : "not counted")};
+            (!truth.isLit()     ? "no light, not counted"
+             : !truth.isKnown() ? "not counted"
+                                : fmt::format("HyAB {:.1f}", truth.colour_noise))};
   }
 
   // That of the figures, which is truth's; where truth is not known, that of what has no noise.
@@ -227,11 +231,11 @@ class ViewsMeasurement {
     Json json = {
         {"rooms", {{"count", views_.rooms}, {"without_floor", views_.rooms_without_floor}, {"left_out", views_.rooms_left_out}}},
         {"truth",
-         {{"views", known_views_},
+         {{"views", counted_views_},
           {"noise", meanOf(&ViewTruth::noise)},
           {"noise_median", meanOf(&ViewTruth::median_noise)},
           {"hyab_noise", meanOf(&ViewTruth::colour_noise)}}},
-        {"methods", methodsJson(ofKnown())},
+        {"methods", methodsJson(ofCounted())},
         {"views", Json::array()}};
     std::vector<Image> rows;
     for (size_t v = 0; v < ready_.size(); ++v) {
@@ -247,7 +251,7 @@ class ViewsMeasurement {
       json["views"].push_back(std::move(view));
     }
     if (!rows.empty()) {
-      const std::string heading = fmt::format("{}, probes {:g} m apart", scene_.source.id, options_.spacing_m);
+      const std::string heading = fmt::format("{}, probes {:g} m apart", scene_.source.id, scene_.tree.frame().spacing_m);
       json["sheet"] = drawn(fileWord(scene_.source.id), contactSheet(rows, heading));
     }
     return json;
@@ -260,7 +264,7 @@ class ViewsMeasurement {
   LightTransport transport_;
   SceneViews views_;
   std::vector<ReadyView> ready_;                         // by view
-  size_t known_views_ = 0;                               // whose truth is known
+  size_t counted_views_ = 0;                               // whose truth is known
   std::vector<MeasuredViews> measured_;                  // by method
   size_t grid_count_ = 0;                                // of these, the first
   std::map<size_t, std::vector<ShownMethod>> pictures_;  // by view, all methods
@@ -303,7 +307,7 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
   Json json = {{"schema_version", 1},
                {"provenance", provenance("nlg-validate views", used, hashes)},
                {"scene", scene.source.id},
-               {"spacing_m", options.spacing_m}};
+               {"spacing_m", scene.tree.frame().spacing_m}};
   json.update(measurement.measure(sets));
   writeFileAtomically(request.out, json.dump(1) + "\n");
   std::cout << measurement.table() << request.out << '\n';
@@ -320,6 +324,7 @@ int viewsMain(int argc, char** argv) {
       "nlg-validate views"};
   Request request;
   BakeOptions options;
+  options.spacing_m = 0.0;  // chosen by the scene, as nlg-bake does
   OptionTable table("bake");
   describe(options, table);
   table.common({"weights", "spacing_m", "grids_only", "target_functions", "pictures", "most_views", "truth_rays", "threads"});

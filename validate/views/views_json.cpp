@@ -96,7 +96,8 @@ Json viewJson(const SceneView& view, const ViewTruth& truth, const std::vector<M
                  {"noise", truth.noise},
                  {"noise_median", truth.median_noise},
                  {"hyab_noise", truth.colour_noise},
-                 {"is_known", truth.isKnown()}}},
+                 {"is_known", truth.isKnown()},
+                 {"is_lit", truth.isLit()}}},
                {"methods", Json::array()}};
   for (const MeasuredViews& method : methods)
     json["methods"].push_back(byClassJson(method.weights, method.light, method.views[number]));
