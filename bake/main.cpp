@@ -16,7 +16,6 @@
 #include "bake/again/relight.h"
 #include "bake/bake_plan.h"
 #include "bake/bake_report.h"
-#include "bake/default_weights.h"
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
 #include "bake/probe_list.h"

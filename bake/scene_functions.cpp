@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "bake/bake_plan.h"
-#include "bake/blend_targets.h"
+#include "bake/blend_error.h"
 #include "datagen/probes/probe_placement.h"
 #include "light/air.h"
 #include "runtime_eval/evaluator/projection.h"

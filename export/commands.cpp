@@ -3,14 +3,14 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "export/engine/engine_export.h"
+#include "export/engine/engine_format.h"
 #include "export/shader/shader_export.h"
 #include "export/used_by/used_by.h"
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator_data.h"
 #include "tool/file_info.h"
+#include "tool/input_file.h"
 #include "tool/provenance.h"
-#include "tool/require_read.h"
 
 namespace nlg {
 namespace {

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <vector>
 
-#include "light/baked_light.h"
 #include "light/directions.h"
 #include "light/emitters.h"
 #include "light/sunlight.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/image/surface_look.h"
-#include "scene/lights/luminance.h"
+#include "scene/lights/scene_light.h"
 #include "tool/error.h"
 
 namespace nlg {

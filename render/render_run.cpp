@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "datagen/view/image.h"
 #include "datagen/view/legend.h"
-#include "datagen/view/png_file.h"
 #include "light/air.h"
 #include "render/camera.h"
 #include "render/lit_picture.h"

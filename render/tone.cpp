@@ -5,7 +5,7 @@
 
 #include "datagen/view/legend.h"
 #include "scene/image/surface_look.h"
-#include "scene/lights/luminance.h"
+#include "scene/lights/scene_light.h"
 
 namespace nlg {
 namespace {

@@ -17,7 +17,7 @@
 
 #include "tool/atomic_file.h"
 #include "tool/error.h"
-#include "tool/nearest_name.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {

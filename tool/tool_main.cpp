@@ -18,7 +18,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
-#include "tool/nearest_name.h"
 #include "tool/options.h"
 #include "tool/printable.h"
 #include "tool/provenance.h"

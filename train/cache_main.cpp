@@ -10,8 +10,8 @@
 #include "tool/output_path.h"
 #include "tool/tool_main.h"
 #include "train/basis/basis_file.h"
+#include "train/generator/function_cache.h"
 #include "train/generator/function_cache_writer.h"
-#include "train/generator/lost_pages.h"
 
 namespace nlg {
 namespace {

@@ -7,7 +7,7 @@
 #include "tool/tool_main.h"
 #include "validate/commands.h"
 #include "validate/generators/validation.h"
-#include "validate/stability/stability_command.h"
+#include "validate/stability/stability_case.h"
 
 namespace nlg {
 namespace {

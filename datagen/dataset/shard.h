@@ -56,7 +56,7 @@ inline constexpr uint64_t kShardVersion = 2;
 inline constexpr uint64_t kChunkFunctions = 32;
 
 // Writes the shard atomically: deflate and Fletcher-32 a chunk, SHA-256 over the file, no time stamps: the same shard gives the
-// same bytes. For shards that fit in memory; ShardWriter (shard_writer.h) takes the others. throws OutputError
+// same bytes. For shards that fit in memory; ShardWriter (shard_file.h) takes the others. throws OutputError
 void writeShard(const std::string& path, const Shard& shard);
 
 // Reads a shard back, checks every shape against the attributes, the checksums and the SHA-256 against the bytes.

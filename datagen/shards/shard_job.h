@@ -5,7 +5,7 @@
 #include <string>
 
 #include "datagen/dataset/shard.h"
-#include "datagen/dataset/shard_writer.h"
+#include "datagen/dataset/shard_file.h"
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
 #include "datagen/shards/function_pipeline.h"

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -67,5 +68,15 @@ void paste(Image& image, const Image& inset, int x, int y);
 
 // The picture at half the size; every pixel is the mean of four. Width and height are even.
 Image halved(const Image& image);
+
+// Writes pictures as PNG files.
+
+// By keyword: 1 to 79 letters, digits and spaces.
+using PngTexts = std::map<std::string, std::string>;
+
+// Writes the picture, 8 bits RGB, whole or not at all; no time stamp: the same picture and texts give the same bytes.
+// texts    UTF-8, for people: one chunk (iTXt, not compressed) each, before the pixels
+// throws   OutputError
+void writePng(const std::string& path, const Image& image, const PngTexts& texts = {});
 
 }  // namespace nlg

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "export/engine/sh_texture.h"
+#include "export/engine/light_volume.h"
 #include "export/shader/shader_export.h"
 #include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
+#include "tool/input_file.h"
 #include "tool/output_path.h"
-#include "tool/require_read.h"
 #include "tool/tool_main.h"
 
 namespace nlg {

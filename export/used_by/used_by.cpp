@@ -14,7 +14,6 @@
 #include "tool/error.h"
 #include "tool/input_file.h"
 #include "tool/output_path.h"
-#include "tool/require_read.h"
 #include "tool/tool_main.h"
 
 namespace nlg {

@@ -1,4 +1,4 @@
-#include "runtime_eval/evaluator/evaluate_point.h"
+#include "runtime_eval/evaluator/evaluate.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "runtime_eval/evaluator/parity_transform.h"
+#include "runtime_eval/evaluator/projection.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/evaluator/parity_transform.cpp"

@@ -1,4 +1,4 @@
-#include "runtime_eval/fit/code_loss.h"
+#include "runtime_eval/fit/loss_kernel.h"
 
 #include <algorithm>
 

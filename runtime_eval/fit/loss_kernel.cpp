@@ -1,9 +1,6 @@
 #include "runtime_eval/fit/loss_kernel.h"
 
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/code_loss.h"
-#include "runtime_eval/fit/field_loss.h"
-#include "runtime_eval/fit/network_loss.h"
 
 namespace nlg {
 

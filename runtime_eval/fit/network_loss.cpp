@@ -1,5 +1,5 @@
-#include "runtime_eval/fit/network_loss.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/fit/loss_kernel.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime_eval/probe_tree/probe_tree_numbering.h"
+#include "runtime_eval/probe_tree/probe_tree_data.h"
 
 namespace nlg {
 

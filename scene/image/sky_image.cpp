@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "scene/lights/luminance.h"
 #include "scene/lights/scene_light.h"
 
 namespace nlg {

@@ -5,7 +5,7 @@
 #include "scene/interiors/furnisher.h"
 #include "scene/interiors/interiors.h"
 #include "scene/interiors/recipes.h"
-#include "scene/procedural/columns.h"
+#include "scene/procedural/building.h"
 
 namespace nlg {
 namespace {

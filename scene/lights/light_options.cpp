@@ -10,7 +10,7 @@
 
 #include "runtime_eval/light_grid/packed_light.h"
 #include "scene/image/sky_file.h"
-#include "scene/lights/light_groups.h"
+#include "scene/lights/light_sets.h"
 #include "tool/error.h"
 
 namespace nlg {

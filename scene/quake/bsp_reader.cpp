@@ -16,7 +16,7 @@
 #include "scene/quake/bsp_shader.h"
 #include "scene/quake/pk3_archive.h"
 #include "scene/scene_budget.h"
-#include "scene/solid/free_standing.h"
+#include "scene/solid/closed_shells.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 

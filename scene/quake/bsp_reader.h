@@ -25,7 +25,7 @@ struct BspLevel {
 // The level's polygons, meshes (models that its compiler built in) and patches, these tessellated to within 4 cm; one unit is
 // 0.0254 m; (x, y, z) of the file, z up, becomes (x, z, -y). Left out and counted: dropped_faces.
 // The level itself is one SceneObject for each connected component ("worldspawn/7"), movable when it stands free
-// (free_standing.h); behind them stands a movable one for each submodel that has triangles, named by its entity ("func_door *3"),
+// (closed_shells.h); behind them stands a movable one for each submodel that has triangles, named by its entity ("func_door *3"),
 // where that places it.
 //
 // Its light is that of docs/reference/quake3_light.md: baked light from lightmaps and vertices, faces of sky, lamps and

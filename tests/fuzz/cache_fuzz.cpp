@@ -8,7 +8,6 @@
 
 #include "tests/fuzz/fuzz.h"
 #include "tool/atomic_file.h"
-#include "train/generator/cache_layout.h"
 #include "train/generator/function_cache.h"
 
 namespace nlg::fuzz {

@@ -7,7 +7,7 @@
 #include "runtime_eval/weights_file/safetensors_layout.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
-#include "tool/require_read.h"
+#include "tool/input_file.h"
 
 namespace nlg {
 namespace {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -13,12 +14,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include <unistd.h>
+
 #include "nlg/policy.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
-#include "train/generator/cache_layout.h"
 
 namespace nlg {
 namespace {
@@ -47,6 +49,20 @@ uint64_t wholeNumber(const std::string& path, const nlohmann::json& json, const 
   if (!value.is_number_unsigned() || value.get<uint64_t>() > most)
     throw InputError(path, key, "a whole number from 0 to " + std::to_string(most), value.dump().substr(0, 40));
   return value.get<uint64_t>();
+}
+
+// made before the signal comes: a handler may neither allocate nor lock
+std::string& lastLine() {
+  static std::string line;
+  return line;
+}
+const char* line_data = nullptr;
+size_t line_count = 0;
+
+void endProcess(int) {
+  // nothing is left to do where not even that line can be written
+  if (::write(STDERR_FILENO, line_data, line_count) < 0) ::_exit(static_cast<int>(ExitCode::internal_error));
+  ::_exit(static_cast<int>(ExitCode::input_error));
 }
 
 }  // namespace
@@ -185,6 +201,16 @@ std::vector<uint32_t> cacheOrder(int64_t count) {
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
   return order;
+}
+
+void endWhenPagesVanish(const std::string& tool, const std::string& path) {
+  const InputError error(path, "mapped pages", "a file that stays as it is while it is read",
+                         "one that was shortened, or a disk that failed");
+  std::signal(SIGBUS, SIG_DFL);
+  lastLine() = tool + ": error: " + error.what() + "\n";
+  line_data = lastLine().data();
+  line_count = lastLine().size();
+  std::signal(SIGBUS, endProcess);
 }
 
 }  // namespace nlg

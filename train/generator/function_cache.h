@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "nlg/support.h"
 #include "runtime_eval/support/weighting_function.h"
 
 namespace nlg {
@@ -76,5 +77,30 @@ float tentRmse(const StoredFunction& function);
 // It depends on count alone. Leaving out every number from some n on gives cacheOrder(n), so that a set which grows at its end
 // keeps the order of the functions that it had.
 std::vector<uint32_t> cacheOrder(int64_t count);
+
+// Layout of a function cache, shared by its reader and writer (docs/reference/formats.md, "Function cache").
+
+inline constexpr char kCacheMagic[8] = {'n', 'l', 'g', 'c', 'a', 'c', 'h', 'e'};
+inline constexpr uint64_t kCacheVersion = 2;
+inline constexpr size_t kFirstRecord = 4096;  // a page: records begin on one
+
+// The first bytes of the file; zeros up to kFirstRecord. Little-endian, as everything in the file.
+struct CacheHead {
+  char magic[8];
+  uint64_t version;
+  uint64_t footer_first;   // byte where the footer begins; it ends with the file
+  char footer_sha256[64];  // hexadecimal
+};
+
+// phi, validity, sums of the blend, coefficients
+inline constexpr size_t recordBytes(int coefficient_count) {
+  return 2 * kSupportPointCount + kValidityByteCount + sizeof(float) * static_cast<size_t>(coefficient_count);
+}
+
+// Turns the loss of a memory-mapped file's pages (file truncated, disk failure) into an error.
+
+// From now on SIGBUS, by which the system says that a mapped page is no longer there, ends the process with input_error and the one
+// line "TOOL: error: PATH: ...", instead of killing it without a word. Whatever was saved before stays. Calls replace each other.
+void endWhenPagesVanish(const std::string& tool, const std::string& path);
 
 }  // namespace nlg

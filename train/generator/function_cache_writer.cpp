@@ -14,7 +14,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/progress.h"
-#include "train/generator/cache_layout.h"
+#include "train/generator/function_cache.h"
 
 namespace nlg {
 namespace {

@@ -9,9 +9,8 @@
 #include "runtime_eval/fit/direct.h"
 #include "tool/error.h"
 #include "tool/progress.h"
-#include "train/generator/dictionary_loss.h"
-#include "train/generator/function_loss.h"
 #include "train/generator/loss_guard.h"
+#include "train/generator/theta_stages.h"
 
 namespace nlg {
 namespace {

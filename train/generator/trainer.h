@@ -15,7 +15,6 @@
 #include "train/generator/sample_order.h"
 #include "train/generator/theta_stages.h"
 #include "train/generator/training_data.h"
-#include "train/generator/window_loader.h"
 
 namespace nlg {
 

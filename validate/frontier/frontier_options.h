@@ -2,9 +2,9 @@
 #pragma once
 
 #include "tool/options.h"
-#include "validate/frontier/fit_points.h"
 #include "validate/frontier/front.h"
 #include "validate/frontier/interleaved.h"
+#include "validate/frontier/timed_policy.h"
 
 namespace nlg {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/scene_bake.h"
-#include "datagen/view/png_file.h"
+#include "datagen/view/image.h"
 #include "light/air.h"
 #include "light/methods/method_set.h"
 #include "render/place_picture.h"

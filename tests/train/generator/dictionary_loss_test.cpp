@@ -1,4 +1,4 @@
-#include "train/generator/dictionary_loss.h"
+#include "train/generator/theta_stages.h"
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>

@@ -1,4 +1,4 @@
-#include "validate/frontier/chosen_functions.h"
+#include "validate/frontier/interleaved.h"
 
 #include <gtest/gtest.h>
 
