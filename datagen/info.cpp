@@ -13,8 +13,8 @@
 #include "nlg/policy.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/atomic_file.h"
+#include "tool/command/file_info.h"
 #include "tool/error.h"
-#include "tool/file_info.h"
 #include "tool/printable.h"
 
 namespace nlg {

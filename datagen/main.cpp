@@ -11,9 +11,9 @@
 #include "datagen/commands.h"
 #include "datagen/view/view.h"
 #include "scene/scene_budget.h"
-#include "tool/file_info.h"
+#include "tool/command/file_info.h"
+#include "tool/command/tool_main.h"
 #include "tool/output_path.h"
-#include "tool/tool_main.h"
 
 namespace nlg {
 namespace {

@@ -7,8 +7,8 @@
 #include "export/shader/shader_export.h"
 #include "export/used_by/used_by.h"
 #include "nlg/generator.h"
-#include "runtime_eval/evaluator/generator_data.h"
-#include "tool/file_info.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
+#include "tool/command/file_info.h"
 #include "tool/input_file.h"
 #include "tool/provenance.h"
 

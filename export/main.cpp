@@ -17,14 +17,14 @@
 #include "export/onnx_file/onnx_file.h"
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tool/atomic_file.h"
-#include "tool/file_info.h"
+#include "tool/command/file_info.h"
+#include "tool/command/tool_main.h"
 #include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
-#include "tool/tool_main.h"
-#include "train/generator/trainer.h"
+#include "train/generator/run/trainer.h"
 #include "train/torch_threads.h"
 
 namespace nlg {

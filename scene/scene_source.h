@@ -10,7 +10,7 @@
 #include "scene/image/image_loader.h"
 #include "scene/scene.h"
 #include "scene/solid/transmissive.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 

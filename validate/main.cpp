@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "bake/policy_options.h"
-#include "tool/tool_main.h"
+#include "tool/command/tool_main.h"
 #include "validate/commands.h"
 #include "validate/generators/validation.h"
 #include "validate/stability/stability_case.h"

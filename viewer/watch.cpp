@@ -24,10 +24,10 @@
 #include "bake/again/own_files.h"
 #include "bake/again/relight.h"
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
 #include "tool/error.h"
 #include "tool/output_path.h"
 #include "tool/printable.h"
-#include "tool/tool_main.h"
 #include "viewer/child_process.h"
 
 namespace nlg {

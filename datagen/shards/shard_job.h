@@ -15,7 +15,7 @@
 #include "datagen/weighting/weighting_builder.h"
 #include "scene/jitter.h"
 #include "scene/scene_source.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 

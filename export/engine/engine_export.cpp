@@ -14,10 +14,10 @@
 #include "export/shader/shader_export.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
 #include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
-#include "tool/tool_main.h"
 
 namespace nlg {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "nlg/generator.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 
 namespace nlg {
 

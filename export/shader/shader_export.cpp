@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
 #include "tool/input_file.h"
 #include "tool/output_path.h"
-#include "tool/tool_main.h"
 
 namespace nlg {
 namespace {

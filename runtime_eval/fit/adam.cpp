@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/flush_subnormals.h"
 #include "runtime_eval/numbers/random.h"

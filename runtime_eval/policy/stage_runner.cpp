@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 #include "runtime_eval/numbers/flush_subnormals.h"
 #include "runtime_eval/policy/fit_stages.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "scene/scene.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 

@@ -1,7 +1,7 @@
 // Options of nlg-validate frontier: section `frontier` of pipeline.yaml.
 #pragma once
 
-#include "tool/options.h"
+#include "tool/command/options.h"
 #include "validate/frontier/front.h"
 #include "validate/frontier/interleaved.h"
 #include "validate/frontier/timed_policy.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 #include "tool/error.h"
 
 namespace nlg {

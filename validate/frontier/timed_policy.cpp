@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "runtime_eval/evaluator/generator/projection.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
 #include "runtime_eval/numbers/random.h"

@@ -13,7 +13,7 @@
 
 #include "datagen/dataset/function_set.h"
 #include "nlg/generator.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 
 namespace nlg {
 

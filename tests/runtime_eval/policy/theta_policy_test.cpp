@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/policy/stage_plan.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 #include "validate/generators/populations.h"
 
 namespace nlg {
