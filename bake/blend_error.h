@@ -14,7 +14,7 @@
 
 namespace nlg {
 
-// Sample points of a scene, with the target weights of the 8 probes around each .
+// Sample points of a scene, with the target weights of the 8 probes around each.
 //
 // Points are in air: in cells that hold some, where a known place in air of the cell sees them. A probe's *target weight* is its tent
 // (with its tent_ratio) where its eye sees the point, by a ray; elsewhere what diffusion brought there, as a share of the tent: the

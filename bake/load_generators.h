@@ -1,4 +1,4 @@
-// Loads the generators of several weights files.
+// Finds the weights that ship with the project, and loads generators.
 #pragma once
 
 #include <string>
@@ -17,8 +17,6 @@ struct LoadedGenerators {
 // In whatever order the files are named.
 // throws   InputError naming a file and what the reader says of it; UsageError when two are of one representation
 LoadedGenerators loadGenerators(const std::vector<std::string>& paths);
-
-// Finds the weights that ship with the project, for bakes without --weights.
 
 // Where shipped weights may lie, in the order in which they are looked for: the folder of the environment variable NLG_WEIGHTS and
 // no other when it is set; otherwise share/neural-light-grid/weights of the installation that this program belongs to. A build folder

@@ -83,9 +83,7 @@ class Emitters {
   std::vector<uint32_t> patch_at_;    // by these and part: the patch; 0xffffffff for a part that is dark
 };
 
-// Looks up light that a level's compiler stored on a surface (lightmaps, vertex light).
-
-// Light on a triangle at the weights u and v of its second and third corner; bilinear between texels, whose centres stand at
+// Light that a level's compiler stored (lightmaps, vertex light) on a triangle at the weights u and v of its second and third corner; bilinear between texels, whose centres stand at
 // halves. What leaves the surface is this times its base colour.
 //
 // scene   with baked light

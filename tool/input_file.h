@@ -62,9 +62,7 @@ class OneFileEach {
   std::map<std::string, std::string> path_of_;
 };
 
-// Turns a failed read of weights or a light grid into a tool's error.
-
-// Returns when the file was read. Of one that names no digest it says so (sayUnchecked).
+// Returns when the file was read, weights or a light grid. Of one that names no digest it says so (sayUnchecked).
 // expected   what the file should have been: "a light grid"
 // throws     InputError with the result's status and detail; DamageError where the file's own bytes prove that it is damaged
 void requireRead(const std::string& path, const FileResult& result, const std::string& expected);

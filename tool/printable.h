@@ -45,9 +45,7 @@ std::string bytesText(double bytes);
 // "2.3 s" below ten seconds, then "22 s", "3 min 05 s", "2 h 07 min".
 std::string durationText(double seconds);
 
-// Suggests the name that a misspelt one was meant to be.
-
-// The known name that differs from the given one by the fewest letters, the first of several; none where the fewest are more than
+// What a misspelt name was meant to be: the known one that differs from the given one by the fewest letters, the first of several; none where the fewest are more than
 // one, and more than a third of that name's.
 std::optional<std::string> nearestName(const std::string& name, const std::vector<std::string>& known);
 

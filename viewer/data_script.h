@@ -47,8 +47,6 @@ class DataScript {
   nlohmann::ordered_json arrays_ = nlohmann::ordered_json::object();
 };
 
-// Images, vertex colours and transmissive surfaces of a scene, for the page's shaders.
-
 // Adds what a scene has of these; nothing where it has none:
 //   base_places, emissive_places   by vertex, two numbers; vertex_colours: four
 //   material_looks                 by material, five numbers: the base image (0: none, else its layer from 1) and its wrapping

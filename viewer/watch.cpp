@@ -37,7 +37,6 @@ namespace {
 //
 // They are asked after, not listened to: what the kernel tells of a file (inotify) it does not tell of shared and network folders, and
 // programs that save by renaming put another file in its place. Asking after some hundred files takes a millisecond.
-
 class WatchedFiles {
  public:
   // Takes these files in place of the ones before, as they are now; of those that were watched already what is known of them stays.

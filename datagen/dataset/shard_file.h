@@ -34,8 +34,6 @@ class ShardReader {
   Shard header_;
 };
 
-// Writes a shard piece by piece, so that it need not fit in memory.
-
 // Up to kChunkFunctions functions as they lie in the file.
 struct EncodedFunctions {
   uint64_t function_count = 0;
@@ -46,6 +44,7 @@ struct EncodedFunctions {
 // at the same time.
 EncodedFunctions encodeFunctions(const FunctionRows& rows, uint64_t first, uint64_t count);
 
+// Piece by piece, so that a shard need not fit in memory.
 class ShardWriter {
  public:
   // Creates path: the temporary name of writeAtomically.

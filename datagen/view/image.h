@@ -69,8 +69,6 @@ void paste(Image& image, const Image& inset, int x, int y);
 // The picture at half the size; every pixel is the mean of four. Width and height are even.
 Image halved(const Image& image);
 
-// Writes pictures as PNG files.
-
 // By keyword: 1 to 79 letters, digits and spaces.
 using PngTexts = std::map<std::string, std::string>;
 

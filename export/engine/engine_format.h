@@ -76,9 +76,7 @@ struct ResamplingError {
 std::optional<ResamplingError> resamplingError(const LightGrid& grid, const LightBox* box, const EngineIrradiance& irradiance,
                                                int64_t wanted);
 
-// The command `nlg-export engine`: writes a light grid as files that engines load.
-
-// nlg-export engine --grid GRID --format FORMAT --out FOLDER
+// The command nlg-export engine --grid GRID --format FORMAT --out FOLDER
 int engineMain(int argc, char** argv);
 
 }  // namespace nlg

@@ -60,7 +60,6 @@ auto newOf(const py::handle&, const py::object& source) {
 }
 
 // The classes of the Python module nlg.
-
 void addLightGridClass(pybind11::module_& module);
 void addGeneratorClass(pybind11::module_& module);
 

@@ -26,8 +26,6 @@ struct Tetrahedron {
 // returns   none when there are fewer than 5 points, or Qhull finds them flat
 std::vector<Tetrahedron> delaunay(const std::vector<glm::dvec3>& points);
 
-// Delaunay tetrahedra of points in space, by Qhull. Only this code uses Qhull.
-
 inline constexpr uint32_t kNoTetrahedron = 0xffffffffu;
 
 struct Tetrahedron {

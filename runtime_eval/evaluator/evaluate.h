@@ -1,4 +1,4 @@
-// Evaluates one theta at many points.
+// Evaluates one theta at many points, or at one: look-ups evaluate 8 thetas at one point each.
 #pragma once
 
 #include "nlg/representation.h"
@@ -15,9 +15,6 @@ double evaluateReference(const Representation& representation, const LocalPoint&
 
 // Of any network, whether or not it is one of kNetworks.
 double evaluateNetworkReference(const NetworkKind& network, double slope, const LocalPoint& point, const double* theta);
-
-// Evaluates a representation at one point, for look-ups that evaluate 8 thetas at one point each; evaluate.h evaluates one
-// theta at many points.
 
 // phi at a point of [-1, 1]³, not clamped. Takes no memory.
 // theta   D floats

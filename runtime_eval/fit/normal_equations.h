@@ -39,7 +39,7 @@ class NormalEquationsKernel {
 //
 // A point depends on the 8 nodes of its cell, so that J^T J is a band: nodes are numbered x fastest, and those of one cell lie at
 // most 1 + r + r² apart.
-
+//
 // order      cellOrder(r); function is in it
 // theta      2 r³ floats
 // equations  hessian of 2 r³ rows and bandwidth 2 (1 + r + r²) + 1

@@ -18,7 +18,6 @@ namespace nlg {
 
 // Limits the memory of a light grid while it is read, by the bytes of its file: a few kilobytes of coded bytes could ask for a
 // million probes. A writer lengthens a file whose grid would need more.
-
 inline constexpr uint64_t kSmallGridFile = 1'000'000;
 // 48 MB, and 8 times its bytes, a file of less than 1 MB may ask for; for each byte more 256.
 constexpr uint64_t mostGridMemory(uint64_t file_bytes) {

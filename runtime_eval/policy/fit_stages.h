@@ -14,7 +14,6 @@ namespace nlg {
 
 // The correction: solves the last layer exactly for each function, in networks with a linear output whose weights ask for it.
 // No iterative fit. docs/theory/math.md §6.
-
 class LastLayerStage : public StageRun {
  public:
   // generator   with exactLastLayer()

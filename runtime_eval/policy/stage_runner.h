@@ -10,9 +10,7 @@
 
 namespace nlg {
 
-// Records of the stages for measurements, beside their result.
-
-// Copies of theta at the words before the last: count x D each, of the functions that take a theta, in their order. Where a larger
+// For measurements: copies of theta at the words before the last: count x D each, of the functions that take a theta, in their order. Where a larger
 // representation was taken, they are of the smallest.
 struct ThetaTrace {
   std::vector<float> network, corrected;

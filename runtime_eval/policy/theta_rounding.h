@@ -22,7 +22,6 @@ struct RoundedTheta {
 // ignores how they work together. Here they are rounded one after another, and each is first set to where it is best, given the ones
 // before it and the best of all that follow: Babai's nearest plane (1986), as GPTQ has it for layers (Frantar et al. 2023).
 // docs/theory/math.md §5; what it gains: docs/lab/training.md.
-
 struct Compensation {
   UnitSteps most;
   // Of each diagonal entry of H, added to it: the less, the further numbers move to make up for others, and the further H leads astray.

@@ -16,7 +16,6 @@ namespace nlg {
 
 // Numbers the probes of a tree: bricks, and one number for every lattice point that a used cell reads. Internal to
 // ProbeTree::build and the reader of files.
-
 class ProbeTreeNumbering {
  public:
   // tree   its frame and nodes are there, but for first_slot; slots and probes are empty. Outlives this

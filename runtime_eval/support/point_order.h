@@ -12,8 +12,6 @@
 
 namespace nlg {
 
-// Points in the layout of vector kernels, and the strata of the support pattern.
-
 inline constexpr int kStratumCount = 8;
 inline constexpr int kStratumPointCount = kSupportPointCount / kStratumCount;
 inline constexpr int kMinibatchPointCount = kStratumPointCount / 4;

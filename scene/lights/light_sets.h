@@ -1,4 +1,4 @@
-// Light sets: several states of a level's light, such as day and night, in one grid, which an engine mixes.
+// Light groups, which an engine dims, colours and switches, and light sets: several states of a level's light, such as day and night, in one grid, which an engine mixes.
 //
 // A light set's light is one group of the grid's, of the set's name; or, where its own lights fall into groups (light_sets.h), as many,
 // each named SET/GROUP. A grid begins with the first set.
@@ -12,8 +12,6 @@
 #include "scene/scene_source.h"
 
 namespace nlg {
-
-// Groups a scene's lights into those that an engine can dim, colour and switch.
 
 // Sorts all that shines into scene->light.groups, which it makes anew: sky first, then suns, lamps, emission, a level's own light.
 //

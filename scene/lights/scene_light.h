@@ -15,9 +15,7 @@
 
 namespace nlg {
 
-// Luminance of a colour.
-
-// Of linear red, green and blue by ITU-R BT.709.
+// Luminance of linear red, green and blue by ITU-R BT.709.
 inline float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
 
 // Radiance from beyond everything: a gradient from the horizon (y = 0) up to the zenith, and one colour for what lies below; or an

@@ -74,7 +74,6 @@ void addBalcony(Level& level, BrushGrid& shell, const glm::dvec3& corner, double
 void addGable(Level& level, const Rect& area, double eaves_m, double height_m);
 
 // Rows of columns with base and capital, and the arches or the beam that they carry.
-
 struct Columns {
   double bay = 3.0, column_m = 3.2, radius = 0.3;  // distance, height and radius
   int side_count = 10;

@@ -12,9 +12,7 @@
 
 namespace nlg {
 
-// Tokeniser of the text of entities and shader scripts of Quake III-family games.
-
-// Words are parted by white space; "quoted words" may hold it; { and } are words of their own; // and /* */ are comments.
+// Tokeniser of the text of entities and shader scripts of Quake III-family games. Words are parted by white space; "quoted words" may hold it; { and } are words of their own; // and /* */ are comments.
 // Never fails: what ends too early ends there.
 class QuakeTokens {
  public:

@@ -17,9 +17,7 @@
 
 namespace nlg {
 
-// Average colour of an image, for skies and for lights that name one.
-
-// Means over all pixels of an sRGB image, each channel in [0, 1].
+// Means over all pixels of an sRGB image, each channel in [0, 1]: for skies, and for lights that name an image.
 struct ImageMeans {
   glm::vec3 linear{0.0f};  // in linear light
   glm::vec3 code{0.0f};    // of the codes themselves, over 255: what Quake III's compilers take for the colour of a light

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
 #include "tool/error.h"
 #include "tool/printable.h"
-#include "tool/command/tool_main.h"
 
 namespace nlg {
 namespace {

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "tool/error.h"
 #include "tool/command/options.h"
+#include "tool/error.h"
 
 namespace CLI {
 class App;

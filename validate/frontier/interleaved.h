@@ -18,8 +18,6 @@
 
 namespace nlg {
 
-// Chooses the functions that are measured, and the population of each.
-
 // The functions that every point of the plot runs on, and the blocks in which they run.
 //
 // One block: as many functions as a bake gives a generator at once, or a few less. The set must outlive it.

@@ -50,8 +50,6 @@ std::vector<PlotRun> stagePoints(const std::shared_ptr<const Generator>& generat
 // generators   at least two, by rising number of parameters
 PlotRun choicePoint(const SharedGenerators& generators, const PolicyOptions& options);
 
-// Points of fits at growing budgets: from the corrected theta, from theta0, and from a random start.
-
 // Steps, each list rising.
 struct FitBudgets {
   // of Adam, product fields and codes take a 32nd: each of their steps reads all points

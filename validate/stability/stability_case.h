@@ -92,8 +92,7 @@ std::vector<StabilityCase> pcaCases();
 std::vector<StabilityCase> coefficientCases();
 std::vector<StabilityCase> sceneCases();
 
-// The command nlg-validate stability: runs every stiff and extreme case, and writes one JSON file.
-
+// The command nlg-validate stability: runs every case, and writes one JSON file.
 // returns   the exit code: check_failed, after the file is written, when some case did not hold
 int stabilityMain(int argc, char** argv);
 

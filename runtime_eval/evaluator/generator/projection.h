@@ -17,7 +17,6 @@ namespace nlg {
 //
 // class(c, i) = Σ_m (-1)^popcount(c & m) 255 phi(m, i), unscaled. For stored functions these are whole numbers: class 0 from 0 to
 // 2040, the others from -1020 to 1020, since half of their signs are negative. docs/theory/math.md §2.
-
 inline constexpr int kParityClassCount = 8;
 
 // Numbers from one function's classes to the next one's: P, and a cache line more. With a power of two the rows of a product's

@@ -22,11 +22,9 @@ double lossAndGradient(const Representation& representation, int first, int coun
 // The sum alone.
 double loss(const Representation& representation, int first, int count, const float* phi, const float* mask, const float* theta);
 
-// Loss and gradient of one theta of a network: the part of the shared kernel (loss_kernel.h) for networks.
-//
-// The formulas are in docs/theory/math.md §4.
+// The part for networks; the formulas are in docs/theory/math.md §4.
 // `mlp`: 264 fused multiply-adds a point; the gradient is summed in float over blocks of 256 points, the loss in double over blocks.
-
+//
 // Sum over points [first, first + count) of (mask (representation(x) - phi))², and its gradient.
 //
 // first, count   multiples of 16, within points.padded_count
@@ -41,10 +39,9 @@ double networkLossAndGradient(const Representation& representation, const PointS
 double networkLoss(const Representation& representation, const PointSet& points, int first, int count, const float* phi,
                    const float* mask, const float* theta);
 
-// Loss and gradient of one theta of `pf r`: the part of the shared kernel (loss_kernel.h) for product fields.
-
-// Sum over all places of a cell order of (mask (clamp(A, 0, 1) sigmoid(B) - phi))², and its gradient. Where A lies outside [0, 1]
-// its derivative is 0; at 0 and 1 themselves it is 1, so that a field whose nodes start there can leave.
+// The part for product fields, `pf r`: sum over all places of a cell order of (mask (clamp(A, 0, 1) sigmoid(B) - phi))², and its
+// gradient. Where A lies outside [0, 1] its derivative is 0; at 0 and 1 themselves it is 1, so that a field whose nodes start there
+// can leave.
 //
 // order       cellOrder(r)
 // phi, mask   order.placeCount() floats each; mask 0 leaves a place out (its phi may be anything finite), others weigh it
@@ -55,10 +52,8 @@ double fieldLossAndGradient(const PointOrder& order, const float* phi, const flo
 // The sum alone.
 double fieldLoss(const PointOrder& order, const float* phi, const float* mask, const float* theta);
 
-// Loss and gradient of one code against one weighting function: the part of the shared kernel (loss_kernel.h) for codes.
+// The part for codes. The logits are rounded as a brick has them (dictionary.h); to the gradient that rounding is nothing.
 //
-// The logits are rounded as a brick has them (dictionary.h); to the gradient that rounding is nothing.
-
 // Sum over all places of cellOrder(dictionary.resolution()) of (mask (tent sigmoid(L) - phi))²; gradient by z, K floats, overwritten.
 // phi, mask   by place
 double codeLossAndGradient(const Dictionary& dictionary, const float* phi, const float* mask, const float* z, float* gradient);

@@ -79,7 +79,6 @@ float tentRmse(const StoredFunction& function);
 std::vector<uint32_t> cacheOrder(int64_t count);
 
 // Layout of a function cache, shared by its reader and writer (docs/reference/formats.md, "Function cache").
-
 inline constexpr char kCacheMagic[8] = {'n', 'l', 'g', 'c', 'a', 'c', 'h', 'e'};
 inline constexpr uint64_t kCacheVersion = 2;
 inline constexpr size_t kFirstRecord = 4096;  // a page: records begin on one
@@ -96,8 +95,6 @@ struct CacheHead {
 inline constexpr size_t recordBytes(int coefficient_count) {
   return 2 * kSupportPointCount + kValidityByteCount + sizeof(float) * static_cast<size_t>(coefficient_count);
 }
-
-// Turns the loss of a memory-mapped file's pages (file truncated, disk failure) into an error.
 
 // From now on SIGBUS, by which the system says that a mapped page is no longer there, ends the process with input_error and the one
 // line "TOOL: error: PATH: ...", instead of killing it without a word. Whatever was saved before stays. Calls replace each other.

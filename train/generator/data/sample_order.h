@@ -77,9 +77,7 @@ class SampleOrder {
   std::vector<WindowedOrder> orders_;
 };
 
-// Reads the functions of coming training steps from a cache during the present ones.
-
-// A thread that keeps one window more in memory than the steps at work need. What is read does not change what is drawn.
+// Reads the functions of coming steps from a cache: a thread that keeps one window more in memory than the steps at work need. What is read does not change what is drawn.
 class WindowLoader {
  public:
   // cache        outlives the loader, and is loaded by no other one meanwhile

@@ -6,8 +6,8 @@
 #pragma once
 
 #include "runtime_eval/evaluator/generator/generator_data.h"
-#include "train/generator/network/generator_network.h"
 #include "train/generator/data/training_data.h"
+#include "train/generator/network/generator_network.h"
 
 namespace nlg {
 

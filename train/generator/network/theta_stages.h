@@ -8,16 +8,15 @@
 #include <torch/types.h>
 
 #include "nlg/representation.h"
-#include "train/generator/network/generator_network.h"
 #include "train/generator/data/sample_order.h"
 #include "train/generator/data/training_data.h"
+#include "train/generator/network/generator_network.h"
 
 namespace nlg {
 
 // Loss of codes under the dictionary that is trained with them, for autograd: both learn from it.
 //
 // All samples are judged on the same points, so that their logits are one product of matrices.
-
 struct DictionaryLossOptions {
   // Of the slope that the sigmoid is given where it has shut a point: without it such points never come back (docs/lab/training.md). 0 for
   // what is judged, not trained on.
@@ -32,8 +31,6 @@ struct DictionaryLossOptions {
 // returns       B
 torch::Tensor codeMeanSquares(GeneratorNetwork& network, const torch::Tensor& z, const TrainingData& data,
                               const std::vector<Sample>& samples, int point_batch, const DictionaryLossOptions& options);
-
-// Loss and gradient of a batch of theta on their own functions, for autograd, by the shared kernel.
 
 // What a step judges thetas by: the points of every sample, decoded once for all stages.
 class SampleTargets {

@@ -29,7 +29,7 @@ std::string differences(const RunIdentity& found, const RunIdentity& asked);
 void readCheckpoint(const CheckpointFile& file, const RunIdentity& identity, TrainingState* state);
 
 // The folder of one training run: checkpoints and their origin (docs/guide/training.md).
-
+//
 //   config.json       resolved options
 //   provenance.json   revision, options, hashes of data set and basis (tool/provenance.h)
 //   log.csv           the training curve so far

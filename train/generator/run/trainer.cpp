@@ -9,8 +9,8 @@
 #include "runtime_eval/fit/direct.h"
 #include "tool/error.h"
 #include "tool/progress.h"
-#include "train/generator/run/loss_guard.h"
 #include "train/generator/network/theta_stages.h"
+#include "train/generator/run/loss_guard.h"
 
 namespace nlg {
 namespace {
