@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -149,19 +148,13 @@ int viewMain(int argc, char** argv) {
   });
 }
 
-// What the tool does when its first argument is one of these names; without one it generates a shard.
-struct Command {
-  const char* name;
-  int (*run)(int argc, char** argv);
-};
+// without one it generates a shard
 constexpr Command kCommands[] = {{"info", infoMain}, {"plan", planMain}, {"view", viewMain}};
 
 }  // namespace
 }  // namespace nlg
 
 int main(int argc, char** argv) {
-  for (const nlg::Command& command : nlg::kCommands) {
-    if (argc > 1 && std::strcmp(argv[1], command.name) == 0) return command.run(argc - 1, argv + 1);
-  }
+  if (const std::optional<int> status = nlg::runCommand(argc, argv, nlg::kCommands)) return *status;
   return nlg::generateMain(argc, argv);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "light/directions.h"
@@ -16,7 +17,7 @@
 namespace nlg {
 namespace {
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kSetCount = 8;          // of directions, whose means say how sure the whole is
 constexpr int kSurePathVertices = 3;  // no roulette before
 constexpr float kSurvival = 0.95f;    // at most

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "light/air.h"
 
@@ -17,7 +18,7 @@ constexpr double kStrideM = 0.6, kStepM = 0.3;          // around a place to sta
 constexpr int kTurns = 8;                               // around the vertical
 
 glm::dvec3 around(int turn) {
-  const double angle = 2.0 * 3.14159265358979 * turn / kTurns;
+  const double angle = 2.0 * std::numbers::pi * turn / kTurns;
   return {std::cos(angle), 0.0, std::sin(angle)};
 }
 

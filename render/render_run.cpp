@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -30,7 +31,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kBallStream = 0x62616c6c;
 constexpr double kDefaultFov = 60.0;  // degrees
-constexpr double kDegree = 3.14159265358979 / 180.0;
+constexpr double kDegree = std::numbers::pi / 180.0;
 // CLI::Range lets through what is not a number.
 CLI::Validator numberIn(double low, double high) {
   return {[low, high](std::string& text) {

@@ -246,4 +246,11 @@ int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std:
   return static_cast<int>(ExitCode::success);
 }
 
+std::optional<int> runCommand(int argc, char** argv, std::span<const Command> commands) {
+  for (const Command& command : commands) {
+    if (argc > 1 && std::strcmp(argv[1], command.name) == 0) return command.run(argc - 1, argv + 1);
+  }
+  return std::nullopt;
+}
+
 }  // namespace nlg

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 
 #include "tool/command/options.h"
@@ -24,5 +26,13 @@ inline constexpr const char* kEndsWith = "NLG_ENDS_WITH";
 // and --version with success; so does --list-options, by itself, which prints OptionTable::describeAsJson.
 // returns   the process's exit code
 int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run);
+
+// What a tool does when its first argument is this name.
+struct Command {
+  const char* name;
+  int (*run)(int argc, char** argv);  // argv begins with the name
+};
+// returns   the exit code of the command that the first argument names; nothing when it names none
+std::optional<int> runCommand(int argc, char** argv, std::span<const Command> commands);
 
 }  // namespace nlg

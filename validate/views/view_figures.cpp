@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <unordered_map>
 
 #include "render/tone.h"
@@ -13,7 +14,7 @@
 namespace nlg {
 namespace {
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPi = std::numbers::pi_v<float>;
 
 double squareSum(const glm::vec3& rgb) {
   const glm::dvec3 wide(rgb);

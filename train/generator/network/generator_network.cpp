@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/node_place.h"
@@ -41,7 +42,7 @@ torch::Tensor startDictionary(const GeneratorShape& shape, uint64_t seed) {
     Random random(mixSeed(seed, 5, k));
     const double frequency = 0.5 + 4.5 * k / std::max(1, K - 1);
     const double wave[3] = {frequency * random.normal(), frequency * random.normal(), frequency * random.normal()};
-    const double phase = random.uniform(0.0, 2.0 * M_PI);
+    const double phase = random.uniform(0.0, 2.0 * std::numbers::pi);
     for (int n = 0; n < r * r * r; ++n) {
       const int along[3] = {n % r, n / r % r, n / (r * r)};
       double angle = phase;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/direct.h"
@@ -200,7 +201,7 @@ double oneCycleRate(const TrainOptions& options, int64_t step) {
     return options.learning_rate * (0.04 + 0.96 * position / options.warmup_share);
   }
   const double phase = (position - options.warmup_share) / std::max(1e-9, 1.0 - options.warmup_share);
-  return options.learning_rate * (1e-4 + (1.0 - 1e-4) * 0.5 * (1.0 + std::cos(M_PI * phase)));
+  return options.learning_rate * (1e-4 + (1.0 - 1e-4) * 0.5 * (1.0 + std::cos(std::numbers::pi * phase)));
 }
 
 Theta fitTheta0(const Representation& representation, const BasisFile& basis, const StartOptions& options) {
