@@ -30,22 +30,7 @@
 namespace nlg {
 namespace {
 
-// Converts weights to ONNX (`nlg-export onnx`, `nlg-export --onnx FILE`).
-
 constexpr std::string_view kEnding = ".onnx";
-
-void run(const std::string& weights, const std::string& out) {
-  requireOnnxName(out);
-  refuseToReplaceInputs(out, {weights});
-  WeightsFile file;
-  GeneratorData data;
-  requireRead(weights, readWeightsFile(weights, &file), "the weights of a generator");
-  requireRead(weights, generatorFromWeights(file, &data), "the weights of a generator");
-  writeOnnx(file, data, fileSha256(weights), out);
-  const nlohmann::ordered_json line = {{"representation", representationName(data.representation)},
-                                       {"bytes", std::filesystem::file_size(out)}};
-  std::cout << line.dump() << '\n';
-}
 
 // throws   UsageError when the name of a model to write does not end in .onnx
 void requireOnnxName(const std::string& out) {
@@ -63,6 +48,19 @@ void writeOnnx(const WeightsFile& file, const GeneratorData& data, const std::st
   writeFileAtomically(out, onnxFromGenerator(data, metadata));
 }
 
+void convertToOnnx(const std::string& weights, const std::string& out) {
+  requireOnnxName(out);
+  refuseToReplaceInputs(out, {weights});
+  WeightsFile file;
+  GeneratorData data;
+  requireRead(weights, readWeightsFile(weights, &file), "the weights of a generator");
+  requireRead(weights, generatorFromWeights(file, &data), "the weights of a generator");
+  writeOnnx(file, data, fileSha256(weights), out);
+  const nlohmann::ordered_json line = {{"representation", representationName(data.representation)},
+                                       {"bytes", std::filesystem::file_size(out)}};
+  std::cout << line.dump() << '\n';
+}
+
 // The tool's command `onnx`: nlg-export onnx --weights FILE --out FILE.
 int onnxMain(int argc, char** argv) {
   CLI::App app{"Converts the weights of a generator to ONNX.", "nlg-export onnx"};
@@ -70,7 +68,7 @@ int onnxMain(int argc, char** argv) {
   OptionTable table("export");
   app.add_option("--weights", weights, "weights of nlg-export (.safetensors)")->required();
   app.add_option("--out", out, "model to write (.onnx)")->required();
-  return runTool(argc, argv, app, table, [&] { run(weights, out); });
+  return runTool(argc, argv, app, table, [&] { convertToOnnx(weights, out); });
 }
 
 struct ExportOptions {

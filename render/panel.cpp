@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "datagen/view/font.h"
+#include "datagen/view/image.h"
 #include "datagen/view/legend.h"
 
 namespace nlg {

@@ -37,7 +37,7 @@ class ShardReader {
 // Up to kChunkFunctions functions as they lie in the file.
 struct EncodedFunctions {
   uint64_t function_count = 0;
-  std::vector<std::vector<uint8_t>> arrays;  // in the order of forEachArray (function_rows.h)
+  std::vector<std::vector<uint8_t>> arrays;  // in the order of forEachArray (shard.h)
 };
 
 // Compresses functions [first, first + count); 1 <= count <= kChunkFunctions. Any number of threads may do so

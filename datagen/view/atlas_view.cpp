@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "datagen/probes/shuffled_order.h"
-#include "datagen/view/font.h"
 #include "datagen/view/image.h"
 #include "datagen/view/legend.h"
 #include "datagen/view/shard_source.h"

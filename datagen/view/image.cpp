@@ -7,7 +7,6 @@
 #include <png.h>
 #include <zlib.h>
 
-#include "datagen/view/font.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "datagen/view/font.h"
 #include "datagen/view/image.h"
 #include "datagen/view/legend.h"
 #include "datagen/view/level_raster.h"

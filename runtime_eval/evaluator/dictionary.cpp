@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime_eval/evaluator/node_place.h"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/evaluator/dictionary.cpp"
 #include <hwy/foreach_target.h>

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/evaluator/node_place.h"
 
 namespace nlg {
 namespace {

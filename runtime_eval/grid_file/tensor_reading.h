@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "nlg/light_grid.h"
-#include "runtime_eval/evaluator/brick_quads.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/numbers/coded_bytes.h"
 #include "runtime_eval/weights_file/safetensors_layout.h"
 #include "runtime_eval/weights_file/tensor_file.h"

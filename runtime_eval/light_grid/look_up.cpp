@@ -1,5 +1,5 @@
 #include "nlg/look_up.h"
-#include "runtime_eval/evaluator/brick_quads.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/evaluate.h"
 
 #include <algorithm>

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "nlg/look_up.h"
-#include "runtime_eval/evaluator/brick_quads.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/light_grid/look_up_bounds.h"

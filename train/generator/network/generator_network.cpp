@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "runtime_eval/evaluator/dictionary.h"
-#include "runtime_eval/evaluator/node_place.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {

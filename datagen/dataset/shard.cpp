@@ -1,4 +1,4 @@
-#include "datagen/dataset/function_rows.h"
+#include "datagen/dataset/shard.h"
 
 #include "tool/error.h"
 
