@@ -1,9 +1,7 @@
 #include "light/surface_cache.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cmath>
 #include <numbers>
 #include <numeric>
 

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cctype>
 #include <iostream>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

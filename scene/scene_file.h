@@ -1,7 +1,6 @@
 // Opens files of scenes, whole, and only inside the scene's folder.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scene/gltf/gltf_reader.h"
 #include "scene/image/surface_look.h"
 #include "scene/interiors/interiors.h"
 #include "scene/obj/obj_reader.h"

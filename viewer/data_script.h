@@ -9,7 +9,6 @@
 #include <cstring>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include <nlohmann/json.hpp>
 

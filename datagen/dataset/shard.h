@@ -4,7 +4,6 @@
 // U points that no fit sees (0 in shards for training).
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "datagen/dataset/chunk_codec.h"
-#include "datagen/dataset/shard.h"
 #include "datagen/dataset/shard_check.h"
 #include "runtime_eval/support/point_order.h"
 #include "tool/atomic_file.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <utility>
 
 #include "datagen/shards/shard_scene.h"
 #include "runtime_eval/numbers/random.h"

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "datagen/view/image.h"
 #include "datagen/view/slice_panel.h"
 
 namespace nlg {

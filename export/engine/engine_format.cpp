@@ -6,14 +6,10 @@
 #include <map>
 #include <numbers>
 #include <numeric>
-#include <string>
-#include <string_view>
 
 #include <nlohmann/json.hpp>
 
-#include "export/engine/light_volume.h"
 #include "export/shader/shader_export.h"
-#include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/shader_grid/nlg_light_grid.h"
 #include "tool/error.h"

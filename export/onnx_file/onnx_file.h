@@ -6,7 +6,6 @@
 
 #include <map>
 #include <string>
-#include <vector>
 
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator/generator_data.h"

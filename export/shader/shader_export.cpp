@@ -1,8 +1,6 @@
 #include "export/shader/shader_export.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <iterator>

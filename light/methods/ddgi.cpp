@@ -1,7 +1,5 @@
 #include "light/methods/ddgi.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 

@@ -1,6 +1,5 @@
 #include "runtime_eval/evaluator/dictionary.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>

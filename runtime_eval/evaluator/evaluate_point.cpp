@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "runtime_eval/evaluator/dictionary.h"
-#include "runtime_eval/evaluator/kernel_shape.h"
 
 namespace nlg {
 namespace {

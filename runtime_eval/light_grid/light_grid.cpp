@@ -1,7 +1,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/evaluate.h"

@@ -3,7 +3,6 @@
 #include "runtime_eval/evaluator/evaluate.h"
 
 #include <algorithm>
-#include <array>
 
 namespace nlg {
 namespace {

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <iterator>
 
-#include "nlg/policy.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/fit_result.h"
 #include "runtime_eval/fit/last_layer.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/last_layer.h"
 
 namespace nlg {

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 #include <tiny_gltf.h>

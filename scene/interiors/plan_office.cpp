@@ -1,5 +1,4 @@
 // The plan "office": an open floor with columns and desks, small rooms along one wall, boxes of glass in its corners.
-#include <algorithm>
 
 #include "scene/interiors/fittings.h"
 #include "scene/interiors/furnisher.h"

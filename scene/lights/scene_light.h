@@ -4,7 +4,6 @@
 // surface that the engine shows at full brightness (docs/theory/light.md). Positions are relative to the scene's origin.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -5,7 +5,6 @@
 
 #include "scene/procedural/brush_grid.h"
 #include "scene/procedural/level.h"
-#include "scene/procedural/mesh_builder.h"
 #include "scene/procedural/procedural.h"
 #include "tool/error.h"
 

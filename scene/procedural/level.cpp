@@ -1,10 +1,7 @@
 #include "scene/procedural/level.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include "runtime_eval/numbers/random.h"
 
 namespace nlg {
 namespace {

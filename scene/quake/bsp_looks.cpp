@@ -1,7 +1,5 @@
 #include "scene/quake/bsp_looks.h"
 
-#include <array>
-
 #include "scene/image/image_decode.h"
 #include "scene/image/texture_image.h"
 #include "scene/quake/bsp_light.h"

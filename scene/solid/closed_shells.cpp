@@ -5,10 +5,8 @@
 #include <bit>
 #include <cstdlib>
 #include <numeric>
-#include <span>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 namespace nlg {
 namespace {

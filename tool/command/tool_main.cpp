@@ -10,15 +10,12 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
-#include <optional>
 #include <sstream>
-#include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
-#include "tool/command/options.h"
 #include "tool/printable.h"
 #include "tool/provenance.h"
 

@@ -4,7 +4,6 @@
 #include <functional>
 #include <optional>
 #include <span>
-#include <string>
 
 #include "tool/command/options.h"
 #include "tool/error.h"

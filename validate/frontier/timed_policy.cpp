@@ -12,7 +12,6 @@
 #include "runtime_eval/fit/levenberg_marquardt.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/policy/stage_plan.h"
-#include "validate/frontier/interleaved.h"
 
 namespace nlg {
 namespace {

@@ -9,7 +9,6 @@
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "validate/light/colour_difference.h"
-#include "validate/views/view_truth.h"
 
 namespace nlg {
 namespace {

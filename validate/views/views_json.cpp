@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "datagen/view/image.h"
 #include "datagen/view/legend.h"
 #include "render/panel.h"
 #include "render/tone.h"

@@ -1,8 +1,6 @@
 // Multiplies a batch of row vectors with one fixed matrix, for the generator's layers and the projection.
 #pragma once
 
-#include <vector>
-
 #include "runtime_eval/simd/aligned.h"
 
 namespace nlg {

@@ -1,7 +1,6 @@
 #include "runtime_eval/fit/loss/loss_kernel.h"
 
 #include <algorithm>
-#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/fit/loss/field_loss.cpp"

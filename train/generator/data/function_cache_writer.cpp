@@ -14,7 +14,6 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/progress.h"
-#include "train/generator/data/function_cache.h"
 
 namespace nlg {
 namespace {

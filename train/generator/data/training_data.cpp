@@ -1,7 +1,6 @@
 #include "train/generator/data/training_data.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace nlg {
 namespace {

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
-#include <vector>
 
 #include <sys/file.h>
 #include <nlohmann/json.hpp>

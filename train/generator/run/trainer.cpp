@@ -7,10 +7,8 @@
 #include <numbers>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/direct.h"
 #include "tool/error.h"
 #include "tool/progress.h"
-#include "train/generator/network/theta_stages.h"
 #include "train/generator/run/loss_guard.h"
 
 namespace nlg {

@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <memory>
-#include <string>
 
 #include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/fit/direct.h"

@@ -9,7 +9,6 @@
 
 #include "tool/error.h"
 #include "validate/light/neural/dense_training.h"
-#include "validate/light/neural/lit_places.h"
 
 namespace nlg {
 namespace {
