@@ -9,7 +9,7 @@
 
 #include "datagen/commands.h"
 #include "datagen/view/view.h"
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 #include "tool/command/file_info.h"
 #include "tool/command/tool_main.h"
 #include "tool/output_path.h"

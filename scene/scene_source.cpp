@@ -15,7 +15,7 @@
 #include "scene/procedural/procedural.h"
 #include "scene/quake/bsp_reader.h"
 #include "scene/quake/pk3_archive.h"
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 #include "scene/scene_size.h"
 #include "scene/solid/double_sided.h"
 #include "tool/error.h"

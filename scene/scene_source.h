@@ -41,7 +41,7 @@ struct SceneReading {
   ImageNeed images = ImageNeed::all;  // geometry: where no light is asked for
 };
 
-// Adds these to a tool's table, and to its --help what a scene may take (scene_budget.h).
+// Adds these to a tool's table, and to its --help what a scene may take (scene_file.h).
 void describe(SceneReading& reading, OptionTable& table);
 
 // request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);

@@ -13,7 +13,7 @@
 #include "scene/lights/scene_light.h"
 #include "scene/quake/bsp_shader.h"
 #include "scene/quake/pk3_archive.h"
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 
 namespace nlg {
 

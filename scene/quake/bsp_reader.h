@@ -34,7 +34,7 @@ struct BspLevel {
 // path     a .bsp file; without archives, shader scripts and textures are not at hand: flags are those that the .bsp holds, all
 //          faces are one-sided, all materials have the default colour, no face shines, the sky is dark
 // throws   InputError naming file, place, expected and got on what parseBsp and readPlacements refuse, and on a level of more
-//          triangles than its budget holds (scene_budget.h), or of more than 256 MiB
+//          triangles than its budget holds (scene_file.h), or of more than 256 MiB
 BspLevel readBsp(const std::string& path);
 
 // The same for maps/MAP.bsp in the archives at path (pk3_archive.h), with their shader scripts and textures: surface parameters
