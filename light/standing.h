@@ -52,7 +52,7 @@ class Spots {
   const ExtentBox extent_;
 };
 
-// A room that no light reaches, and in which somebody can stand: connected air under a roof: places that see others of it, and none that is lit.
+// A room that no light reaches, and in which somebody can stand: connected air under a roof, places that see others of it, none lit.
 struct DarkRoom {
   glm::dvec3 eye_m{0.0};   // of a figure that stands there, relative to the scene's origin
   double volume_m3 = 0.0;  // of its air
