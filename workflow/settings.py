@@ -40,24 +40,24 @@ def own(section, name, kind, help_text, **more):
 
 OWN = [
     own("", "name", "text", "name of the run, whose results are written to `out/NAME`. `\"\"`: the name of `scenes.folder`", default=""),
-    own("", "effort", "text", "length of the run. `full`: the section `full` overrides the other sections", one_of=["short", "full"], default="short"),
-    own("", "full", "map", "options of the tools' sections, `scenes`, `report` and `validate_light` that override these sections with `effort: full`. The report of a short run says what it leaves out", default={}),
-    own("", "representations", "any", f"representations that get a generator: a list out of {', '.join(REPRESENTATIONS)}; or a map from each to its own options of the section `train`"),
-    own("", "init", "text", "folder of weights, `REPRESENTATION.safetensors`, from which training starts. Their basis and shape override the options of `train`. `\"\"`: none", default=""),
-    own("", "data", "text", "name of another run whose data set, basis and function cache are used, and made if they are missing. `scenes`, `split`, `datagen` and `basis` must be equal in both. `\"\"`: those of this run", default=""),
+    own("", "effort", "text", "with `full` the section `full` overrides the others", one_of=["short", "full"], default="short"),
+    own("", "full", "map", "options of other sections, for `effort: full`. The report of a short run says what it leaves out", default={}),
+    own("", "representations", "any", "representations that get a generator ([names](formats.md#all-files)): a list, or a map from each to its own options of the section `train`"),
+    own("", "init", "text", "folder of weights, `REPRESENTATION.safetensors`, from which training starts. Their basis and shape override the options of `train`", default=""),
+    own("", "data", "text", "name of another run whose data set, basis and function cache are used, and made if they are missing. `scenes`, `split`, `datagen` and `basis` must be equal in both", default=""),
     own("scenes", "families", "texts", "families of procedural scenes. A scene is named `FAMILY_SEED`", one_of=FAMILIES),
     own("scenes", "per_family", "integer", "number of scenes of each family, with seeds from 0 to `per_family` − 1", min=0, max=MAX_SHARDS),
-    own("scenes", "folder", "text", "folder of scenes: its `.glb`, `.gltf` and `.obj` files ([scenes](../guide/scenes.md)) and the maps of its `.pk3` archives. `./pipeline.sh FOLDER` sets it. `\"\"`: none", default=""),
-    own("scenes", "jitters", "integer", "number of variants of each training scene. The first is the scene as it is. Interiors have only that one: another seed is another interior", min=1, max=MAX_SHARDS),
-    own("scenes", "archives", "any", "levels in the archives of Quake III-family games ([levels](../guide/levels.md)), a list. Keys of an entry: `folder` of the `.pk3` files, prefixed with `NLG_ARCHIVE_ROOT` if it is absolute; `maps`, patterns of map names in lower case; `without` (optional), patterns of maps to leave out; `install` (optional), the command that an error names if the archives are missing. A level in several archives of a folder counts once", default=[]),
-    own("scenes", "furniture", "any", "furnished interiors ([interiors](../guide/interiors.md)), named `PLAN_SEED_STEM`, where STEM is the archive's name in lower case; a list. Keys of an entry: `archives`, `.sh3f` files, prefixed with `NLG_ARCHIVE_ROOT` if they are absolute; `plans` out of `flat`, `townhouse`, `office`, `villa`; `seeds`, their number; `first_seed` (optional, 0); `install` (optional), the command that an error names if an archive is missing", default=[]),
+    own("scenes", "folder", "text", "folder of [scenes](../guide/scenes.md): its `.glb`, `.gltf` and `.obj` files and the maps of its `.pk3` archives. `./pipeline.sh FOLDER` sets it", default=""),
+    own("scenes", "jitters", "integer", "number of variants of each training scene. The first is the scene as it is; interiors have only that one", min=1, max=MAX_SHARDS),
+    own("scenes", "archives", "any", "[levels](../guide/levels.md) in the archives of Quake III-family games, a list. Keys of an entry: `folder` of the `.pk3` files, prefixed with `NLG_ARCHIVE_ROOT` if it is absolute; `maps`, patterns of map names in lower case; optional `without`, patterns of maps to leave out, and `install`, the command that an error names if the archives are missing", default=[]),
+    own("scenes", "furniture", "any", "[furnished interiors](../guide/interiors.md), named `PLAN_SEED_STEM`, a list. Keys of an entry: `archives`, `.sh3f` files, prefixed as above; `plans` out of `flat`, `townhouse`, `office`, `villa`; `seeds`, their number; optional `first_seed` (0), and `install` as above", default=[]),
     own("scenes", "by_scene", "map", "map from patterns of scene names to options of nlg-datagen for these scenes. Later patterns override earlier ones, and all override the section `datagen`", default={}),
-    own("split", "held_out", "texts", "patterns of names of held-out scenes: whole scenes that are never trained on, for validation during training and for the report", default=[]),
-    own("split", "held_out_share", "number", "share of the scenes of `scenes.folder`, at least one, that is held out by lot, unless `held_out` names one of them. Without a folder the lot is drawn among all scenes", min=0.0, max=0.9, default=0.0),
-    own("split", "seed", "integer", "seed of that lot", min=0, default=1),
-    own("split", "evaluation", "texts", "patterns of names of further held-out scenes, on which the published figures are measured. One setting was once chosen on those of `configs/openarena.yaml` (commits a41ee66 to 04510fc), so that they are not an untouched test set", default=[]),
+    own("split", "held_out", "texts", "patterns of names of scenes that are never trained on, for validation during training and for the report", default=[]),
+    own("split", "held_out_share", "number", "share of the scenes of `scenes.folder` (without it: of all scenes), at least one, that is held out at random, unless `held_out` names one of them", min=0.0, max=0.9, default=0.0),
+    own("split", "seed", "integer", "seed of that choice", min=0, default=1),
+    own("split", "evaluation", "texts", "patterns of names of further held-out scenes, on which the published figures are measured ([the split](../guide/levels.md#the-split))", default=[]),
     own("report", "stability", "text", "stability cases to run. `short` leaves out training", one_of=["short", "full", "long"], default="full"),
-    own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights, to measure what the bake leaves out. The bake uses the options of `scenes.by_scene` that it has, and the spacing of the section `bake`. `[]`: none. Default: the first scene of each split", default=None),
+    own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights, to measure what the bake leaves out. `[]`: none. Default: the first scene of each split", default=None),
     own("validate_light", "scenes", "texts", "scenes, as for nlg-bake, whose light is measured with each generator and the section `bake`", default=[]),
     own("validate_light", "spacings", "numbers", "finest probe spacings, metres", min=0.01, max=1000.0, default=[1.0]),
 ]
@@ -155,37 +155,44 @@ def asked(folder):
     return rows
 
 
-def cell(text):
-    return str(text).replace("|", "\\|")
+def default_text(row):
+    value = row.get("default")
+    return "" if value is None else f" (`{json.dumps(value, ensure_ascii=False)}`)"
 
 
-def table_of(rows):
-    lines = ["| setting | value | default | |", "|---|---|---|---|"]
-    for row in rows:
-        value = row.get("default")
-        shown = "must be there" if "default" not in row else "" if value is None else f"`{json.dumps(value, ensure_ascii=False)}`"
-        lines.append(f"| `{row['name']}` | {cell(expectation(row))} | {cell(shown)} | {cell(row['help'])} |")
-    return lines + [""]
+def help_of(row):
+    """The help, and the values that a text or a list may hold."""
+    return ("" if "default" in row else "required; ") + row["help"] + (f". Values: {', '.join(row['one_of'])}" if row.get("one_of") else "")
+
+
+def list_of(rows):
+    return [f"- `{row['name']}`{default_text(row)}: {help_of(row)}" for row in rows] + [""]
 
 
 def page_of(tool_rows):
     lines = ["# Settings", "",
-             "A configuration such as `pipeline.yaml` is a map of the sections below. A tool reads its own section of the file that `--config` names. Each setting is also a flag, which overrides the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` lists the same. Unknown settings and values out of range are refused with file and line.",
-             "", "This page is written by `workflow/settings.py build/release/bin`; the test `docs_settings` fails if it is out of date.", ""]
-    shown = {}  # the groups of all sections so far
+             "A configuration such as `pipeline.yaml` is a map of the sections below. A tool reads its own section of the file that `--config` names. Each setting is also a flag, which overrides the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` also prints ranges. Parentheses hold defaults. Unknown settings and values out of range are refused with file and line.",
+             "", "`workflow/settings.py build/release/bin` writes this page, and the test `docs_settings` compares it.", ""]
+    known = {}  # a setting as a section has it → that section
     rows = OWN + tool_rows
     for section in dict.fromkeys(row["section"] for row in rows):
         of_section = [row for row in rows if row["section"] == section]
         tools = list(dict.fromkeys(row["tool"] for row in of_section if "tool" in row))
-        lines += [f"## {section}" if section else "## At the top", "", f"Read by {' and '.join(tools)}." if tools else "Read by the workflow.", ""]
+        lines += [f"## {section}" if section else "## At the top", ""] + ([f"Read by {' and '.join(tools)}.", ""] if tools else [])
         groups = dict.fromkeys(row.get("group", "") for row in of_section)
         for group in groups:
-            of_group = [{key: row.get(key) for key in row if key not in ("section", "tool")} for row in of_section if row.get("group", "") == group]
-            same = next((other for (other, name), known in shown.items() if name == group and known == of_group), None)
-            shown[section, group] = of_group
-            if len(groups) > 1 and group:
-                lines += [f"**{group}**", ""] if same is None else [f"**{group}**: as in [{same}](#{same}).", ""]
-            lines += table_of(of_group) if same is None else []
+            new, same = [], {}
+            for row in of_section:
+                if row.get("group", "") == group:
+                    shown = (row["name"], default_text(row), help_of(row))
+                    new += [row] if shown not in known else []
+                    same.setdefault(known.get(shown), []).append(row["name"])
+                    known.setdefault(shown, section)
+            same.pop(None, None)
+            title = [f"**{group}**"] if len(groups) > 1 and group else []
+            others = "; ".join(f"as in [{other}](#{other}): " + (f"all {len(names)}" if not new and len(names) > 5 else ", ".join(f"`{name}`" for name in names)) for other, names in same.items())
+            lines += [": ".join(title + [others]) + "." if others else title[0], ""] if title or others else []
+            lines += list_of(new) if new else []
     return "\n".join(lines)
 
 
