@@ -1,6 +1,5 @@
 #include "bake/bake_options.h"
 
-#include "bake/policy_options.h"
 #include "datagen/shards/shard_job.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"

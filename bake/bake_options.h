@@ -11,7 +11,7 @@
 #include "runtime_eval/light_grid/packed_light.h"
 #include "scene/lights/light_options.h"
 #include "scene/scene_source.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 

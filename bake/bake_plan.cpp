@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "datagen/dataset/function_rows.h"
+#include "datagen/dataset/shard.h"
 #include "datagen/shards/function_collector.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"

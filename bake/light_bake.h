@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bake/scene_functions.h"
-#include "light/dark_rooms.h"
 #include "light/probe_light.h"
+#include "light/standing.h"
 #include "light/thinning.h"
 
 namespace nlg {

@@ -16,7 +16,6 @@
 #include "bake/again/relight.h"
 #include "bake/bake_plan.h"
 #include "bake/bake_report.h"
-#include "bake/default_weights.h"
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
 #include "bake/probe_list.h"
@@ -24,13 +23,13 @@
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "scene/lights/light_sets.h"
 #include "tool/atomic_file.h"
+#include "tool/command/file_info.h"
+#include "tool/command/tool_main.h"
 #include "tool/error.h"
-#include "tool/file_info.h"
 #include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
 #include "tool/processor_time.h"
-#include "tool/tool_main.h"
 
 namespace nlg {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "nlg/policy.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 

@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "bake/again/relight.h"
-#include "tool/tool_main.h"
+#include "tool/command/tool_main.h"
 
 namespace nlg {
 

@@ -1,7 +1,6 @@
 // Bakes one scene into a light grid: weighting functions, the policy, light.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include "bake/bake_plan.h"
-#include "bake/blend_targets.h"
+#include "bake/blend_error.h"
 #include "datagen/probes/probe_placement.h"
 #include "light/air.h"
-#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 #include "runtime_eval/probe_tree/probe_tree_data.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "scene/lights/light_sets.h"

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 
 #include "nlg/look_up.h"
 #include "runtime_eval/fit/adam.h"
@@ -80,7 +81,7 @@ std::vector<float> normals() {
   Random random(4);
   std::vector<float> normals;
   for (int i = 0; i < kPositionCount; ++i) {
-    const double z = random.uniform(-1.0, 1.0), turn = random.uniform(0.0, 6.283185307179586), r = std::sqrt(1.0 - z * z);
+    const double z = random.uniform(-1.0, 1.0), turn = random.uniform(0.0, 2.0 * std::numbers::pi), r = std::sqrt(1.0 - z * z);
     normals.insert(normals.end(),
                    {static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)), static_cast<float>(z)});
   }

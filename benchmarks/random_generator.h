@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "nlg/generator.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/numbers/random.h"
 

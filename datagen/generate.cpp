@@ -7,8 +7,6 @@
 #include <filesystem>
 #include <iostream>
 
-#include <nlohmann/json.hpp>
-
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/printable.h"

@@ -9,12 +9,12 @@
 
 #include "datagen/commands.h"
 #include "datagen/dataset/function_set.h"
-#include "datagen/dataset/shard_reader.h"
+#include "datagen/dataset/shard_file.h"
 #include "nlg/policy.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/atomic_file.h"
+#include "tool/command/file_info.h"
 #include "tool/error.h"
-#include "tool/file_info.h"
 #include "tool/printable.h"
 
 namespace nlg {

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -10,10 +9,10 @@
 
 #include "datagen/commands.h"
 #include "datagen/view/view.h"
-#include "scene/scene_budget.h"
-#include "tool/file_info.h"
+#include "scene/scene_file.h"
+#include "tool/command/file_info.h"
+#include "tool/command/tool_main.h"
 #include "tool/output_path.h"
-#include "tool/tool_main.h"
 
 namespace nlg {
 namespace {
@@ -149,19 +148,13 @@ int viewMain(int argc, char** argv) {
   });
 }
 
-// What the tool does when its first argument is one of these names; without one it generates a shard.
-struct Command {
-  const char* name;
-  int (*run)(int argc, char** argv);
-};
+// without one it generates a shard
 constexpr Command kCommands[] = {{"info", infoMain}, {"plan", planMain}, {"view", viewMain}};
 
 }  // namespace
 }  // namespace nlg
 
 int main(int argc, char** argv) {
-  for (const nlg::Command& command : nlg::kCommands) {
-    if (argc > 1 && std::strcmp(argv[1], command.name) == 0) return command.run(argc - 1, argv + 1);
-  }
+  if (const std::optional<int> status = nlg::runCommand(argc, argv, nlg::kCommands)) return *status;
   return nlg::generateMain(argc, argv);
 }

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <iostream>
 
-#include <nlohmann/json.hpp>
-
 #include "datagen/dataset/nameless_file.h"
 #include "tool/printable.h"
 #include "tool/processor_time.h"

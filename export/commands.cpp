@@ -1,16 +1,16 @@
 #include "export/commands.h"
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "export/engine/engine_export.h"
+#include "export/engine/engine_format.h"
 #include "export/shader/shader_export.h"
 #include "export/used_by/used_by.h"
 #include "nlg/generator.h"
-#include "runtime_eval/evaluator/generator_data.h"
-#include "tool/file_info.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
+#include "tool/command/file_info.h"
+#include "tool/command/tool_main.h"
+#include "tool/input_file.h"
 #include "tool/provenance.h"
-#include "tool/require_read.h"
 
 namespace nlg {
 namespace {
@@ -39,11 +39,6 @@ int infoMain(int argc, char** argv) {
   return fileInfoMain(argc, argv, {"nlg-export info", "weights (.safetensors)", "export", describeWeights});
 }
 
-struct Command {
-  const char* name;
-  int (*run)(int argc, char** argv);
-};
-
 constexpr Command kEachCommand[] = {{"info", infoMain}, {"used-by", usedByMain}, {"shader", shaderMain}, {"engine", engineMain}};
 
 }  // namespace
@@ -54,11 +49,6 @@ const char* const kCommands =
     "nlg-export shader --grid GRID --out FOLDER: writes a light grid for shaders, with its look-up in GLSL.\n"
     "nlg-export engine --grid GRID --format FORMAT --out FOLDER: writes a light grid as files that engines load.";
 
-std::optional<int> runCommand(int argc, char** argv) {
-  for (const Command& command : kEachCommand) {
-    if (argc > 1 && std::strcmp(argv[1], command.name) == 0) return command.run(argc - 1, argv + 1);
-  }
-  return std::nullopt;
-}
+std::optional<int> runCommand(int argc, char** argv) { return runCommand(argc, argv, kEachCommand); }
 
 }  // namespace nlg

@@ -1,6 +1,11 @@
 // nlg-export: a finished checkpoint → the weights file of the bake-time evaluator, checked against libtorch on real functions;
 // weights → ONNX; and the commands that need no libtorch.
 
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -9,18 +14,62 @@
 #include <optional>
 
 #include "export/commands.h"
-#include "export/onnx_export.h"
+#include "export/onnx_file/onnx_file.h"
+#include "nlg/generator.h"
 #include "runtime_eval/evaluator/evaluate.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tool/atomic_file.h"
-#include "tool/file_info.h"
+#include "tool/command/file_info.h"
+#include "tool/command/tool_main.h"
+#include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
-#include "tool/tool_main.h"
-#include "train/generator/trainer.h"
+#include "train/generator/run/trainer.h"
 #include "train/torch_threads.h"
 
 namespace nlg {
 namespace {
+
+constexpr std::string_view kEnding = ".onnx";
+
+// throws   UsageError when the name of a model to write does not end in .onnx
+void requireOnnxName(const std::string& out) {
+  if (!out.ends_with(kEnding)) throw UsageError("ONNX", "a name that ends in .onnx", "'" + out + "'");
+}
+
+// Writes the generator of a weights file as ONNX. Texts of the file travel along, and its SHA-256 as `weights_sha256`.
+//
+// data      the generator of `file`
+// out       a name that requireOnnxName takes
+// throws    OutputError
+void writeOnnx(const WeightsFile& file, const GeneratorData& data, const std::string& sha256, const std::string& out) {
+  std::map<std::string, std::string> metadata = file.metadata;
+  metadata["weights_sha256"] = sha256;
+  writeFileAtomically(out, onnxFromGenerator(data, metadata));
+}
+
+void convertToOnnx(const std::string& weights, const std::string& out) {
+  requireOnnxName(out);
+  refuseToReplaceInputs(out, {weights});
+  WeightsFile file;
+  GeneratorData data;
+  requireRead(weights, readWeightsFile(weights, &file), "the weights of a generator");
+  requireRead(weights, generatorFromWeights(file, &data), "the weights of a generator");
+  writeOnnx(file, data, fileSha256(weights), out);
+  const nlohmann::ordered_json line = {{"representation", representationName(data.representation)},
+                                       {"bytes", std::filesystem::file_size(out)}};
+  std::cout << line.dump() << '\n';
+}
+
+// The tool's command `onnx`: nlg-export onnx --weights FILE --out FILE.
+int onnxMain(int argc, char** argv) {
+  CLI::App app{"Converts the weights of a generator to ONNX.", "nlg-export onnx"};
+  std::string weights, out;
+  OptionTable table("export");
+  app.add_option("--weights", weights, "weights of nlg-export (.safetensors)")->required();
+  app.add_option("--out", out, "model to write (.onnx)")->required();
+  return runTool(argc, argv, app, table, [&] { convertToOnnx(weights, out); });
+}
 
 struct ExportOptions {
   std::string dtype = "float16";
@@ -225,6 +274,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
 }
 
 }  // namespace
+
 }  // namespace nlg
 
 int main(int argc, char** argv) {

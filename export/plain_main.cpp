@@ -4,7 +4,7 @@
 #include <string>
 
 #include "export/commands.h"
-#include "tool/tool_main.h"
+#include "tool/command/tool_main.h"
 
 int main(int argc, char** argv) {
   if (const std::optional<int> status = nlg::runCommand(argc, argv)) return *status;

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <vector>
 
 #include "datagen/visibility/cavity.h"
-#include "datagen/visibility/ray_scene.h"
 #include "light/directions.h"
 
 namespace nlg {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <memory>
 
 #include "datagen/visibility/cavity.h"
 #include "light/air.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <utility>
 
 #include <glm/glm.hpp>
@@ -44,7 +45,7 @@ inline std::pair<glm::vec3, glm::vec3> acrossOf(const glm::vec3& axis) {
 
 inline glm::vec3 aroundAxis(const glm::vec3& axis, float cosine, double turn) {
   const float sine = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine));
-  const auto angle = static_cast<float>(6.283185307179586 * turn);
+  const auto angle = static_cast<float>(2.0 * std::numbers::pi * turn);
   const auto [x, y] = acrossOf(axis);
   return glm::normalize(axis * cosine + x * (sine * std::cos(angle)) + y * (sine * std::sin(angle)));
 }
@@ -57,7 +58,7 @@ inline glm::vec3 coneDirection(const glm::vec3& axis, float cap, double u, doubl
   // not 1 - u cap squared: a lamp far away keeps its size
   const float height = cap * static_cast<float>(u);
   const float sine = std::sqrt(std::max(0.0f, height * (2.0f - height)));
-  const auto angle = static_cast<float>(6.283185307179586 * v);
+  const auto angle = static_cast<float>(2.0 * std::numbers::pi * v);
   const auto [x, y] = acrossOf(axis);
   return glm::normalize(axis * (1.0f - height) + x * (sine * std::cos(angle)) + y * (sine * std::sin(angle)));
 }

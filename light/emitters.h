@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <glm/glm.hpp>
+
 #include "scene/scene.h"
 
 namespace nlg {
@@ -80,5 +82,11 @@ class Emitters {
   std::vector<Shining> shining_;      // triangles that shine
   std::vector<uint32_t> patch_at_;    // by these and part: the patch; 0xffffffff for a part that is dark
 };
+
+// Light that a level's compiler stored (lightmaps, vertex light) on a triangle at the weights u and v of its second and third corner; bilinear between texels, whose centres stand at
+// halves. What leaves the surface is this times its base colour.
+//
+// scene   with baked light
+glm::vec3 bakedLight(const Scene& scene, uint32_t triangle, float u, float v);
 
 }  // namespace nlg

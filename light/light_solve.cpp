@@ -1,6 +1,5 @@
 #include "light/light_solve.h"
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numeric>

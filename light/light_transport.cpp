@@ -2,22 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <numbers>
 
-#include "light/baked_light.h"
 #include "light/directions.h"
 #include "light/emitters.h"
 #include "light/sunlight.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/image/surface_look.h"
-#include "scene/lights/luminance.h"
+#include "scene/lights/scene_light.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kSetCount = 8;          // of directions, whose means say how sure the whole is
 constexpr int kSurePathVertices = 3;  // no roulette before
 constexpr float kSurvival = 0.95f;    // at most

@@ -1,10 +1,13 @@
-// Where a player can stand: a floor, and room for a figure in the air over it.
+// Where a player can stand, and rooms there that no light reaches. A spot is a floor, and room for a figure in the air over it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include <glm/glm.hpp>
 
+#include "light/air_places.h"
 #include "light/light_transport.h"
 
 namespace nlg {
@@ -48,5 +51,19 @@ class Spots {
   const RayScene& rays_;
   const ExtentBox extent_;
 };
+
+// A room that no light reaches, and in which somebody can stand: connected air under a roof, places that see others of it, none lit.
+struct DarkRoom {
+  glm::dvec3 eye_m{0.0};   // of a figure that stands there, relative to the scene's origin
+  double volume_m3 = 0.0;  // of its air
+};
+
+inline constexpr double kDarkOfMean = 1e-4;  // of the mean light over places: what has no more is dark
+
+// The largest first. What touches lit air, lies open above, or has no floor with room for a figure is none.
+// tree      of the places, in the scene's coordinates
+// is_dark   by place
+std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const ProbeTree& tree, const AirPlaces& air,
+                                    const std::vector<uint8_t>& is_dark);
 
 }  // namespace nlg

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace nlg {
 namespace {
 
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 
 // The first of the running sums that is above a number, and how far between it and the one before the number lies. A texel without
 // light has no share, and none is drawn.

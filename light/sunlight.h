@@ -5,7 +5,7 @@
 
 #include "datagen/visibility/ray_scene.h"
 #include "scene/image/sky_image.h"
-#include "scene/lights/luminance.h"
+#include "scene/lights/scene_light.h"
 #include "scene/scene.h"
 
 namespace nlg {

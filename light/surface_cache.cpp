@@ -1,9 +1,8 @@
 #include "light/surface_cache.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "light/directions.h"
@@ -14,7 +13,7 @@
 namespace nlg {
 namespace {
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPi = std::numbers::pi_v<float>;
 constexpr uint64_t kBlock = 64, kDiscoveryBlock = 512;
 constexpr size_t kParts = 128;  // that the cells are put together in, by ranges of their keys
 constexpr int kCoordinateBits = 20;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
@@ -38,7 +39,7 @@ std::vector<glm::dvec3> placesBesideSurfaces(const RayScene& rays, const std::ve
       at += (hit.distance - back) * direction;
       beside.emplace_back(at);
       const auto [along, across] = acrossOf(hit.normal);
-      const auto angle = static_cast<float>(6.283185307179586 * random.uniform());
+      const auto angle = static_cast<float>(2.0 * std::numbers::pi * random.uniform());
       glm::vec3 next = std::cos(angle) * along + std::sin(angle) * across;
       if (surfaces == 1) next = random.chance(0.5) ? glm::cross(hit.normal, direction) : glm::cross(direction, hit.normal);
       if (!(glm::dot(next, next) > 1e-6f)) break;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "light/air.h"
@@ -79,7 +80,7 @@ Camera bestView(const LightTransport& transport, const std::vector<glm::dvec3>& 
   double best_score = 2.0 * kWorst;
   for (const glm::dvec3& eye_m : eyes_m) {
     for (int turn = 0; turn < kTurnCount; ++turn) {
-      const double angle = 2.0 * 3.14159265358979 * (turn + 0.5) / kTurnCount;
+      const double angle = 2.0 * std::numbers::pi * (turn + 0.5) / kTurnCount;
       const Camera camera = cameraAlong(eye_m, {std::sin(angle), kDownwards, std::cos(angle)}, fov_y);
       const double score = judge(transport, camera, aspect, near_m);
       if (score > best_score) best_score = score, best = camera;

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tool/parallel_for.h"
 
 namespace nlg {
 namespace {
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPi = std::numbers::pi_v<float>;
 
 // Lights one row of pixels.
 void lightRow(const Sights& sights, const Lighting& lighting, size_t row, std::vector<ReceivedLight>* received) {

@@ -10,7 +10,7 @@
 #include "bake/policy_options.h"
 #include "render/irradiance_table.h"
 #include "render/render_run.h"
-#include "tool/tool_main.h"
+#include "tool/command/tool_main.h"
 
 namespace nlg {
 namespace {

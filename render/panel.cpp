@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "datagen/view/font.h"
 #include "datagen/view/legend.h"
 
 namespace nlg {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -12,7 +13,7 @@
 namespace nlg {
 namespace {
 
-constexpr double kPi = 3.14159265358979;
+constexpr double kPi = std::numbers::pi;
 constexpr double kFovY = 1.0;                          // radians
 constexpr double kFarthestM = 3.0;                     // of the camera
 constexpr double kFreeShare = 0.85;                    // of the free way that the camera goes back

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <memory>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "datagen/view/image.h"
 #include "datagen/view/legend.h"
-#include "datagen/view/png_file.h"
 #include "light/air.h"
 #include "render/camera.h"
 #include "render/lit_picture.h"
@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr uint64_t kBallStream = 0x62616c6c;
 constexpr double kDefaultFov = 60.0;  // degrees
-constexpr double kDegree = 3.14159265358979 / 180.0;
+constexpr double kDegree = std::numbers::pi / 180.0;
 // CLI::Range lets through what is not a number.
 CLI::Validator numberIn(double low, double high) {
   return {[low, high](std::string& text) {

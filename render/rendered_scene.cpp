@@ -4,13 +4,11 @@
 #include <bit>
 #include <cctype>
 #include <iostream>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bake/again/bake_provenance.h"
-#include "bake/default_weights.h"
 #include "bake/load_generators.h"
 #include "bake/scene_bake.h"
 #include "nlg/look_up.h"
@@ -18,8 +16,8 @@
 #include "scene/lights/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 #include "tool/parallel_for.h"
-#include "tool/require_read.h"
 
 namespace nlg {
 namespace {

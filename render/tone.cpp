@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "datagen/view/legend.h"
 #include "scene/image/surface_look.h"
-#include "scene/lights/luminance.h"
+#include "scene/lights/scene_light.h"
 
 namespace nlg {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 using glm::vec3, std::max, std::min;
 #include "render/neutral_tone.glsl"
 
-constexpr double kPi = 3.14159265358979, kMiddleGrey = 0.18;
+constexpr double kPi = std::numbers::pi, kMiddleGrey = 0.18;
 
 constexpr Colour kNoReceiver{120, 120, 120};
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 
 namespace nlg {
 

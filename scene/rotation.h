@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include <glm/glm.hpp>
 
@@ -16,7 +17,7 @@ struct Turn {
 // The turn by an angle of any size; exact at multiples of 90 degrees, within 1e-12 elsewhere.
 inline Turn turnByDegrees(double degrees) {
   const double quarters = std::floor(degrees / 90.0 + 0.5);
-  const double angle = (degrees - 90.0 * quarters) * 0.017453292519943295;
+  const double angle = (degrees - 90.0 * quarters) * (std::numbers::pi / 180.0);
   const double square = angle * angle;
   // Taylor series: |angle| <= pi/4 leaves an error below 1e-13 after the terms named here
   double sine = 0.0;

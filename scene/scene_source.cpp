@@ -9,14 +9,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scene/gltf/gltf_reader.h"
 #include "scene/image/surface_look.h"
 #include "scene/interiors/interiors.h"
 #include "scene/obj/obj_reader.h"
 #include "scene/procedural/procedural.h"
 #include "scene/quake/bsp_reader.h"
 #include "scene/quake/pk3_archive.h"
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 #include "scene/scene_size.h"
 #include "scene/solid/double_sided.h"
 #include "tool/error.h"

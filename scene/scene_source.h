@@ -10,7 +10,7 @@
 #include "scene/image/image_loader.h"
 #include "scene/scene.h"
 #include "scene/solid/transmissive.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 
@@ -41,7 +41,7 @@ struct SceneReading {
   ImageNeed images = ImageNeed::all;  // geometry: where no light is asked for
 };
 
-// Adds these to a tool's table, and to its --help what a scene may take (scene_budget.h).
+// Adds these to a tool's table, and to its --help what a scene may take (scene_file.h).
 void describe(SceneReading& reading, OptionTable& table);
 
 // request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "nlg/result.h"
+
 namespace nlg {
 
 class InputError;
@@ -59,5 +61,14 @@ class OneFileEach {
   std::string flag_, kind_;
   std::map<std::string, std::string> path_of_;
 };
+
+// Returns when the file was read, weights or a light grid. Of one that names no digest it says so (sayUnchecked).
+// expected   what the file should have been: "a light grid"
+// throws     InputError with the result's status and detail; DamageError where the file's own bytes prove that it is damaged
+void requireRead(const std::string& path, const FileResult& result, const std::string& expected);
+
+// Says on stderr, once a process, that nobody knows whether a file is damaged.
+// line   the file's path, and why
+void sayUnchecked(const std::string& line);
 
 }  // namespace nlg

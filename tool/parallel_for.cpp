@@ -7,7 +7,6 @@
 #include <exception>
 #include <mutex>
 #include <system_error>
-#include <thread>
 #include <vector>
 
 #include "tool/error.h"

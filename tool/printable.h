@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <streambuf>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace nlg {
 
@@ -42,5 +44,9 @@ std::string bytesText(double bytes);
 
 // "2.3 s" below ten seconds, then "22 s", "3 min 05 s", "2 h 07 min".
 std::string durationText(double seconds);
+
+// What a misspelt name was meant to be: the known one that differs from the given one by the fewest letters, the first of several; none where the fewest are more than
+// one, and more than a third of that name's.
+std::optional<std::string> nearestName(const std::string& name, const std::vector<std::string>& known);
 
 }  // namespace nlg

@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
-#include "tool/file_info.h"
+#include "tool/command/file_info.h"
+#include "tool/command/tool_main.h"
 #include "tool/output_path.h"
-#include "tool/tool_main.h"
 #include "train/basis/basis_file.h"
-#include "train/generator/function_cache_writer.h"
-#include "train/generator/lost_pages.h"
+#include "train/generator/data/function_cache.h"
+#include "train/generator/data/function_cache_writer.h"
 
 namespace nlg {
 namespace {

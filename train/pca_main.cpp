@@ -11,13 +11,13 @@
 
 #include "datagen/dataset/function_set.h"
 #include "nlg/generator.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tool/atomic_file.h"
-#include "tool/file_info.h"
+#include "tool/command/file_info.h"
+#include "tool/command/tool_main.h"
+#include "tool/input_file.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
-#include "tool/require_read.h"
-#include "tool/tool_main.h"
 #include "train/basis/basis_file.h"
 
 namespace nlg {

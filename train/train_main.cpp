@@ -12,17 +12,17 @@
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
-#include "tool/file_info.h"
+#include "tool/command/file_info.h"
+#include "tool/command/tool_main.h"
+#include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
-#include "tool/require_read.h"
-#include "tool/tool_main.h"
-#include "train/generator/code_ordering.h"
-#include "train/generator/lost_pages.h"
-#include "train/generator/run_folder.h"
-#include "train/generator/trainer.h"
+#include "train/generator/data/function_cache.h"
+#include "train/generator/network/code_ordering.h"
+#include "train/generator/run/checkpoint.h"
+#include "train/generator/run/trainer.h"
 #include "train/torch_threads.h"
 
 namespace nlg {

@@ -1,13 +1,12 @@
 // nlg-validate: how good exported generators are on held-out scenes, and what else can be measured of them.
 
 #include <CLI/CLI.hpp>
-#include <cstring>
 
 #include "bake/policy_options.h"
-#include "tool/tool_main.h"
+#include "tool/command/tool_main.h"
 #include "validate/commands.h"
 #include "validate/generators/validation.h"
-#include "validate/stability/stability_command.h"
+#include "validate/stability/stability_case.h"
 
 namespace nlg {
 namespace {
@@ -34,11 +33,7 @@ int validateMain(int argc, char** argv) {
   return runTool(argc, argv, app, table, [&] { validate(request, options, table); });
 }
 
-// What the tool does when its first argument is one of these names; without one it validates.
-struct Command {
-  const char* name;
-  int (*run)(int argc, char** argv);
-};
+// without one it validates
 constexpr Command kCommands[] = {{"stability", stabilityMain},
                                  {"frontier", frontierMain},
                                  {"light", lightMain},
@@ -49,8 +44,6 @@ constexpr Command kCommands[] = {{"stability", stabilityMain},
 }  // namespace nlg
 
 int main(int argc, char** argv) {
-  for (const nlg::Command& command : nlg::kCommands) {
-    if (argc > 1 && std::strcmp(argv[1], command.name) == 0) return command.run(argc - 1, argv + 1);
-  }
+  if (const std::optional<int> status = nlg::runCommand(argc, argv, nlg::kCommands)) return *status;
   return nlg::validateMain(argc, argv);
 }

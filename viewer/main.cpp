@@ -7,7 +7,7 @@
 
 #include "bake/bake_options.h"
 #include "bake/policy_options.h"
-#include "tool/tool_main.h"
+#include "tool/command/tool_main.h"
 #include "viewer/view_run.h"
 #include "viewer/watch.h"
 

@@ -20,14 +20,13 @@
 #include "scene/lights/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
-#include "tool/require_read.h"
 #include "validate/light/light_figures.h"
-#include "viewer/method_scripts.h"
+#include "viewer/data_script.h"
 #include "viewer/page.h"
-#include "viewer/scene_looks.h"
 
 namespace nlg {
 namespace {

@@ -7,27 +7,84 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <regex>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/stat.h>
 
 #include "bake/again/own_files.h"
 #include "bake/again/relight.h"
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
 #include "tool/error.h"
 #include "tool/output_path.h"
 #include "tool/printable.h"
-#include "tool/tool_main.h"
 #include "viewer/child_process.h"
-#include "viewer/watched_files.h"
 
 namespace nlg {
 namespace {
+
+// Watches files for changes.
+//
+// They are asked after, not listened to: what the kernel tells of a file (inotify) it does not tell of shared and network folders, and
+// programs that save by renaming put another file in its place. Asking after some hundred files takes a millisecond.
+class WatchedFiles {
+ public:
+  // Takes these files in place of the ones before, as they are now; of those that were watched already what is known of them stays.
+  // since_ns   a new one that was written after this time counts as changed
+  void watch(const std::vector<std::string>& paths, int64_t since_ns);
+
+  // Whether any of them is another one than before, or has come or gone.
+  bool haveChanged() const;
+  // From here on they are what they are now.
+  void accept();
+
+ private:
+  struct Stamp {
+    uint64_t device = 0, file = 0, bytes = 0;
+    int64_t written_ns = -1;  // there is none
+    bool operator==(const Stamp&) const = default;
+  };
+  static Stamp stampOf(const std::string& path);
+
+  std::map<std::string, Stamp> stamps_;
+};
+
+// By when it came to be what it is here (ctime): a copy may keep the time of what it was made of.
+WatchedFiles::Stamp WatchedFiles::stampOf(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return {};
+  return {status.st_dev, status.st_ino, static_cast<uint64_t>(status.st_size),
+          int64_t{status.st_ctim.tv_sec} * 1'000'000'000 + status.st_ctim.tv_nsec};
+}
+
+void WatchedFiles::watch(const std::vector<std::string>& paths, int64_t since_ns) {
+  std::map<std::string, Stamp> stamps;
+  for (const std::string& path : paths) {
+    const auto known = stamps_.find(path);
+    Stamp stamp = known != stamps_.end() ? known->second : stampOf(path);
+    if (known == stamps_.end() && stamp.written_ns > since_ns) stamp = {};
+    stamps[path] = stamp;
+  }
+  stamps_ = std::move(stamps);
+}
+
+bool WatchedFiles::haveChanged() const {
+  return std::any_of(stamps_.begin(), stamps_.end(), [](const auto& one) { return stampOf(one.first) != one.second; });
+}
+
+void WatchedFiles::accept() {
+  for (auto& [path, stamp] : stamps_) stamp = stampOf(path);
+}
 
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;

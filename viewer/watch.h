@@ -8,7 +8,7 @@
 
 #include <optional>
 
-#include "tool/options.h"
+#include "tool/command/options.h"
 #include "viewer/page_server.h"
 #include "viewer/view_run.h"
 

@@ -87,7 +87,7 @@ class Costs:
                   Stage("data card", "data_card", 1, READ_S * sum(self.functions.values()), 1), Stage("basis", "pca", 1, self.basis(), 1),
                   Stage("function cache", "cache", 1, self.cache(), 1)]
         for name, (processes, threads) in run.training_cores.items():
-            # two threads are all that a batch of up to 512 keeps busy (train/generator/trainer.cpp)
+            # two threads are all that a batch of up to 512 keeps busy (train/generator/run/trainer.cpp)
             stages.append(Stage(f"train {name}", "train", 1, self.train(name), processes * min(threads, 2)))
         stages += [Stage("export", "export", len(run.representations), EXPORT_S * len(run.representations), 1),
                    Stage("validate", "validate", 1, self.validate("held_out"), cores)]

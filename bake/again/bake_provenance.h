@@ -8,7 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "bake/scene_functions.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 

@@ -8,9 +8,9 @@
 
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/weights_file/tensor_file.h"
+#include "tool/command/file_info.h"
 #include "tool/error.h"
-#include "tool/file_info.h"
-#include "tool/require_read.h"
+#include "tool/input_file.h"
 
 namespace nlg {
 namespace {

@@ -9,7 +9,7 @@
 #include "runtime_eval/probe_tree/probe_tree_data.h"
 #include "scene/lights/light_sets.h"
 #include "tool/error.h"
-#include "tool/require_read.h"
+#include "tool/input_file.h"
 
 namespace nlg {
 namespace {

@@ -9,7 +9,7 @@
 #include "bake/bake_options.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 

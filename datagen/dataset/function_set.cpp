@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "datagen/dataset/duplicate_index.h"
-#include "datagen/dataset/shard.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"

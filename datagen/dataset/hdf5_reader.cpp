@@ -1,5 +1,4 @@
 #include <bit>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 

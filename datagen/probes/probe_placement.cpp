@@ -151,7 +151,7 @@ double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double gr
     const int32_t side = cellSideAt(unit, density);
     for (int axis = 0; axis < 3; ++axis) unit[axis] &= -side;
     cells.push_back({unit, side});
-    shares.push_back(share += 1.0 / (double{side} * side * side));
+    shares.push_back(share += 1.0 / (static_cast<double>(side) * side * side));
   }
   for (size_t n = 0; sample != nullptr && n < kSampledProbes; ++n) {
     const double at = share * (static_cast<double>(n) + 0.5) / static_cast<double>(kSampledProbes);

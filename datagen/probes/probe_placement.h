@@ -1,7 +1,6 @@
 // Places the probes of a scene: a tree over its extent, dense near geometry.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>

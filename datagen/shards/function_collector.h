@@ -11,7 +11,6 @@
 #include <glm/glm.hpp>
 
 #include "datagen/dataset/duplicate_index.h"
-#include "datagen/dataset/function_rows.h"
 #include "datagen/dataset/nameless_file.h"
 #include "datagen/dataset/shard.h"
 #include "datagen/weighting/weighting_builder.h"

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <memory>
-#include <utility>
 
 #include "datagen/shards/shard_scene.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/support/point_set.h"
+#include "runtime_eval/support/point_order.h"
 #include "tool/error.h"
 #include "tool/provenance.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "datagen/dataset/shard.h"
-#include "datagen/dataset/shard_writer.h"
+#include "datagen/dataset/shard_file.h"
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
 #include "datagen/shards/function_pipeline.h"
@@ -15,7 +15,7 @@
 #include "datagen/weighting/weighting_builder.h"
 #include "scene/jitter.h"
 #include "scene/scene_source.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 

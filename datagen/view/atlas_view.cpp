@@ -3,9 +3,8 @@
 #include <algorithm>
 
 #include "datagen/probes/shuffled_order.h"
-#include "datagen/view/font.h"
+#include "datagen/view/image.h"
 #include "datagen/view/legend.h"
-#include "datagen/view/png_file.h"
 #include "datagen/view/shard_source.h"
 #include "datagen/view/slice_panel.h"
 #include "datagen/view/view.h"

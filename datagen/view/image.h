@@ -5,13 +5,21 @@
 // the colour by its distance from the edge.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 namespace nlg {
+
+// A fixed-width bitmap font: ASCII and the signs ° · × φ.
+inline constexpr int kGlyphWidth = 9, kGlyphHeight = 18;
+
+// One glyph from top to bottom; bit x of a row is the pixel x from the left. A sign that the font lacks is a question mark.
+const std::array<uint16_t, kGlyphHeight>& glyphRows(uint32_t code_point);
 
 struct Colour {
   uint8_t r = 0, g = 0, b = 0;
@@ -57,7 +65,7 @@ void drawLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double wid
 void drawDisc(Image& image, const glm::dvec2& centre, double radius_px, Colour colour);
 void drawRing(Image& image, const glm::dvec2& centre, double radius_px, double width_px, Colour colour);
 
-// UTF-8 text in the font of font.h; (x, y) is its upper left corner.
+// UTF-8 text in the font of image.h; (x, y) is its upper left corner.
 // scale   >= 1; enlarges by whole pixels, and above 1 thickens the strokes by one pixel
 void drawText(Image& image, int x, int y, const std::string& text, Colour colour, int scale = 1);
 int textWidth(const std::string& text, int scale = 1);
@@ -67,5 +75,13 @@ void paste(Image& image, const Image& inset, int x, int y);
 
 // The picture at half the size; every pixel is the mean of four. Width and height are even.
 Image halved(const Image& image);
+
+// By keyword: 1 to 79 letters, digits and spaces.
+using PngTexts = std::map<std::string, std::string>;
+
+// Writes the picture, 8 bits RGB, whole or not at all; no time stamp: the same picture and texts give the same bytes.
+// texts    UTF-8, for people: one chunk (iTXt, not compressed) each, before the pixels
+// throws   OutputError
+void writePng(const std::string& path, const Image& image, const PngTexts& texts = {});
 
 }  // namespace nlg

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "datagen/view/font.h"
 #include "datagen/view/slice_panel.h"
 
 namespace nlg {

@@ -5,8 +5,8 @@
 
 #include <glm/glm.hpp>
 
+#include "datagen/view/function_slice.h"
 #include "datagen/view/image.h"
-#include "datagen/view/triangles.h"
 
 namespace nlg {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "datagen/view/image.h"
 #include "datagen/view/legend.h"
-#include "datagen/view/png_file.h"
 #include "datagen/view/shard_source.h"
 #include "datagen/view/slice_panel.h"
 #include "datagen/view/view.h"

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "datagen/view/font.h"
+#include "datagen/view/image.h"
 #include "datagen/view/legend.h"
 #include "datagen/view/level_raster.h"
-#include "datagen/view/png_file.h"
 #include "datagen/view/shard_source.h"
 #include "datagen/view/slice_panel.h"
 #include "datagen/view/view.h"

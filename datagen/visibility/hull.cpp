@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace nlg {
 namespace {
@@ -14,7 +15,8 @@ constexpr size_t kMostPlaces = 64;  // evenly from all
 std::vector<glm::vec3> evenDirections(int count) {
   std::vector<glm::vec3> directions;
   for (int i = 0; i < count; ++i) {
-    const double y = 1.0 - (2.0 * i + 1.0) / count, turn = i * M_PI * (3.0 - std::sqrt(5.0)), radius = std::sqrt(1.0 - y * y);
+    const double y = 1.0 - (2.0 * i + 1.0) / count, turn = i * std::numbers::pi * (3.0 - std::sqrt(5.0)),
+                 radius = std::sqrt(1.0 - y * y);
     directions.emplace_back(radius * std::cos(turn), y, radius * std::sin(turn));
   }
   return directions;

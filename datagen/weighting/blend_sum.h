@@ -1,5 +1,5 @@
 // Computes S, the sum of the functions of all probes of a cell at the support points of one of them, by which the loss weighs
-// lit points (runtime_eval/support/loss_weights.h).
+// lit points (runtime_eval/support/weighting_function.h).
 //
 // A support is eight cells of the probe's spacing, an octant each, and the probe shares each with seven others. Theirs are taken as their
 // tents where their eye sees a point, and as 0 elsewhere: what diffusion carries round corners is left out, and so are cells of

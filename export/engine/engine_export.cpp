@@ -1,4 +1,3 @@
-#include "export/engine/engine_export.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -11,14 +10,14 @@
 #include <nlohmann/json.hpp>
 
 #include "export/engine/engine_format.h"
-#include "export/engine/sh_texture.h"
+#include "export/engine/light_volume.h"
 #include "export/shader/shader_export.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
+#include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
-#include "tool/require_read.h"
-#include "tool/tool_main.h"
 
 namespace nlg {
 namespace {

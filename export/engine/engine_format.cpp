@@ -4,15 +4,12 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
-#include <string>
-#include <string_view>
 
 #include <nlohmann/json.hpp>
 
-#include "export/engine/sh_texture.h"
 #include "export/shader/shader_export.h"
-#include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/shader_grid/nlg_light_grid.h"
 #include "tool/error.h"
@@ -161,7 +158,7 @@ class CellPlaces {
 };
 
 std::array<float, 3> drawNormal(Random& random) {
-  const double z = random.uniform(-1.0, 1.0), turn = 6.283185307179586 * random.uniform(), radius = std::sqrt(1.0 - z * z);
+  const double z = random.uniform(-1.0, 1.0), turn = 2.0 * std::numbers::pi * random.uniform(), radius = std::sqrt(1.0 - z * z);
   return {static_cast<float>(radius * std::cos(turn)), static_cast<float>(radius * std::sin(turn)), static_cast<float>(z)};
 }
 

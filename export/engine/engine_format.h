@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "export/engine/sh_texture.h"
+#include "export/engine/light_volume.h"
 #include "nlg/look_up.h"
 #include "nlg/shader_grid.h"
 
@@ -23,7 +23,7 @@ struct EngineFile {
 // Irradiance that an engine shows at a position (finite), on a plane that faces a normal of length 1.
 using EngineIrradiance = std::function<std::array<float, kShChannels>(const PositionM& position_m, const float* normal_3)>;
 
-// Resampled: a texture of sh_texture.h.
+// Resampled: a texture of light_volume.h.
 struct TextureFormat {
   const char* name;
   // box      of the texels
@@ -75,5 +75,8 @@ struct ResamplingError {
 // returns   nothing where no place was lit, or light is 0 at all of them
 std::optional<ResamplingError> resamplingError(const LightGrid& grid, const LightBox* box, const EngineIrradiance& irradiance,
                                                int64_t wanted);
+
+// The command nlg-export engine --grid GRID --format FORMAT --out FOLDER
+int engineMain(int argc, char** argv);
 
 }  // namespace nlg

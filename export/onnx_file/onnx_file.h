@@ -6,10 +6,9 @@
 
 #include <map>
 #include <string>
-#include <vector>
 
 #include "nlg/generator.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 
 namespace nlg {
 

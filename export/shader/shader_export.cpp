@@ -1,8 +1,6 @@
 #include "export/shader/shader_export.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
@@ -10,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
+#include "tool/input_file.h"
 #include "tool/output_path.h"
-#include "tool/require_read.h"
-#include "tool/tool_main.h"
 
 namespace nlg {
 namespace {

@@ -9,13 +9,12 @@
 
 #include "nlg/generator.h"
 #include "nlg/light_grid.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 #include "tool/output_path.h"
-#include "tool/require_read.h"
-#include "tool/tool_main.h"
 
 namespace nlg {
 namespace {

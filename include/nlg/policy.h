@@ -135,7 +135,7 @@ struct MadeTheta {
 };
 
 struct StagePlan;   // runtime_eval/policy/stage_plan.h
-struct ThetaTrace;  // runtime_eval/policy/theta_trace.h
+struct ThetaTrace;  // runtime_eval/policy/stage_runner.h
 
 // Runs the policy. Each thread needs its own.
 class ThetaPolicy {

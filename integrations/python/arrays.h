@@ -59,4 +59,8 @@ auto newOf(const py::handle&, const py::object& source) {
   return load(source);
 }
 
+// The classes of the Python module nlg.
+void addLightGridClass(pybind11::module_& module);
+void addGeneratorClass(pybind11::module_& module);
+
 }  // namespace nlg

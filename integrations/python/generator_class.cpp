@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "integrations/python/arrays.h"
-#include "integrations/python/classes.h"
 #include "nlg/light_grid.h"
 #include "nlg/policy.h"
 

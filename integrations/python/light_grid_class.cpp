@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "integrations/python/arrays.h"
-#include "integrations/python/classes.h"
 #include "nlg/look_up.h"
 
 namespace nlg {

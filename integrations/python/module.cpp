@@ -6,7 +6,6 @@
 #include <string>
 
 #include "integrations/python/arrays.h"
-#include "integrations/python/classes.h"
 #include "nlg/look_up.h"
 #include "nlg/simd.h"
 

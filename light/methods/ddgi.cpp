@@ -1,8 +1,7 @@
 #include "light/methods/ddgi.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "light/directions.h"
 #include "runtime_eval/numbers/half.h"
@@ -14,7 +13,7 @@
 namespace nlg {
 namespace {
 
-constexpr float kTwoPi = 6.28318531f;
+constexpr float kTwoPi = 2.0f * std::numbers::pi_v<float>;
 // RTXGI's cornell.ini, and what its shaders say
 constexpr double kNormalBiasM = 0.02;
 constexpr float kGamma = 5.0f, kDepthExponent = 50.0f;

@@ -1,7 +1,6 @@
 #include "light/methods/light_method.h"
 
 #include "light/air.h"
-#include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "tool/processor_time.h"

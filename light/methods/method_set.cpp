@@ -6,7 +6,6 @@
 #include "light/directions.h"
 #include "light/methods/sh_octree.h"
 #include "light/methods/tetrahedra.h"
-#include "light/methods/weightings.h"
 #include "light/surface_cache.h"
 #include "light/thinning.h"
 #include "runtime_eval/grid_file/light_grid_file.h"

@@ -4,7 +4,6 @@
 #include <bit>
 #include <memory>
 
-#include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"

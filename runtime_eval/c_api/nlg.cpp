@@ -13,7 +13,7 @@
 #include "nlg/policy.h"
 #include "nlg/simd.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 
 namespace {
 

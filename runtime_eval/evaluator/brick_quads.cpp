@@ -1,8 +1,7 @@
-#include "runtime_eval/evaluator/brick_quads.h"
 
 #include <cmath>
 
-#include "runtime_eval/evaluator/node_place.h"
+#include "runtime_eval/evaluator/dictionary.h"
 
 namespace nlg {
 

@@ -1,11 +1,8 @@
 #include "runtime_eval/evaluator/dictionary.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <utility>
-
-#include "runtime_eval/evaluator/node_place.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/evaluator/dictionary.cpp"

@@ -10,6 +10,7 @@
 // A dictionary is learned with its generator (train/generator), once for all probes.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
@@ -17,9 +18,27 @@
 #include <vector>
 
 #include "nlg/representation.h"
+#include "nlg/support.h"
 #include "runtime_eval/support/point_order.h"
 
 namespace nlg {
+
+// The cell of r³ nodes over [-1, 1]³, of a product field or a brick, that holds a point, and the point's share of the way through it.
+struct NodePlace {
+  int node[3];  // at the cell's low corner, 0 … r - 2
+  float share[3];
+};
+
+// The point is limited to the cube; what is no number lies in the first cell.
+inline NodePlace placeAmongNodes(int resolution, const LocalPoint& point) {
+  NodePlace place;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float position = std::clamp((point[axis] + 1.0f) * 0.5f, 0.0f, 1.0f) * static_cast<float>(resolution - 1);
+    place.node[axis] = position > 0.0f ? std::min(static_cast<int>(position), resolution - 2) : 0;
+    place.share[axis] = position - static_cast<float>(place.node[axis]);
+  }
+  return place;
+}
 
 inline constexpr int kMaxCodeCount = 128;
 inline constexpr int kMaxBrickResolution = 9;
@@ -113,5 +132,25 @@ void evaluateLogits(int resolution, const PointSet& points, const float* logits,
 // The same at every place of a cell order, cell after cell: several times faster.
 // values   order.placeCount() floats
 void evaluateLogitCells(const PointOrder& order, const float* logits, float* values);
+
+// Layout of a brick of logits for look-ups on CPUs and in shaders: two neighbouring words hold the eight nodes
+// of a cell.
+//
+// Word x + r * (y + (r - 1) * z) holds four nodes, from its lowest byte on: (x, y, z), (x, y + 1, z), (x, y, z + 1), (x, y + 1, z + 1);
+// x below r, y and z below r - 1. Three times the bytes of the brick, and one line of the cache where a brick has four rows in three.
+
+// Words of one brick.
+constexpr size_t quadCount(int resolution) {
+  const auto r = static_cast<size_t>(resolution);
+  return r * (r - 1) * (r - 1);
+}
+inline constexpr size_t kMaxQuads = quadCount(kMaxBrickResolution);
+
+// brick   r³ steps, as packBrick gives them
+// quads   quadCount(resolution) words
+void packQuads(int resolution, const int8_t* brick, uint32_t* quads);
+
+// sigmoid(L) at a point, which is limited to the cube: what evaluateBrick says of the brick that was packed.
+float evaluateQuads(int resolution, const LocalPoint& point, float step, const uint32_t* quads);
 
 }  // namespace nlg

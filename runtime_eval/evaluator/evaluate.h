@@ -1,6 +1,7 @@
-// Evaluates one theta at many points.
+// Evaluates one theta at many points, or at one: look-ups evaluate 8 thetas at one point each.
 #pragma once
 
+#include "nlg/representation.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 
 namespace nlg {
@@ -14,5 +15,13 @@ double evaluateReference(const Representation& representation, const LocalPoint&
 
 // Of any network, whether or not it is one of kNetworks.
 double evaluateNetworkReference(const NetworkKind& network, double slope, const LocalPoint& point, const double* theta);
+
+// phi at a point of [-1, 1]³, not clamped. Takes no memory.
+// theta   D floats
+float evaluatePoint(const Representation& representation, const LocalPoint& point, const float* theta);
+
+// phi over the tent, clamped to [0, 1]; 0 where theta gives no number.
+// tent   at the point
+float evaluateTentShare(const Representation& representation, const LocalPoint& point, float tent, const float* theta);
 
 }  // namespace nlg

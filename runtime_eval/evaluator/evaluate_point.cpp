@@ -1,10 +1,9 @@
-#include "runtime_eval/evaluator/evaluate_point.h"
+#include "runtime_eval/evaluator/evaluate.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/evaluator/node_place.h"
+#include "runtime_eval/evaluator/dictionary.h"
 
 namespace nlg {
 namespace {

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/flush_subnormals.h"
 #include "runtime_eval/numbers/random.h"
@@ -68,7 +69,7 @@ class AdamRun {
                     work_.moving_.data(), work_.gradient_.data());
     const float scale = 1.0f / static_cast<float>(batch.valid_count);
     const double phase = static_cast<double>(number) / options_.steps;
-    const double rate = options_.learning_rate * 0.5 * (1.0 + std::cos(M_PI * phase));
+    const double rate = options_.learning_rate * 0.5 * (1.0 + std::cos(std::numbers::pi * phase));
     const auto move = [&](auto& moments) {
       moments.step(rate, options_.beta1, options_.beta2, scale, work_.gradient_.data(), work_.moving_.data());
     };

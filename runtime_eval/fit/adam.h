@@ -1,5 +1,5 @@
 // Fits theta by Adam (Kingma & Ba 2015), with one minibatch of points per step (networks: 256; product fields: all points).
-// Networks step in the eigenbasis of their layers' gradients (soap_update.h).
+// Networks step in the eigenbasis of their layers' gradients (adam_update.h).
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,6 @@
 
 #include "runtime_eval/fit/adam_update.h"
 #include "runtime_eval/fit/fit_result.h"
-#include "runtime_eval/fit/soap_update.h"
 
 namespace nlg {
 

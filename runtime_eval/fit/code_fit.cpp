@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,4 +1,4 @@
-#include "runtime_eval/fit/field_normal_equations.h"
+#include "runtime_eval/fit/normal_equations.h"
 
 #include <algorithm>
 

@@ -1,8 +1,7 @@
 #include "runtime_eval/fit/normal_equations.h"
 
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/fit/field_normal_equations.h"
-#include "runtime_eval/fit/network_loss.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
-#include "runtime_eval/fit/soap_update.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
+#include "runtime_eval/fit/adam_update.h"
 
 #include <algorithm>
 #include <cmath>

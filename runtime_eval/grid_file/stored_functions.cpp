@@ -5,8 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "runtime_eval/grid_file/tensor_reading.h"
-
 namespace nlg {
 namespace {
 

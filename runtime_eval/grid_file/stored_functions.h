@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/grid_file/grid_memory.h"
+#include "runtime_eval/grid_file/tensor_reading.h"
 #include "runtime_eval/weights_file/tensor_file.h"
 
 namespace nlg {

@@ -1,10 +1,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
-#include "runtime_eval/evaluator/brick_quads.h"
-#include "runtime_eval/evaluator/evaluate_point.h"
+#include "runtime_eval/evaluator/dictionary.h"
+#include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/light_grid/packed_light.h"
 

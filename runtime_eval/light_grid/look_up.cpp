@@ -1,9 +1,8 @@
 #include "nlg/look_up.h"
-#include "runtime_eval/evaluator/brick_quads.h"
-#include "runtime_eval/evaluator/evaluate_point.h"
+#include "runtime_eval/evaluator/dictionary.h"
+#include "runtime_eval/evaluator/evaluate.h"
 
 #include <algorithm>
-#include <array>
 
 namespace nlg {
 namespace {

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "nlg/look_up.h"
-#include "runtime_eval/evaluator/brick_quads.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/evaluator/product_field.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
+#include <numbers>
 
 namespace nlg {
 
@@ -44,7 +45,7 @@ class Random {
   // Standard normal (Box–Muller).
   double normal() {
     const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-    return radius * std::cos(6.283185307179586 * uniform());
+    return radius * std::cos(2.0 * std::numbers::pi * uniform());
   }
 
  private:

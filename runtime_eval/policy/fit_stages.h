@@ -4,11 +4,26 @@
 
 #include <vector>
 
+#include "nlg/policy.h"
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
+#include "runtime_eval/fit/symmetric_band.h"
 #include "runtime_eval/policy/theta_batch.h"
 
 namespace nlg {
+
+// The correction: solves the last layer exactly for each function, in networks with a linear output whose weights ask for it.
+// No iterative fit. docs/theory/math.md §6.
+class LastLayerStage : public StageRun {
+ public:
+  // generator   with exactLastLayer()
+  explicit LastLayerStage(const Generator& generator);
+  void run(ThetaBatch& batch, const int* members, int member_count) override;
+
+ private:
+  SymmetricBand equations_;
+  std::vector<float> solved_;
+};
 
 // For product fields, whose normal equations are a band, so that an iteration is cheap. Networks gain more by Adam in the same time,
 // the smallest too (docs/lab/training.md).

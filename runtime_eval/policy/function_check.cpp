@@ -7,7 +7,7 @@
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/numbers/finite.h"
-#include "runtime_eval/support/loss_weights.h"
+#include "runtime_eval/support/weighting_function.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/policy/function_check.cpp"

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 #include "runtime_eval/numbers/flush_subnormals.h"
 #include "runtime_eval/policy/fit_stages.h"
-#include "runtime_eval/policy/last_layer_stage.h"
 
 namespace nlg {
 namespace {

@@ -1,14 +1,25 @@
 // Runs the stages of one representation up to the refinement, on batches of functions.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <vector>
 
 #include "runtime_eval/policy/stage_plan.h"
 #include "runtime_eval/policy/theta_batch.h"
-#include "runtime_eval/policy/theta_trace.h"
 
 namespace nlg {
+
+// For measurements: copies of theta at the words before the last: count x D each, of the functions that take a theta, in their order. Where a larger
+// representation was taken, they are of the smallest.
+struct ThetaTrace {
+  std::vector<float> network, corrected;
+  std::vector<float> fitted;  // of StageRunner and ThetaPolicy::make, before the refinement; of ThetaPolicy::bake, after it
+};
+
+inline float microsecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() - start).count();
+}
 
 // One of these a thread and generator. Without a trace it allocates nothing, once it is made.
 class StageRunner {

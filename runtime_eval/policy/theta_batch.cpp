@@ -5,10 +5,10 @@
 #include <cstring>
 #include <limits>
 
+#include "runtime_eval/evaluator/generator/projection.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/evaluator/projection.h"
 #include "runtime_eval/evaluator/theta_form.h"
-#include "runtime_eval/fit/loss_kernel.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
 
 namespace nlg {

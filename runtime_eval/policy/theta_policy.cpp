@@ -1,7 +1,7 @@
-
 #include <algorithm>
 #include <utility>
 
+#include "nlg/policy.h"
 #include "runtime_eval/evaluator/product_field.h"
 #include "runtime_eval/numbers/flush_subnormals.h"
 #include "runtime_eval/policy/refinement.h"
@@ -25,6 +25,14 @@ constexpr int kRoundingRefits = 3;
 constexpr double kTentLeakShare = 0.01;
 
 }  // namespace
+
+const char* outOfRange(const PolicyOptions& options) {
+// a NaN is in no range
+#define NLG_POLICY_OPTION(type, name, value, low, high, help) \
+  if (!(options.name >= (low) && options.name <= (high))) return #name;
+#include "nlg/policy_options.def"
+  return nullptr;
+}
 
 bool takesBareTent(const FunctionCheck& tent, const PolicyOptions& options) {
   return options.bare_tent_rmse > 0.0 && tent.valid_count > 0 && tent.blend_rmse <= options.bare_tent_rmse &&

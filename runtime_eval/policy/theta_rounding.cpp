@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
-#include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/policy/code_rounding.h"
-#include "runtime_eval/policy/compensated_rounding.h"
 
 namespace nlg {
 namespace {
+
+constexpr int kHessianPoints = 2000;
+constexpr double kLeastDiagonal = 1e-9;  // of the mean diagonal entry, added to every one: numbers that change nothing have none
 
 // Roundings to bytes are tried one after another, until the error is at most kRoundingExcess times what it was, or has grown by no
 // more than kRoundingAdds. In the first kRoundingWays each number is rounded for itself; in those of kCompensatedWays numbers make up
@@ -38,13 +38,112 @@ void roundLimited(const Representation& representation, ThetaPrecision precision
 
 }  // namespace
 
+bool CompensatedRounding::round(const Representation& network, const WeightingFunction& function,
+                                const Compensation& compensation, float* theta) {
+  const NetworkShape& shape = network.shape();
+  const int D = shape.thetaCount(), hidden = shape.w3();
+  float numbers[kMaxNetworkThetaCount];
+  std::copy_n(theta, D, numbers);
+  scaleHiddenLayers(network, numbers, compensation.most);
+  kernel_.compute(network, function, numbers, &equations_, kHessianPoints, compensation.first_batch);
+  if (!factor(compensation.damping)) return false;
+  const double step = stepOf(shape);
+  moved_.assign(D, 0.0);
+  for (int i = 0; i < D; ++i) {
+    double best = numbers[i];
+    for (int j = 0; j < i; ++j) best -= rows_[i * D + j] * moved_[j];
+    const double taken =
+        i < hidden ? step * std::clamp<double>(std::nearbyint(best / step), -kMostThetaSteps, kMostThetaSteps) : best;
+    if (!std::isfinite(static_cast<float>(taken))) return false;
+    moved_[i] = taken - numbers[i];
+    numbers[i] = static_cast<float>(taken);
+  }
+  std::copy_n(numbers, D, theta);
+  return true;
+}
+
+bool CompensatedRounding::factor(double damping) {
+  const SymmetricBand& hessian = equations_.hessian;
+  const int D = hessian.count();
+  double mean = 0.0;
+  for (int i = 0; i < D; ++i) mean += hessian.at(i, i) / D;
+  rows_.resize(static_cast<size_t>(D) * D);
+  for (int i = 0; i < D; ++i) {
+    for (int j = 0; j < i; ++j) rows_[i * D + j] = hessian.at(i, j);
+    rows_[i * D + i] = (1.0 + damping) * hessian.at(i, i) + kLeastDiagonal * mean;
+  }
+  // from the last number up: what is left of H once that one is where it is best
+  for (int i = D - 1; i >= 0; --i) {
+    double* row = &rows_[i * D];
+    const double diagonal = row[i];
+    if (!(diagonal > 0.0) || !std::isfinite(diagonal)) return false;
+    for (int j = 0; j < i; ++j) {
+      const double share = row[j] / diagonal;
+      for (int k = 0; k <= j; ++k) rows_[j * D + k] -= share * row[k];
+    }
+    for (int j = 0; j < i; ++j) row[j] /= diagonal;
+  }
+  return true;
+}
+
+bool CodeRounding::factorAt(const Representation& representation, const float* z) {
+  fit_.equationsAt(representation, function_, {}, z, &equations_);
+  return equations_.factor();
+}
+
+Theta CodeRounding::rounded(const float* z, int length) const {
+  const int K = equations_.count;
+  Theta theta(static_cast<size_t>(K), 0.0f);
+  const float step = std::ldexp(1.0f, codeExponent(K, z));
+  float moved[kMaxCodeCount] = {};
+  for (int i = K - 1; i >= 0; --i) {
+    const float* row = &equations_.matrix[static_cast<size_t>(i) * K];
+    float sum = 0.0f;
+    for (int k = i + 1; k < K; ++k) sum += row[k] * moved[k];
+    const float best = z[i] - sum / row[i];
+    constexpr auto kMost = static_cast<float>(kMostCodeSteps);
+    if (i < length) theta[i] = step * std::clamp(std::nearbyint(best / step), -kMost, kMost);
+    moved[i] = theta[i] - z[i];
+  }
+  return theta;
+}
+
+RoundedTheta CodeRounding::round(const Representation& representation, const StoredFunction& function,
+                                 const RoundedTheta& present, const CheckOptions& check) {
+  const int K = representation.code_count;
+  decodeFunction(function, pointOrder(representation), check.loss(), &function_);
+  const auto inSteps = [&](Theta theta) {
+    roundTheta(representation, ThetaPrecision::int8, theta.data());
+    const FunctionCheck found = checker_.check(representation, function, theta.data(), check);
+    return RoundedTheta{std::move(theta), found};
+  };
+  if (!factorAt(representation, present.theta.data())) return inSteps(present.theta);
+  const double before = present.check.blend_rmse,
+               allowed = std::max(options_.code_enough_rmse, options_.code_flat_ratio * before);
+  const bool must_pass = present.check.passes(check);
+  const auto suffices = [&](const FunctionCheck& found) {
+    return found.blend_rmse <= allowed && (!must_pass || found.passes(check));
+  };
+  // what leaving out the numbers from i on adds to the mean square
+  std::vector<double> added(static_cast<size_t>(K) + 1, 0.0);
+  for (int i = K - 1; i >= 0; --i) {
+    double sum = 0.0;
+    for (int k = i; k < K; ++k) sum += double{equations_.matrix[i * K + k]} * present.theta[k];
+    added[i] = added[i + 1] + sum * sum / std::max(1, present.check.valid_count);
+  }
+  for (int length = kCodeGroup; length < K; length += kCodeGroup) {
+    if (std::sqrt(before * before + added[length]) > allowed) continue;
+    RoundedTheta shorter = inSteps(rounded(present.theta.data(), length));
+    if (suffices(shorter.check)) return shorter;
+  }
+  return inSteps(rounded(present.theta.data(), K));
+}
+
 ThetaRounding::ThetaRounding(const PolicyOptions& options) {
   if (options.theta_precision != ThetaPrecision::int8) return;
   compensated_ = std::make_unique<CompensatedRounding>();
   code_ = std::make_unique<CodeRounding>(options);
 }
-
-ThetaRounding::~ThetaRounding() = default;
 
 RoundedTheta ThetaRounding::round(const Representation& representation, const StoredFunction& function,
                                   const RoundedTheta& present, const CheckOptions& check) {

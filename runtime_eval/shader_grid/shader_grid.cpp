@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-#include "runtime_eval/evaluator/brick_quads.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/probe_tree/probe_tree_data.h"

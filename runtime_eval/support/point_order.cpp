@@ -1,7 +1,6 @@
 #include "runtime_eval/support/point_order.h"
 
 #include <array>
-#include <cmath>
 
 namespace nlg {
 namespace {

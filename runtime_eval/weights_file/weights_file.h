@@ -8,7 +8,6 @@
 // dependency: an engine links this. What the names mean: docs/reference/formats.md.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>

@@ -8,7 +8,7 @@
 
 #include <tiny_gltf.h>
 
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 
 namespace nlg {
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+#include <numbers>
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 #include <tiny_gltf.h>
@@ -18,7 +17,7 @@ namespace {
 
 constexpr const char* kExtension = "KHR_lights_punctual";
 constexpr double kBrightest = 1e12;
-constexpr double kRightAngle = 1.5707963267948966;
+constexpr double kRightAngle = std::numbers::pi / 2.0;
 constexpr double kHair = 1e-3;  // of the outer cone: by how much the inner one stays inside
 
 // Blender's exporter: its versions (major, minor, patch: 3 04 040), and below what no light is in its standard unit.

@@ -11,7 +11,7 @@
 #include "scene/image/image_loader.h"
 #include "scene/oddities.h"
 #include "scene/scene.h"
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 
 namespace nlg {
 

@@ -10,7 +10,7 @@
 
 #include "scene/gltf/gltf_looks.h"
 #include "scene/oddities.h"
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 
 namespace nlg {
 

@@ -20,7 +20,6 @@
 #include "scene/gltf/gltf_mesh.h"
 #include "scene/gltf/gltf_nodes.h"
 #include "scene/gltf/gltf_unread.h"
-#include "scene/solid/transmissive.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -44,7 +44,7 @@ struct GltfChoice {
 //          positions beyond 1e9 m, a node that is its own ancestor or 256 deep, a value of a wrong JSON type (gltf_json.h)
 // throws   InputError naming file, place ("mesh 3, primitive 0: POSITION"), expected and got, on
 //          - a missing, truncated or malformed file; one of which nothing is left
-//          - more than the budgets hold (scene_budget.h)
+//          - more than the budgets hold (scene_file.h)
 //          - a buffer's URI that leaves the folder: with "..", absolute, or of a scheme other than data:
 //          - a required extension that may change where triangles are and is not read, by its name
 //          UsageError on a scene_name that no scene has

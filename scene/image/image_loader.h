@@ -11,7 +11,7 @@
 
 #include "scene/image/image_decode.h"
 #include "scene/image/texture_image.h"
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 
 namespace nlg {
 

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
-#include "scene/lights/luminance.h"
 #include "scene/lights/scene_light.h"
 
 namespace nlg {
 namespace {
 
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 constexpr double kBrightest = 1e12;
 constexpr double kSunPatch = 2.5 * kPi / 180.0;  // radians from the brightest texel: a sun of an image is blurred by its lens
 constexpr double kSunRing = 2.0 * kSunPatch;     // up to which what surrounds it is asked for

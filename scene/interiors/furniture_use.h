@@ -1,8 +1,6 @@
 // The table from names of catalogue pieces to their use in a house.
 #pragma once
 
-#include <string>
-
 #include "scene/interiors/catalogue.h"
 
 namespace nlg {

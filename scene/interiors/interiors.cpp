@@ -1,7 +1,6 @@
 #include "scene/interiors/interiors.h"
 
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <numeric>
 #include <utility>

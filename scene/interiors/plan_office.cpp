@@ -1,11 +1,10 @@
 // The plan "office": an open floor with columns and desks, small rooms along one wall, boxes of glass in its corners.
-#include <algorithm>
 
 #include "scene/interiors/fittings.h"
 #include "scene/interiors/furnisher.h"
 #include "scene/interiors/interiors.h"
 #include "scene/interiors/recipes.h"
-#include "scene/procedural/columns.h"
+#include "scene/procedural/building.h"
 
 namespace nlg {
 namespace {

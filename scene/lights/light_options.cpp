@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -10,13 +11,13 @@
 
 #include "runtime_eval/light_grid/packed_light.h"
 #include "scene/image/sky_file.h"
-#include "scene/lights/light_groups.h"
+#include "scene/lights/light_sets.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
 
-constexpr double kRadiansPerDegree = 0.017453292519943295;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr double kBrightest = 1e12;
 constexpr const char* kSkyForm =
     "r,g,b, or those of zenith, horizon and ground, each from 0 to 1e12; FILE.hdr or FILE.exr, which turn in degrees and factor "

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "scene/scene.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 
@@ -16,7 +16,7 @@ struct LightOptions {
   std::vector<std::string> sun;  // nothing: the scene's own; azimuth,elevation,r,g,b; or 0
   std::string light_unit = "auto";   // of the scene's own lamps and suns: auto, file, watt
   double intensity = 1.0;            // of all light
-  std::string light_groups = "one";  // into which it falls (light_groups.h)
+  std::string light_groups = "one";  // into which it falls (light_sets.h)
 };
 
 void describe(LightOptions& options, OptionTable& table);

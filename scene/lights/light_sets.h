@@ -1,6 +1,6 @@
-// Light sets: several states of a level's light, such as day and night, in one grid, which an engine mixes.
+// Light groups, which an engine dims, colours and switches, and light sets: several states of a level's light, such as day and night, in one grid, which an engine mixes.
 //
-// A light set's light is one group of the grid's, of the set's name; or, where its own lights fall into groups (light_groups.h), as many,
+// A light set's light is one group of the grid's, of the set's name; or, where its own lights fall into groups (light_sets.h), as many,
 // each named SET/GROUP. A grid begins with the first set.
 #pragma once
 
@@ -8,9 +8,18 @@
 #include <vector>
 
 #include "scene/lights/light_options.h"
+#include "scene/scene.h"
 #include "scene/scene_source.h"
 
 namespace nlg {
+
+// Sorts all that shines into scene->light.groups, which it makes anew: sky first, then suns, lamps, emission, a level's own light.
+//
+// how      one: all light is one group; kind: "sky", "sun", "lamps", "emission", "level"; name: as kind, but suns, lamps and
+//          materials that shine by their names, up to a number behind a last dot (Blender's Lamp.001). A group that the file's author
+//          gives a light comes before either
+// throws   UsageError on another word; InputError on more than kMaxLightGroups groups
+void groupLights(const std::string& how, Scene* scene);
 
 struct LightSet {
   std::string name;

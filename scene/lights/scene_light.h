@@ -4,7 +4,6 @@
 // surface that the engine shows at full brightness (docs/theory/light.md). Positions are relative to the scene's origin.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,6 +13,9 @@
 #include "scene/image/sky_image.h"
 
 namespace nlg {
+
+// Luminance of linear red, green and blue by ITU-R BT.709.
+inline float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
 
 // Radiance from beyond everything: a gradient from the horizon (y = 0) up to the zenith, and one colour for what lies below; or an
 // image. The gradient is then the one that is nearest to it, for whoever draws no image.
@@ -79,7 +81,7 @@ struct LightLabel {
   std::string name, group;
 };
 
-// Light is linear: what each group gives by itself adds up to the whole (light_groups.h).
+// Light is linear: what each group gives by itself adds up to the whole (light_sets.h).
 struct LightGroups {
   std::vector<std::string> names;                     // at most kMaxLightGroups (light_grid.h); none: all light is one group
   std::vector<uint8_t> of_lamp, of_sun, of_material;  // by lamp, sun, material of the scene; empty without names

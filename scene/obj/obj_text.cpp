@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "scene/quake/pk3_archive.h"
-#include "scene/scene_budget.h"
 #include "scene/scene_file.h"
 #include "tool/error.h"
 

@@ -49,7 +49,7 @@ struct ObjRecords {
 
 // throws   InputError naming the line on bytes that are no text, a position that is not three numbers of -1e30 to 1e30, a face
 //          of more than 8,192 corners, a corner that is no index of an earlier vertex, more than 2^27 vertices, or more triangles
-//          than one scene may have (scene_budget.h)
+//          than one scene may have (scene_file.h)
 ObjRecords readObjRecords(const std::string& path, std::string_view text);
 
 // An image, and how it lies on places: from the lower left corner, times scale, plus offset.

@@ -1,7 +1,5 @@
 // The family "clutter": interiors full of things, as a flat, an office, a warehouse or a workshop.
 #include "scene/procedural/building.h"
-#include "scene/procedural/furniture.h"
-#include "scene/procedural/level.h"
 
 namespace nlg {
 namespace {

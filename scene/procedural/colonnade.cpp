@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "scene/procedural/building.h"
-#include "scene/procedural/columns.h"
 #include "scene/procedural/furniture.h"
 #include "scene/procedural/level.h"
 

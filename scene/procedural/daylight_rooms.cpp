@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "scene/procedural/brush_grid.h"
-#include "scene/procedural/built_in.h"
 #include "scene/procedural/furniture.h"
 #include "scene/procedural/level.h"
+#include "scene/procedural/procedural.h"
 
 namespace nlg {
 namespace {

@@ -1,6 +1,5 @@
 // The families "house" and "apartment": rooms with doors and windows on one or two storeys around a hall with the stairs.
 #include "scene/procedural/building.h"
-#include "scene/procedural/level.h"
 
 namespace nlg {
 namespace {

@@ -1,9 +1,7 @@
 #include "scene/procedural/level.h"
 
-#include <algorithm>
 #include <cmath>
-
-#include "runtime_eval/numbers/random.h"
+#include <numbers>
 
 namespace nlg {
 namespace {
@@ -46,7 +44,7 @@ Palette makePalette(MeshBuilder& mesh, Random& random) {
   return palette;
 }
 
-constexpr double kRadiansPerDegree = 0.017453292519943295;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr double kNightChance = 1.0 / 3.0;
 const glm::dvec3 kBlue(0.45, 0.65, 1.0), kHaze(0.85, 0.92, 1.0), kEarth(0.30, 0.27, 0.22), kSunlight(1.0, 0.93, 0.80);
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -12,10 +13,22 @@
 #include "scene/lights/scene_light.h"
 #include "scene/quake/bsp_shader.h"
 #include "scene/quake/pk3_archive.h"
-#include "scene/quake/texture_colour.h"
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 
 namespace nlg {
+
+// Means over all pixels of an sRGB image, each channel in [0, 1]: for skies, and for lights that name an image.
+struct ImageMeans {
+  glm::vec3 linear{0.0f};  // in linear light
+  glm::vec3 code{0.0f};    // of the codes themselves, over 255: what Quake III's compilers take for the colour of a light
+};
+
+// pixels        its pixels are taken from this, as decodeImage does
+// path, place   of the image, for errors
+// returns       nothing for an image that decodeImage does not decode
+// throws        InputError on more pixels, times scans, than the budget holds: as soon as that many would be decoded
+std::optional<ImageMeans> imageMeans(std::string_view bytes, SceneBudget& pixels, const std::string& path,
+                                     const std::string& place);
 
 class BspLooks {
  public:

@@ -15,8 +15,8 @@
 #include "scene/quake/bsp_patch.h"
 #include "scene/quake/bsp_shader.h"
 #include "scene/quake/pk3_archive.h"
-#include "scene/scene_budget.h"
-#include "scene/solid/free_standing.h"
+#include "scene/scene_file.h"
+#include "scene/solid/closed_shells.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 

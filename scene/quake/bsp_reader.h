@@ -25,7 +25,7 @@ struct BspLevel {
 // The level's polygons, meshes (models that its compiler built in) and patches, these tessellated to within 4 cm; one unit is
 // 0.0254 m; (x, y, z) of the file, z up, becomes (x, z, -y). Left out and counted: dropped_faces.
 // The level itself is one SceneObject for each connected component ("worldspawn/7"), movable when it stands free
-// (free_standing.h); behind them stands a movable one for each submodel that has triangles, named by its entity ("func_door *3"),
+// (closed_shells.h); behind them stands a movable one for each submodel that has triangles, named by its entity ("func_door *3"),
 // where that places it.
 //
 // Its light is that of docs/reference/quake3_light.md: baked light from lightmaps and vertices, faces of sky, lamps and
@@ -34,7 +34,7 @@ struct BspLevel {
 // path     a .bsp file; without archives, shader scripts and textures are not at hand: flags are those that the .bsp holds, all
 //          faces are one-sided, all materials have the default colour, no face shines, the sky is dark
 // throws   InputError naming file, place, expected and got on what parseBsp and readPlacements refuse, and on a level of more
-//          triangles than its budget holds (scene_budget.h), or of more than 256 MiB
+//          triangles than its budget holds (scene_file.h), or of more than 256 MiB
 BspLevel readBsp(const std::string& path);
 
 // The same for maps/MAP.bsp in the archives at path (pk3_archive.h), with their shader scripts and textures: surface parameters

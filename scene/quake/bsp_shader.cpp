@@ -5,7 +5,6 @@
 
 #include "scene/quake/bsp_entities.h"
 #include "scene/quake/bsp_file.h"
-#include "scene/quake/quake_tokens.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/scene_budget.h"
+#include "scene/scene_file.h"
 
 namespace nlg {
 

@@ -7,6 +7,8 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/scene.h"
+
 namespace nlg {
 
 // For every vertex the first one with the same position, bit for bit: exporters split vertices by normals and places on images.
@@ -51,5 +53,13 @@ class ShellFinder {
 
   std::vector<uint32_t> same_as_, parent_, number_;
 };
+
+// Finds what can be moved without opening a level's shell: splits an object into its connected components and leaves movable only those that stand free: what looks outward round more
+// than half of its box (a crate without the bottom that stands on the floor, a column between floor and ceiling), or all round
+// whatever its shape is, and is not larger than 12 m. Walls, rooms, trims and terrain become structure. The other objects stay as
+// they are, behind it.
+//
+// object_idx   below scene.objects.size()
+void splitFreeStanding(Scene& scene, size_t object_idx);
 
 }  // namespace nlg

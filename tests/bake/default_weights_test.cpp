@@ -1,4 +1,4 @@
-#include "bake/default_weights.h"
+#include "bake/load_generators.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "datagen/dataset/shard_reader.h"
+#include "datagen/dataset/shard_file.h"
 #include "datagen/shards/shard_job.h"
 #include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"

@@ -9,7 +9,7 @@
 
 #include "export/used_by/used_by.h"
 #include "nlg/light_grid.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"

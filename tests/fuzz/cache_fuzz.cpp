@@ -8,8 +8,7 @@
 
 #include "tests/fuzz/fuzz.h"
 #include "tool/atomic_file.h"
-#include "train/generator/cache_layout.h"
-#include "train/generator/function_cache.h"
+#include "train/generator/data/function_cache.h"
 
 namespace nlg::fuzz {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "tests/fuzz/digests.h"
 #include "tests/fuzz/fuzz.h"
-#include "train/generator/checkpoint_file.h"
+#include "train/generator/run/checkpoint_file.h"
 
 namespace nlg::fuzz {
 namespace {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/fuzz/fuzz.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg::fuzz {
 

@@ -1,7 +1,7 @@
 // Hostile shards: whatever the file, it is refused in one line, or its functions can be read, all at once and one by one.
 #include "datagen/dataset/shard.h"
 #include "datagen/dataset/shard_check.h"
-#include "datagen/dataset/shard_reader.h"
+#include "datagen/dataset/shard_file.h"
 #include "tests/fuzz/hdf5_recipe.h"
 
 // HDF5 1.10.8 itself loses some hundred bytes for each damaged file that it refuses.

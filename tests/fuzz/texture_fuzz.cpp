@@ -1,6 +1,6 @@
 // Hostile images, PNG, JPEG, WebP and Targa: an image is decoded whole and kept small, or it is said what is wrong with it; it has means
 // between black and white, or none, or it asks for too many pixels.
-#include "scene/quake/texture_colour.h"
+#include "scene/quake/bsp_looks.h"
 
 #include "scene/image/image_loader.h"
 #include "tests/fuzz/fuzz.h"

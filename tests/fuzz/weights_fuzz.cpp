@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "nlg/generator.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/weights_file/header_parser.h"
 #include "tests/fuzz/digests.h"
 #include "tests/fuzz/fuzz.h"

@@ -5,7 +5,7 @@
 
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/dictionary.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace nlg::fuzz {

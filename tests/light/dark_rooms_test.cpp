@@ -1,4 +1,4 @@
-#include "light/dark_rooms.h"
+#include "light/standing.h"
 
 #include <gtest/gtest.h>
 

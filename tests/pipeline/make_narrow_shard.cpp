@@ -1,7 +1,7 @@
 // Writes a shard that bears the support pattern's hash but rows of 16 points: what no tool of ours makes, and none may believe.
 // With a second argument its functions are all the same one.
 #include "datagen/dataset/shard.h"
-#include "runtime_eval/support/point_set.h"
+#include "runtime_eval/support/point_order.h"
 
 int main(int argc, char** argv) {
   if (argc != 2 && argc != 3) return 2;

@@ -1,7 +1,7 @@
 // A small generator of random numbers to test with.
 #pragma once
 
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tests/runtime_eval/sample_functions.h"
 
 namespace nlg {

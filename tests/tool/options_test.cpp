@@ -1,4 +1,4 @@
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 #include <gtest/gtest.h>
 

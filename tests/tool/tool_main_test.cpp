@@ -1,4 +1,4 @@
-#include "tool/tool_main.h"
+#include "tool/command/tool_main.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

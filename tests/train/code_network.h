@@ -5,7 +5,7 @@
 
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
-#include "train/generator/generator_network.h"
+#include "train/generator/network/generator_network.h"
 
 namespace nlg {
 

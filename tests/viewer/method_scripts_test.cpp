@@ -1,4 +1,4 @@
-#include "viewer/method_scripts.h"
+#include "viewer/data_script.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 
 namespace nlg {
 

@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "validate/generators/statistics.h"
-
 namespace nlg {
 namespace {
 

@@ -1,10 +1,10 @@
 // Options of nlg-validate frontier: section `frontier` of pipeline.yaml.
 #pragma once
 
-#include "tool/options.h"
-#include "validate/frontier/fit_points.h"
+#include "tool/command/options.h"
 #include "validate/frontier/front.h"
 #include "validate/frontier/interleaved.h"
+#include "validate/frontier/timed_policy.h"
 
 namespace nlg {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <mutex>
 
-#include "runtime_eval/policy/theta_trace.h"
+#include "runtime_eval/policy/stage_runner.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 #include "runtime_eval/policy/stage_plan.h"
 #include "validate/generators/measured_word.h"
 

@@ -4,7 +4,6 @@
 
 #include "runtime_eval/evaluator/theta_form.h"
 #include "tool/atomic_file.h"
-#include "validate/generators/figures.h"
 
 namespace nlg {
 namespace {

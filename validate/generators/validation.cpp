@@ -3,8 +3,6 @@
 #include <iostream>
 
 #include "bake/load_generators.h"
-#include "bake/policy_options.h"
-#include "runtime_eval/evaluator/theta_form.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
 #include "tool/parallel_for.h"

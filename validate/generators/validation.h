@@ -8,7 +8,7 @@
 #include "bake/policy_options.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/fit/direct.h"
-#include "tool/options.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 

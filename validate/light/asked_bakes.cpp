@@ -7,7 +7,7 @@
 #include "bake/light_bake.h"
 #include "bake/load_generators.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/policy/theta_trace.h"
+#include "runtime_eval/policy/stage_runner.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/atomic_file.h"
 

@@ -7,9 +7,9 @@
 
 #include "bake/load_generators.h"
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
-#include "tool/tool_main.h"
 #include "validate/generators/function_counts.h"
 #include "validate/light/noise.h"
 

@@ -7,7 +7,7 @@
 
 #include "nlg/simd.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/random.h"
 #include "train/basis/basis_fit.h"

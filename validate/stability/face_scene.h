@@ -1,7 +1,6 @@
 // Scenes of a few faces, for the cases of geometry.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "datagen/weighting/weighting_builder.h"

@@ -13,7 +13,7 @@
 
 #include "datagen/dataset/function_set.h"
 #include "nlg/generator.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 
 namespace nlg {
 
@@ -91,5 +91,9 @@ std::vector<StabilityCase> codeCases();
 std::vector<StabilityCase> pcaCases();
 std::vector<StabilityCase> coefficientCases();
 std::vector<StabilityCase> sceneCases();
+
+// The command nlg-validate stability: runs every case, and writes one JSON file.
+// returns   the exit code: check_failed, after the file is written, when some case did not hold
+int stabilityMain(int argc, char** argv);
 
 }  // namespace nlg

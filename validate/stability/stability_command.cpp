@@ -1,4 +1,3 @@
-#include "validate/stability/stability_command.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,12 +9,12 @@
 
 #include "bake/load_generators.h"
 #include "tool/atomic_file.h"
+#include "tool/command/tool_main.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
-#include "tool/require_read.h"
-#include "tool/tool_main.h"
 #include "validate/generators/function_counts.h"
 #include "validate/stability/stability_case.h"
 

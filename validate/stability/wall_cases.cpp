@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "validate/stability/extreme_function.h"
 #include "validate/stability/face_scene.h"
@@ -111,7 +112,7 @@ constexpr double kGrazing = 1e-3;
 // An endless wall from `near` to `far` along a normal that is turned about y from x; of both sides where it has no thickness.
 WallScene slab(double near, double far, double degrees) {
   WallScene scene;
-  const double angle = degrees * M_PI / 180.0;
+  const double angle = degrees * std::numbers::pi / 180.0;
   if (near < far) {
     scene.faces.addBox({near, -50, -50}, {far, 50, 50});
   } else {
@@ -166,7 +167,8 @@ WallScene doorAjar(double degrees) {
   constexpr double kNear = 0.31, kFar = 0.41, kHinge = -0.3, kWidth = 0.6;
   scene.faces.addBox({kNear, -50, -50}, {kFar, 50, kHinge});
   scene.faces.addBox({kNear, -50, kHinge + kWidth}, {kFar, 50, 50});
-  const double angle = degrees * M_PI / 180.0, x = kFar + kWidth * std::sin(angle), z = kHinge + kWidth * std::cos(angle);
+  const double angle = degrees * std::numbers::pi / 180.0, x = kFar + kWidth * std::sin(angle),
+               z = kHinge + kWidth * std::cos(angle);
   scene.faces.addQuad({kFar, -50, kHinge}, {x, -50, z}, {x, 50, z}, {kFar, 50, kHinge}, FaceScene::Sides::two);
   scene.plain = [](const LocalPoint& p) { return p[0] < kNear - kGrazing; };
   return scene;

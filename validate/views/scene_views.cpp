@@ -6,8 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include "light/standing.h"
-#include "render/camera.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "validate/light/light_places.h"

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <unordered_map>
 
 #include "render/tone.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "validate/light/colour_difference.h"
-#include "validate/views/view_truth.h"
 
 namespace nlg {
 namespace {
 
-constexpr float kPi = 3.14159265f;
+constexpr float kPi = std::numbers::pi_v<float>;
 
 double squareSum(const glm::vec3& rgb) {
   const glm::dvec3 wide(rgb);

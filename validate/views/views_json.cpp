@@ -1,10 +1,10 @@
 #include "validate/views/views_json.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include <fmt/format.h>
 
-#include "datagen/view/font.h"
 #include "datagen/view/legend.h"
 #include "render/panel.h"
 #include "render/tone.h"
@@ -88,7 +88,7 @@ Json viewJson(const SceneView& view, const ViewTruth& truth, const std::vector<M
                {"has_roof", view.has_roof},
                {"eye_m", vectorJson(eye)},
                {"look_m", vectorJson(eye + glm::dvec3(view.camera.forward))},
-               {"fov_degrees", view.camera.fov_y * 180.0 / 3.14159265358979},
+               {"fov_degrees", view.camera.fov_y * 180.0 / std::numbers::pi},
                {"figure_m", view.figure.empty() ? Json() : vectorJson(origin_m + view.figure.front().centre_m)},
                {"exposure", truth.exposure},
                {"truth",

@@ -8,9 +8,8 @@
 #include <limits>
 
 #include "datagen/dataset/hdf5_file.h"
-#include "datagen/dataset/shard_reader.h"
-#include "datagen/dataset/shard_writer.h"
-#include "runtime_eval/support/point_set.h"
+#include "datagen/dataset/shard_file.h"
+#include "runtime_eval/support/point_order.h"
 #include "tests/damage.h"
 #include "tests/input_error.h"
 #include "tests/temporary_folder.h"

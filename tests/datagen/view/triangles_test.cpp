@@ -1,4 +1,4 @@
-#include "datagen/view/triangles.h"
+#include "datagen/view/function_slice.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include "datagen/view/image.h"
 #include "datagen/view/legend.h"
 #include "runtime_eval/numbers/random.h"
-#include "runtime_eval/support/point_set.h"
+#include "runtime_eval/support/point_order.h"
 #include "scene/procedural/procedural.h"
 #include "tests/input_error.h"
 #include "tests/temporary_folder.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "export/engine/sh_texture.h"
+#include "export/engine/light_volume.h"
 #include "runtime_eval/numbers/rgb9e5.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tool/base64.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "export/engine/engine_format.h"
-#include "export/engine/sh_texture.h"
 #include "tests/input_error.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tool/error.h"

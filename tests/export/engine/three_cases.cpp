@@ -22,7 +22,7 @@
 #include <nlohmann/json.hpp>
 
 #include "export/engine/engine_format.h"
-#include "export/engine/sh_texture.h"
+#include "export/engine/light_volume.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tool/atomic_file.h"
 

@@ -12,7 +12,7 @@
 #include "nlg/look_up.h"
 #include "nlg/nlg.h"
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tests/runtime_eval/c_api/c_engine.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_generator.h"

@@ -1,7 +1,7 @@
 // The hot calls allocate nothing.
 #include <gtest/gtest.h>
 
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/policy/stage_runner.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/sample_generator.h"

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "runtime_eval/evaluator/evaluate.h"
-#include "runtime_eval/evaluator/evaluate_point.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_fields.h"

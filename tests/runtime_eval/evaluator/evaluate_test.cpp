@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/evaluator/evaluate_point.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_functions.h"
 

@@ -8,7 +8,7 @@
 #include <locale>
 #include <thread>
 
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"

@@ -1,4 +1,4 @@
-#include "runtime_eval/evaluator/matrix_product.h"
+#include "runtime_eval/evaluator/generator/matrix_product.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "runtime_eval/evaluator/parity_transform.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 
 #include <cstring>
 
-#include "runtime_eval/fit/code_loss.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "runtime_eval/numbers/finite.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/fit/code_functions.h"

@@ -1,4 +1,4 @@
-#include "runtime_eval/fit/field_loss.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 
 #include <gtest/gtest.h>
 

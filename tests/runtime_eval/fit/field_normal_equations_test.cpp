@@ -1,8 +1,8 @@
-#include "runtime_eval/fit/field_normal_equations.h"
+#include "runtime_eval/fit/normal_equations.h"
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/fit/field_loss.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/fit/reference_loss.h"
 #include "tests/runtime_eval/sample_fields.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime_eval/fit/levenberg_marquardt.h"
-#include "runtime_eval/fit/network_loss.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/fit/reference_loss.h"
 #include "tests/runtime_eval/sample_functions.h"

@@ -1,4 +1,4 @@
-#include "runtime_eval/fit/soap_update.h"
+#include "runtime_eval/fit/adam_update.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Files that say much in little: what a reader makes of them is no more than their bytes stand for, and honest grids are written so that
 // they are read.
-#include "runtime_eval/grid_file/grid_memory.h"
+#include "runtime_eval/grid_file/tensor_reading.h"
 
 #include <gtest/gtest.h>
 #include <malloc.h>

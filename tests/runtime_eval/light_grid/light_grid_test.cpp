@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "nlg/look_up.h"
-#include "runtime_eval/evaluator/brick_quads.h"
-#include "runtime_eval/evaluator/evaluate_point.h"
+#include "runtime_eval/evaluator/dictionary.h"
+#include "runtime_eval/evaluator/evaluate.h"
 #include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/light_grid/look_up_bounds.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"

@@ -1,4 +1,4 @@
-#include "runtime_eval/policy/code_rounding.h"
+#include "runtime_eval/policy/theta_rounding.h"
 
 #include <gtest/gtest.h>
 

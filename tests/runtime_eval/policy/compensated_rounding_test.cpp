@@ -1,4 +1,4 @@
-#include "runtime_eval/policy/compensated_rounding.h"
+#include "runtime_eval/policy/theta_rounding.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/fit/last_layer.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
 #include "tests/runtime_eval/sample_generator.h"

@@ -3,11 +3,11 @@
 
 #include <cstring>
 
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/policy/stage_plan.h"
-#include "runtime_eval/policy/theta_trace.h"
+#include "runtime_eval/policy/stage_runner.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"
 

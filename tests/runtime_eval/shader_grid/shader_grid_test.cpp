@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "nlg/look_up.h"
-#include "runtime_eval/evaluator/brick_quads.h"
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_functions.h"

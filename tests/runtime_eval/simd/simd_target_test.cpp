@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "runtime_eval/evaluator/matrix_product.h"
+#include "runtime_eval/evaluator/generator/matrix_product.h"
 #include "tests/runtime_eval/system_calls.h"
 
 namespace nlg {

@@ -1,4 +1,4 @@
-#include "runtime_eval/support/point_set.h"
+#include "runtime_eval/support/point_order.h"
 
 #include <gtest/gtest.h>
 

@@ -17,7 +17,7 @@
 #include "scene/gltf/gltf_file.h"
 #include "scene/gltf/gltf_light.h"
 #include "scene/gltf/gltf_mesh.h"
-#include "scene/lights/light_groups.h"
+#include "scene/lights/light_sets.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -1,5 +1,5 @@
 // Which of a scene's lights are kept apart, by kind, by name and by what the file's author says.
-#include "scene/lights/light_groups.h"
+#include "scene/lights/light_sets.h"
 
 #include <gtest/gtest.h>
 

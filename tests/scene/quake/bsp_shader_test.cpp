@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "hand_built_bsp.h"
+#include "scene/quake/bsp_entities.h"
 #include "scene/quake/bsp_file.h"
-#include "scene/quake/quake_tokens.h"
-#include "scene/quake/texture_colour.h"
+#include "scene/quake/bsp_looks.h"
 #include "tests/input_error.h"
 #include "tests/scene/image/hand_built_images.h"
 

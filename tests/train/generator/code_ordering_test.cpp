@@ -1,4 +1,4 @@
-#include "train/generator/code_ordering.h"
+#include "train/generator/network/code_ordering.h"
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>
@@ -8,7 +8,7 @@
 #include "runtime_eval/fit/code_fit.h"
 #include "tests/train/code_network.h"
 #include "tool/error.h"
-#include "train/generator/theta_stages.h"
+#include "train/generator/network/theta_stages.h"
 
 namespace nlg {
 namespace {

@@ -1,11 +1,11 @@
-#include "train/generator/dictionary_loss.h"
+#include "train/generator/network/theta_stages.h"
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/code_network.h"
-#include "train/generator/trainer.h"
+#include "train/generator/run/trainer.h"
 
 namespace nlg {
 namespace {

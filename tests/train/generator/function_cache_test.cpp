@@ -1,4 +1,4 @@
-#include "train/generator/function_cache.h"
+#include "train/generator/data/function_cache.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -20,12 +20,9 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "train/basis/basis_fit.h"
-#include "train/generator/cache_layout.h"
-#include "train/generator/function_cache_writer.h"
-#include "train/generator/lost_pages.h"
-#include "train/generator/sample_order.h"
-#include "train/generator/training_data.h"
-#include "train/generator/window_loader.h"
+#include "train/generator/data/function_cache_writer.h"
+#include "train/generator/data/sample_order.h"
+#include "train/generator/data/training_data.h"
 
 namespace {
 thread_local bool is_test_thread = false;

@@ -1,10 +1,10 @@
-#include "train/generator/function_loss.h"
+#include "train/generator/network/theta_stages.h"
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/fit/network_loss.h"
+#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "tests/runtime_eval/fit/reference_loss.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"

@@ -1,4 +1,4 @@
-#include "train/generator/generator_network.h"
+#include "train/generator/network/generator_network.h"
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>
@@ -6,7 +6,7 @@
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/code_network.h"
 #include "tests/train/sample_set.h"
-#include "train/generator/theta_stages.h"
+#include "train/generator/network/theta_stages.h"
 
 namespace nlg {
 namespace {

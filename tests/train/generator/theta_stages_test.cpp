@@ -1,15 +1,15 @@
-#include "train/generator/theta_stages.h"
+#include "train/generator/network/theta_stages.h"
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
 #include <map>
 
-#include "runtime_eval/evaluator/generator_data.h"
+#include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/policy/stage_runner.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
-#include "train/generator/trainer.h"
+#include "train/generator/run/trainer.h"
 
 namespace nlg {
 namespace {

@@ -1,4 +1,4 @@
-#include "train/generator/trainer.h"
+#include "train/generator/run/trainer.h"
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>
@@ -15,7 +15,7 @@
 #include "tests/train/sample_set.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
-#include "train/generator/loss_guard.h"
+#include "train/generator/run/loss_guard.h"
 
 namespace nlg {
 namespace {

@@ -7,14 +7,12 @@
 
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/policy/stage_plan.h"
-#include "runtime_eval/policy/theta_trace.h"
+#include "runtime_eval/policy/stage_runner.h"
 #include "tests/runtime_eval/sample_dictionary.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/error.h"
-#include "validate/frontier/fit_points.h"
 #include "validate/frontier/frontier_json.h"
 #include "validate/frontier/frontier_options.h"
-#include "validate/frontier/point_figures.h"
 #include "validate/frontier/timed_policy.h"
 
 namespace nlg {

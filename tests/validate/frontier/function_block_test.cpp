@@ -1,10 +1,10 @@
-#include "validate/frontier/chosen_functions.h"
+#include "validate/frontier/interleaved.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "runtime_eval/evaluator/projection.h"
+#include "runtime_eval/evaluator/generator/projection.h"
 #include "validate/generators/populations.h"
 
 namespace nlg {

@@ -4,6 +4,7 @@
 #include <torch/utils.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tool/error.h"
 #include "tool/processor_time.h"
@@ -12,7 +13,7 @@ namespace nlg {
 namespace {
 
 constexpr float kFirstDecay = 0.9f, kSecondDecay = 0.99f, kTiny = 1e-15f;
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 class Adam {
  public:

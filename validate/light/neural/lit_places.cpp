@@ -6,7 +6,6 @@
 
 #include "light/directions.h"
 #include "light/surface_cache.h"
-#include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "validate/light/neural/dense_training.h"
-#include "validate/light/neural/lit_places.h"
 #include "validate/light/neural/voxel_lattice.h"
 
 namespace nlg {

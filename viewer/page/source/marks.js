@@ -3,7 +3,7 @@ import * as THREE from 'three';
 import markVertex from './glsl/mark.vert.glsl';
 import markFragment from './glsl/mark.frag.glsl';
 
-// In the order of ProbeKind (viewer/method_scripts.h); told apart without red against green.
+// In the order of ProbeKind (viewer/data_script.h); told apart without red against green.
 export const KINDS = [
   { title: 'function', colour: [0.9, 0.6, 0.0] },
   { title: 'bare tent', colour: [0.35, 0.7, 0.9] },

@@ -1,4 +1,4 @@
-#include "validate/light/neural/hash_grid.h"
+#include "validate/light/neural/neural_volume.h"
 
 #include <gtest/gtest.h>
 #include <torch/utils.h>

@@ -1,0 +1,58 @@
+// The functions of a training set and their coefficients, in memory or in a function cache.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "datagen/dataset/function_set.h"
+#include "runtime_eval/evaluator/generator/projection.h"
+#include "train/generator/data/function_cache.h"
+
+namespace nlg {
+
+// stored: as the set holds them; cache: in a cache's order, so that training takes the same functions from both.
+enum class FunctionOrder { stored, cache };
+
+class TrainingData {
+ public:
+  // Projects every function once; mirror images need no more than signs.
+  // basis   the one that coefficients are projected with
+  // used    … and the one that they are of: as much of it, divided otherwise (whitened)
+  TrainingData(FunctionSet set, const BasisData& basis, const BasisData& used, FunctionOrder order = FunctionOrder::stored);
+  // basis   the one that the cache was made with
+  // used    … and the one that coefficients are of: those of largest variance (truncateBasis), divided otherwise (whitened)
+  TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis, const BasisData& used);
+
+  int64_t functionCount() const { return function_count_; }
+  int coefficientCount() const { return coefficient_count_; }
+  const std::string& sha256() const { return cache_ ? cache_->origin().training_set_sha256 : set_.sha256; }
+  const std::vector<std::string>& sceneIds() const { return cache_ ? cache_->origin().scene_ids : set_.scene_ids; }
+  FunctionCache* cache() const { return cache_.get(); }  // null when the functions lie in memory
+
+  StoredFunction function(int64_t index) const;
+
+  // Coefficients of the function mirrored by `mirror`, K floats.
+  void copyCoefficients(int64_t index, int mirror, float* coefficients) const;
+
+  // Functions whose bare tent has a blend RMSE above `tent_rmse`, rising.
+  std::vector<uint32_t> functionsAbove(double tent_rmse) const;
+
+ private:
+  int64_t placeInSet(int64_t index) const { return order_.empty() ? index : order_[static_cast<size_t>(index)]; }
+  const float* coefficients(int64_t index) const;
+
+  FunctionSet set_;
+  std::vector<uint32_t> order_;      // by index: place in set_; empty: the same
+  std::vector<float> coefficients_;  // N x stored_count_, as set_
+  std::unique_ptr<FunctionCache> cache_;
+  int64_t function_count_;
+  int coefficient_count_;
+  int stored_count_;  // coefficients a function has in memory or in the cache
+  std::array<int, kParityClassCount> class_count_, stored_class_count_;
+  std::vector<float> factor_;  // K: from the stored coefficients to those that are used
+};
+
+}  // namespace nlg
