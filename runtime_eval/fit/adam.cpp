@@ -37,6 +37,7 @@ class AdamRun {
       result.stop = FitStop::not_finite;
       return result;
     }
+    // the steps move a copy: theta keeps its start until the end is known to be better
     const int count = representation_.thetaCount();
     work_.moving_.assign(theta, theta + count);
     work_.gradient_.resize(count);
@@ -52,6 +53,7 @@ class AdamRun {
         return result;
       }
     }
+    // the better of the two by blend RMSE: steps of minibatches may end higher than they began (math.md §5)
     const double rmse = functionRmse(representation_, function_, work_.moving_.data());
     if (rmse < result.rmse) {
       std::copy(work_.moving_.begin(), work_.moving_.end(), theta);
@@ -67,7 +69,9 @@ class AdamRun {
     const AdamWorkspace::Minibatch batch = next();
     lossAndGradient(representation_, batch.first, places_, &function_.phi[batch.first], &function_.mask[batch.first],
                     work_.moving_.data(), work_.gradient_.data());
+    // the gradient is a sum: as a mean over valid points, a minibatch with few of them counts like a full one
     const float scale = 1.0f / static_cast<float>(batch.valid_count);
+    // cosine annealing: the rate falls towards 0, and with it the noise of minibatches
     const double phase = static_cast<double>(number) / options_.steps;
     const double rate = options_.learning_rate * 0.5 * (1.0 + std::cos(std::numbers::pi * phase));
     const auto move = [&](auto& moments) {
@@ -174,6 +178,7 @@ Theta randomNetworkTheta(const NetworkShape& shape, uint64_t seed) {
   const auto fill = [&](int first, int end, double deviation) {
     for (int i = first; i < end; ++i) theta[i] = static_cast<float>(deviation * random.normal());
   };
+  // He's initialisation of the hidden layers; biases away from 0 spread the kinks over the support
   fill(shape.w1(), shape.b1(), std::sqrt(2.0 / 3.0));
   fill(shape.b1(), shape.w2(), 0.5);
   fill(shape.w2(), shape.b2(), std::sqrt(2.0 / shape.first));

@@ -58,6 +58,7 @@ void findCellLimits(const PointOrder& order, const float* HWY_RESTRICT phi, cons
   const int lanes = static_cast<int>(hn::Lanes(d)), cell_count = static_cast<int>(order.cell_begin.size()) - 1;
   constexpr float kNever = std::numeric_limits<float>::infinity();
   for (int c = 0; c < cell_count; ++c) {
+    // of the cell's valid points: the largest weight, how far phi falls below the tent, and the largest phi
     Floats weights = hn::Zero(d), below_tent = hn::Zero(d), light = hn::Zero(d);
     for (int place = order.cell_begin[c]; place < order.cell_begin[c + 1]; place += lanes) {
       const Floats weight = hn::Load(d, mask + place), value = hn::Load(d, phi + place);
@@ -94,8 +95,10 @@ void passVectors(const PassInput& in, PassOutput& out) {
   const Floats scale = hn::Set(d, static_cast<float>(order.resolution - 1)), one = hn::Set(d, 1.0f);
   const Floats dark_root = hn::Set(d, in.dark_root), kappa = hn::Set(d, in.kappa);
   const Floats wrong = hn::Set(d, kWrong), moving = hn::Set(d, in.moving), least = hn::Set(d, in.least_slope);
+  // a cell's logit is a polynomial of its centred coordinates: 7 multiply-adds a point (representations.md §8)
   BrickPolynomials polynomials;
   brickPolynomials(order.resolution, in.logits, polynomials);
+  // lit and dark squares stay apart: one pass then gives the cost at any weight of dark points
   double lit_total = 0.0, dark_total = 0.0;
   size_t active = 0;
   Floats lit_square = hn::Zero(d), dark_square = hn::Zero(d);
@@ -113,8 +116,10 @@ void passVectors(const PassInput& in, PassOutput& out) {
       const Floats bare = hn::MulSub(s.value, tents, phi), lit = hn::IfThenZeroElse(is_dark, hn::Mul(mask, bare));
       lit_square = hn::MulAdd(lit, lit, lit_square);
       dark_square = hn::MulAdd(hn::IfThenElseZero(is_dark, bare), bare, dark_square);
+      // dark points at the weight of this step, which the ramp raises
       const Floats weight = hn::IfThenElse(is_dark, dark_root, mask), residual = hn::Mul(weight, bare);
       const Floats slope = hn::Mul(s.value, s.complement);
+      // active is what is wrong, or what the sigmoid still moves; a wrong point of a saturated sigmoid gets the slope kappa
       const auto is_wrong = hn::Gt(hn::Abs(residual), wrong);
       const auto counts = hn::Or(is_wrong, hn::Gt(hn::Mul(slope, weight), moving));
       const Floats taken = hn::Mul(hn::Mul(hn::IfThenElse(is_wrong, hn::Max(slope, kappa), slope), tents), weight);
@@ -145,6 +150,7 @@ void addRowProducts(const float* HWY_RESTRICT rows, int row_count, int count, fl
   const hn::CappedTag<float, 8> d8;
   const FloatTag d;
   const auto addBlocks = [&](auto tag, int block) {
+    // eight sums stay in registers over all rows; blocks across the diagonal also write below it, where nothing is read
     for (int a = 0; a < count; a += 8) {
       for (int c = a / block * block; c < count; c += block) {
         hn::Vec<decltype(tag)> sum[8];
@@ -185,6 +191,7 @@ int makeRows(const float* HWY_RESTRICT at_places, size_t stride, const int* plac
     const float* from = at_places + static_cast<size_t>(place[i]) * stride;
     float* row = rows + static_cast<ptrdiff_t>(row_count) * count;
     const bool is_pair = cell_of != nullptr && i + 1 < point_count && cell_of[place[i]] == cell_of[place[i + 1]];
+    // the pair's row is the mean by squared slopes, times the root of their sum; the gradient keeps the pull of each
     if (is_pair) {
       const float* other = at_places + static_cast<size_t>(place[i + 1]) * stride;
       const float a = slope[i] * slope[i], b = slope[i + 1] * slope[i + 1], over = 1.0f / std::sqrt(a + b);
@@ -272,6 +279,7 @@ void CodeFit::prepare(const Representation& representation) {
   if (dictionary_ == representation.dictionary) return;
   dictionary_ = representation.dictionary;
   order_ = &cellOrder(dictionary_->resolution());
+  // passes store whole vectors, so that arrays by place are longer by a group
   const auto K = static_cast<size_t>(dictionary_->codeCount()), places = static_cast<size_t>(order_->placeCount()) + kPointGroup;
   logits_.assign(dictionary_->nodeStride(), 0.0f);
   for (AlignedFloats* square : {&matrix_, &factor_}) square->assign(K * K, 0.0f);
@@ -336,6 +344,7 @@ void CodeFit::addEquations(const Pass& pass, int count, float kappa, RowsOf rows
     first += point_count;
     HWY_DYNAMIC_DISPATCH(addRowProducts)(rows_.data(), row_count, count, matrix_.data());
   }
+  // damping by the straight-through slope of all points, a constant of the dictionary (representations.md §9)
   if (kappa == 0.0f) return;
   for (int i = 0; i < count; ++i) {
     for (int k = i; k < count; ++k) matrix_[i * count + k] += kappa * kappa * tables.tent_squares[i * K + k];
@@ -344,6 +353,7 @@ void CodeFit::addEquations(const Pass& pass, int count, float kappa, RowsOf rows
 
 bool CodeFit::solveStep(const CodeFitOptions& options, int count, double damping, const float* z, float* trial) {
   std::copy_n(matrix_.begin(), count * count, factor_.begin());
+  // Marquardt's damping is relative to the diagonal; the prior has a diagonal of its own and pulls towards the mean code, 0
   float largest = 0.0f;
   for (int i = 0; i < count; ++i) largest = std::max(largest, matrix_[i * count + i]);
   for (int i = 0; i < count; ++i) {
@@ -380,14 +390,17 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
     result.stop = FitStop::no_points;
     return result;
   }
+  // numbers beyond `count` stay 0, as in the stored code
   std::fill(z + count, z + K, 0.0f);
   std::copy_n(z, K, start_.begin());
   std::fill(trial_.begin(), trial_.end(), 0.0f);
   const float full_root = function.dark_root;
+  // settled cells cost a pass nothing; a fit of all points leaves none out
   const CellLimits* const limits = all_points_ ? nullptr : limits_.data();
   if (limits != nullptr) HWY_DYNAMIC_DISPATCH(findCellLimits)(*order_, function.phi.data(), function.mask.data(), limits_.data());
   const auto squareOf = [&](const Pass& pass, float root) { return pass.lit_square + double{root} * root * pass.dark_square; };
   const auto rootAt = [&](int step) { return darkRoot(options, step, full_root); };
+  // the cost of the start at full weights: at the end it says whether the fit was worth keeping
   runPass(function, count, z, rootAt(0), kappaOf(options, 0), limits, &best_);
   const double first_square = squareOf(best_, full_root);
   if (!allFinite({z, K}) || !std::isfinite(first_square)) {
@@ -399,6 +412,7 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
   bool is_current = false;  // the equations are of best_
   int slow_steps = 0;
   for (int step = 0; step < options.iterations; ++step) {
+    // first steps weigh dark points less and see through saturated sigmoids: at full weight a fit closes too much
     const float root = rootAt(step), kappa = kappaOf(options, step);
     // a step that was no better left rows of other weights
     if (best_.dark_root != root || best_.kappa != kappa) {
@@ -415,6 +429,7 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
       runPass(function, count, trial_.data(), rootAt(step + 1), kappaOf(options, step + 1), limits, &other_);
       trial_prior = priorCost(options, count, trial_.data());
     }
+    // both at this step's weight of dark points, though the rows of other_ are already the next step's
     const double before = squareOf(best_, root) + prior, after = squareOf(other_, root) + trial_prior;
     if (!is_solved || !(after < before)) {
       damping *= kMoreDamping;
@@ -428,10 +443,12 @@ FitResult CodeFit::iterate(const Representation& representation, const Weighting
     std::copy_n(trial_.begin(), count, z);
     prior = trial_prior;
     is_current = false;
+    // two slow steps in a row end the fit, but not before the ramp has reached the full weights
     if (slow_steps < kSlowSteps || step < kRampSteps) continue;
     result.stop = FitStop::progress;
     break;
   }
+  // only rounded logits are stored, so that their error decides
   const auto roundedSquare = [&](const float* of) {
     return loss(representation, 0, static_cast<int>(function.phi.size()), function.phi.data(), function.mask.data(), of);
   };

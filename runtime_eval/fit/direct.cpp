@@ -16,6 +16,7 @@ int directAdamSteps(const Representation& representation, const DirectOptions& o
 
 DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
                        const DirectOptions& options, NormalEquationsKernel* kernel) {
+  // every start is polished by a long LM, so that "direct" stands for a minimum and not for Adam's budget
   const LevenbergMarquardtOptions polish = longLevenbergMarquardt(representation, options.levenberg_iterations);
   const int adam_steps = directAdamSteps(representation, options);
   DirectResult result;
@@ -30,9 +31,12 @@ DirectResult fitDirect(const Representation& representation, const WeightingFunc
   result.adam_from_theta0 = fitAdam(representation, function, theta0, refinementAdam(representation, adam_steps));
   result.best = result.levenberg_from_theta0;
   consider(polished(result.adam_from_theta0));
+  // a converged coarse field continues on more nodes from the error it had reached (representations.md §8)
   if (representation.isField()) consider(fitNested(representation, function, options.levenberg_iterations, kernel));
+  // the best after each restart shows whether more of them would still gain
   result.best_by_restarts.push_back(result.best.rmse);
   for (int restart = 0; restart < options.restarts; ++restart) {
+    // Adam finds a basin, LM its bottom; for codes LM from the start itself is tried as well
     const Theta start = randomTheta(representation, mixSeed(options.seed, restart));
     const FitResult fit = fitAdam(representation, function, start, randomStartAdam(representation, adam_steps));
     if (restart == 0) result.adam_from_random = fit;
@@ -72,6 +76,7 @@ FitResult fitNested(const Representation& representation, const WeightingFunctio
                                   refinementLevenbergMarquardt(grid, iterations), kernel);
       fit.steps = steps += fit.steps;
       if (resolution == representation.resolution) return fit;
+      // 3 → 5 → 9 or 3 → 7: each grid holds the nodes of the one before, so that resampling keeps the field
       const int next = resolution == 3 && representation.resolution == 9 ? 5 : representation.resolution;
       Theta finer(Representation::productField(next).thetaCount());
       resampleField(resolution, fit.theta.data(), next, finer.data());
@@ -84,6 +89,7 @@ FitResult fitNested(const Representation& representation, const WeightingFunctio
 FitResult fitStart(const Representation& representation, const WeightingFunction& function, const StartOptions& options,
                    NormalEquationsKernel* kernel) {
   if (representation.isField()) return fitNested(representation, function, options.levenberg_iterations, kernel);
+  // networks have many minima: short fits of many starts choose the basins, long fits of the best few find their bottoms
   std::vector<FitResult> fits;
   for (int i = 0; i < options.candidates; ++i) {
     const Theta start = randomTheta(representation, mixSeed(options.seed, i));

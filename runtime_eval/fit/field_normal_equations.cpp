@@ -53,6 +53,7 @@ HWY_INLINE void storeRows(FloatTag d, const CellPosition& at, Floats by_a, Float
 
 HWY_INLINE void addProducts(FloatTag d, const ChunkRows& rows, int count, ProductSums& sums) {
   const int lanes = static_cast<int>(hn::Lanes(d));
+  // the 27 polynomials separate into x y and z: 9 rows times 9 rows give all 81 sums
   for (int r = 0; r < 9; ++r) {
     Floats sum[9];
 #pragma GCC unroll 9
@@ -98,6 +99,7 @@ double addNormalEquations(const PointOrder& order, const WeightingFunction& func
   ChunkRows rows;
   ProductSums products;
   double total = 0.0;
+  // within a cell A and B are polynomials, and J^T J gains a 16 x 16 block of its 8 nodes (representations.md §8)
   for (int c = 0; c < cell_count; ++c) {
     const Cell cell = cellAt(order.resolution, c);
     CellPolynomials polynomials;
@@ -120,6 +122,7 @@ double addNormalEquations(const PointOrder& order, const WeightingFunction& func
       }
       addProducts(d, rows, count, products);
     }
+    // from moments and products to the nodes, once a cell
     Nodes sums[4];
     sumMoments(d, moments, sums);
     addCellGradient(order.resolution, cell, sums, gradient);
@@ -142,6 +145,7 @@ void fieldNormalEquations(const PointOrder& order, const WeightingFunction& func
                           NormalEquations* equations) {
   const int r = order.resolution, count = 2 * r * r * r;
   alignas(64) float gradient[2 * 9 * 9 * 9] = {};
+  // two nodes of a cell are at most 1 + r + r² apart, and each has two numbers
   equations->hessian.reset(count, 2 * (1 + r + r * r) + 1);
   equations->square_sum = HWY_DYNAMIC_DISPATCH(addNormalEquations)(order, function, theta, gradient, equations->hessian);
   equations->gradient.assign(gradient, gradient + count);

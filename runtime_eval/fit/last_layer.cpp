@@ -47,6 +47,7 @@ void shapeFeatureProducts(const Representation& representation, const Targets& t
   const Floats slope = hn::Set(d, representation.slope);
   const bool tent_factor = representation.tentFactor();
   const PointSet& points = stratifiedSupportPoints();
+  // a block of rows stays in the level-1 cache between the forward pass and the products
   for (int begin = 0; begin < targets.count; begin += kBlock) {
     const int block_count = std::min(kBlock, targets.count - begin);
     for (int i = 0; i < block_count; i += lanes) {
@@ -61,6 +62,7 @@ void shapeFeatureProducts(const Representation& representation, const Targets& t
       hn::Store(scale, d, rows + kLast * kBlock + i);
       hn::Store(hn::Mul(mask, hn::Load(d, targets.phi + begin + i)), d, rows + (kLast + 1) * kBlock + i);
     }
+    // the products of features and target hold both sides of the normal equations
     addGram(rows, kRowCount, kBlock, block_count, products);
   }
 }
@@ -103,14 +105,17 @@ bool solveLastLayer(const Representation& representation, int first, int count, 
   HWY_DYNAMIC_DISPATCH(featureProducts)(representation, phi, mask, first, count, theta, products);
   SymmetricBand& matrix = *equations;
   matrix.reset(feature_count, feature_count - 1);
+  // the triangle of the features is the matrix, the row of phi the right-hand side
   double solution[kMaxFeatureRowCount], largest = 0.0;
   for (int r = 0; r < feature_count; ++r) {
     for (int c = 0; c <= r; ++c) matrix.at(r, c) = products[r * row_count + c];
     largest = std::max(largest, matrix.at(r, r));
     solution[r] = products[feature_count * row_count + r];
   }
+  // the ridge is relative to each entry; a billionth of the largest keeps the system regular where a unit is dead
   for (int i = 0; i < feature_count; ++i) matrix.at(i, i) += ridge * matrix.at(i, i) + 1e-9 * largest;
   if (!matrix.solve(solution)) return false;
+  // theta changes only if all of the solution is finite
   float last_layer[kMaxFeatureRowCount];
   for (int i = 0; i < feature_count; ++i) {
     last_layer[i] = static_cast<float>(solution[i]);

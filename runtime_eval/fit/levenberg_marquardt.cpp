@@ -69,7 +69,9 @@ class LevenbergMarquardt {
     Damping damping(options_.damping);
     double square_sum = result.rmse * result.rmse * valid_count;
     int slow_steps = 0;
+    // Nielsen's loop (math.md §5): a rejected step is tried again on the same equations with more damping
     while (result.steps < options_.iterations) {
+      // the tolerance is of the mean over valid points
       if (largestMagnitude(equations.gradient) < options_.gradient_tolerance * valid_count) {
         result.stop = FitStop::gradient;
         break;
@@ -84,6 +86,7 @@ class LevenbergMarquardt {
         solveLastLayer(representation_, 0, static_cast<int>(function_.phi.size()), function_.phi.data(), function_.mask.data(),
                        trial.data(), &workspace_.last_layer_, 0.0);
       }
+      // a system that cannot be solved, or a NaN, counts as a step that gains nothing
       const double rmse = is_solved ? functionRmse(representation_, function_, trial.data()) : INFINITY;
       const double next_sum = rmse * rmse * valid_count;
       if (!(next_sum < square_sum)) {
@@ -94,6 +97,7 @@ class LevenbergMarquardt {
         }
         continue;
       }
+      // gain: how much the sum of squares fell, over what the quadratic model had predicted
       damping.accepted((square_sum - next_sum) / std::max(predictedGain(), 1e-300));
       slow_steps = square_sum - next_sum < options_.progress_tolerance * square_sum ? slow_steps + 1 : 0;
       square_sum = next_sum;
@@ -103,6 +107,7 @@ class LevenbergMarquardt {
         result.stop = FitStop::progress;
         break;
       }
+      // for networks H now sums other strata, so that all of them have their turn
       if (result.steps < options_.iterations) computeEquations(theta);
     }
     return result;

@@ -41,6 +41,7 @@ HWY_INLINE void storeJacobianColumn(FloatTag d, const float* HWY_RESTRICT theta,
   Hidden<kShape, 1> hidden;
   Floats output;
   forwardNetwork<kShape, 1>(d, theta, slope, &in.position[0], &in.position[1], &in.position[2], hidden, &output);
+  // the residual, and the derivative by b3: all other derivatives are this one times the chain rule's factors
   const OutputValue of = outputValue<kShape.output>(d, output);
   Floats scale = hn::Mul(in.factor, in.mask);
   store(kShape.thetaCount(), hn::MulSub(scale, of.value, hn::Mul(in.mask, in.phi)));
@@ -52,6 +53,7 @@ HWY_INLINE void storeJacobianColumn(FloatTag d, const float* HWY_RESTRICT theta,
     last[j] = hn::Mul(hn::Mul(scale, hn::Set(d, theta[kShape.w3() + j])), hidden.last().derivative(d, j, 0, slope));
     store(kShape.w3() + j, hn::Mul(scale, hidden.last().value[j][0]));
   }
+  // back through W2 to the first layer, which in networks of one hidden layer is the last
   for (int i = 0; i < kShape.first; ++i) {
     if constexpr (kShape.second == 0) {
       first[i] = last[i];
@@ -131,6 +133,7 @@ void NormalEquationsKernel::computeNetwork(const Representation& representation,
   std::fill_n(products, row_count * row_count, 0.0);
   int valid_count = 0, used_count = 0;
   uint32_t used = 0;
+  // H only shapes the step and its products cost most: strata with enough valid points stand for all
   for (const int count : function.valid_count) valid_count += count;
   for (int i = 0; i < kStratumCount && used_count < std::min(hessian_points, valid_count); ++i) {
     const int stratum = (first_batch + i) % kStratumCount;
@@ -139,6 +142,7 @@ void NormalEquationsKernel::computeNetwork(const Representation& representation,
     used_count += function.valid_count[stratum];
     used |= 1u << stratum;
   }
+  // scaled to all valid points, so that H matches the gradient, which is over all
   const double scale = used_count > 0 ? static_cast<double>(valid_count) / used_count : 1.0;
   const double* residual_products = products + theta_count * row_count;
   equations->hessian.reset(theta_count, theta_count - 1);
@@ -155,6 +159,7 @@ void NormalEquationsKernel::computeNetwork(const Representation& representation,
     const int first = stratum * kStratumPointCount;
     equations->square_sum += networkLossAndGradient(representation, stratifiedSupportPoints(), first, kStratumPointCount,
                                                     &function.phi[first], &function.mask[first], theta, gradient);
+    // J^T r is half of the gradient
     for (int i = 0; i < theta_count; ++i) equations->gradient[i] += 0.5 * gradient[i];
   }
 }

@@ -1,3 +1,5 @@
+// SOAP (Vyas et al. 2024): Adam in a basis in which the gradients of a layer are nearly uncorrelated. docs/theory/math.md §5.
+// The basis is that of Shampoo's two factors of a layer, turned by one sweep of Jacobi's rotations every kBasisSteps steps.
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/fit/adam_update.h"
 
@@ -100,12 +102,14 @@ template <int kCount>
 HWY_INLINE void turn(const Matrix& factor, Matrix* HWY_RESTRICT vectors, Matrix* HWY_RESTRICT rows,
                      float* HWY_RESTRICT diagonal) {
   Matrix product, seen;
+  // the factor in the present basis: diagonal where the vectors are its eigenvectors
   multiply<kCount, kCount, kCount>(factor, *vectors, &product);
   multiply<kCount, kCount, kCount>(*rows, product, &seen);
   for (int p = 0; p < kCount; ++p) {
     for (int q = p + 1; q < kCount; ++q) {
       const float apart = seen.at[p][q];
       if (!(apart * apart > kTurnedFrom * std::fabs(seen.at[p][p] * seen.at[q][q]))) continue;
+      // the smaller of the two angles that make the pair uncorrelated
       const float ratio = (seen.at[q][q] - seen.at[p][p]) / (2.0f * apart);
       const float tangent = std::copysign(1.0f, ratio) / (std::fabs(ratio) + std::sqrt(ratio * ratio + 1.0f));
       const float cosine = 1.0f / std::sqrt(tangent * tangent + 1.0f), sine = tangent * cosine;
@@ -149,6 +153,7 @@ void turnBasis(const SoapFactors& factors, Layer* layer) {
   enterBasis<kR, kC>(*layer, mean, &layer->mean);
   for (const float value : left) trace += value;
   if (!(trace > kLeastTrace)) return;
+  // squares and factors are means that started at 0, with different decays: this ratio brings Shampoo's estimate to Adam's scale
   const float scale = factors.square_weight / (factors.factor_weight * trace);
   for (int r = 0; r < kR; ++r) {
     for (int c = 0; c < kC; ++c) {
@@ -187,11 +192,13 @@ HWY_INLINE void stepLayer(const SoapFactors& factors, Layer* layer, const float*
   constexpr int kC = kInputs + 1;
   // what lies behind the columns is read, though nobody uses it: numbers that are slow to work with must not stand there
   Matrix own{}, transposed{}, step{}, in_basis{};
+  // the gradient of (W, b) as one matrix: a row an output, the bias as its last column
   for (int r = 0; r < kR; ++r) {
     const auto set = [&](int c, float value) { own.at[r][c] = transposed.at[c][r] = factors.gradient_scale * value; };
     for (int c = 0; c < kInputs; ++c) set(c, gradient[weights + kInputs * r + c]);
     set(kInputs, gradient[biases + r]);
   }
+  // Adam's formulas hold in the basis; only the step comes back to theta's own axes
   if (factors.turns) turnBasis<kR, kC>(factors, layer);
   enterBasis<kR, kC>(*layer, own, &in_basis);
   updateMoments<kR, kC>(factors, layer, &in_basis);
@@ -200,6 +207,7 @@ HWY_INLINE void stepLayer(const SoapFactors& factors, Layer* layer, const float*
     for (int c = 0; c < kInputs; ++c) theta[weights + kInputs * r + c] -= step.at[r][c];
     theta[biases + r] -= step.at[r][kInputs];
   }
+  // the next turn of the basis sees this gradient, too
   addToFactor<kR, kC>(own, transposed, &layer->left);
   addToFactor<kC, kR>(transposed, own, &layer->right);
 }
@@ -253,6 +261,7 @@ void SoapMoments::step(double learning_rate, double beta1, double beta2, float g
                                .factor_weight = static_cast<float>(factor_weight),
                                .square_weight = static_cast<float>(square_weight)};
   HWY_DYNAMIC_DISPATCH(stepHidden)(network_, factors, gradient, layers_.data(), theta);
+  // the last layer is a single row: plain Adam
   const int last = network_.shape().w3();
   last_.step(learning_rate, beta1, beta2, gradient_scale, gradient + last, theta + last);
 }

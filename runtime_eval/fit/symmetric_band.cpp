@@ -80,6 +80,7 @@ HWY_INLINE void updateTile(const Band& band, int first, int row, int j) {
   const DoubleTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   constexpr int kRows = 4;
+  // the tile stays in registers while the panel's eight rows are taken out of it
   Doubles tile[kRows][kVectors];
 #pragma GCC unroll 4
   for (int r = 0; r < kRows; ++r) {
@@ -111,10 +112,12 @@ bool factorBand(const Band& band) {
   for (int first = 0; first < band.padded_count; first += kPanel) {
     double inverse[kPanel];
     if (!factorTriangle(band, first, inverse)) return false;
+    // a row reaches `bandwidth` columns: further rows do not see this panel
     const int begin = first + kPanel;
     const int end = std::min(band.padded_count, (begin + band.bandwidth + kPanel - 1) / kPanel * kPanel);
     solvePanel(band, first, inverse, begin, end);
     for (int row = begin; row < end; row += 4) {
+      // whole vectors from the tile's first column: what lies left of the diagonal is never used
       int j = row / kPanel * kPanel;
       for (; j + 3 * lanes <= end; j += 3 * lanes) updateTile<3>(band, first, row, j);
       if (j + 2 * lanes <= end) updateTile<2>(band, first, row, j), j += 2 * lanes;
@@ -131,6 +134,7 @@ HWY_INLINE double dot(const double* HWY_RESTRICT row, const double* HWY_RESTRICT
   const DoubleTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Doubles factors = hn::Set(d, factor);
+  // two sums in turn, because each multiply-add waits for the one before
   Doubles even = hn::Zero(d), odd = hn::Zero(d);
   int i = 0;
   const auto step = [&](int at, Doubles& sum) {
@@ -160,6 +164,7 @@ HWY_INLINE void subtract(const double* HWY_RESTRICT row, double factor, int coun
 
 bool solveBand(const Band& band, int count, double* HWY_RESTRICT x) {
   if (!factorBand(band)) return false;
+  // U^T y = b downward, then U x = y upward
   for (int i = 0; i < count; ++i) {
     x[i] /= band.row(i)[i];
     subtract(band.row(i) + i + 1, x[i], std::min(band.bandwidth, count - 1 - i), x + i + 1);

@@ -20,6 +20,7 @@ double lossVectors(const PointOrder& order, const float* HWY_RESTRICT phi, const
   const int cell_count = static_cast<int>(order.cell_begin.size()) - 1;
   const Floats scale = hn::Set(d, static_cast<float>(r - 1));
   BrickPolynomials polynomials;
+  // a cell's logit is a polynomial of its centred coordinates: 7 multiply-adds a point (representations.md §8)
   brickPolynomials(r, logits, polynomials);
   double total = 0.0;
   for (int c = 0; c < cell_count; ++c) {
@@ -33,6 +34,7 @@ double lossVectors(const PointOrder& order, const float* HWY_RESTRICT phi, const
       const Floats residual = hn::Mul(weight, hn::Sub(value, hn::Load(d, phi + place)));
       square_sum = hn::MulAdd(residual, residual, square_sum);
       if (node_gradient == nullptr) continue;
+      // the derivative by the logit times each monomial: moments of the cell, taken to its nodes once
       Floats by_logit[8];
       by_logit[0] = hn::Mul(hn::Mul(weight, hn::Add(residual, residual)), hn::Mul(value, s.complement));
       by_logit[1] = hn::Mul(by_logit[0], at.x);

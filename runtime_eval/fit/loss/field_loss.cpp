@@ -23,6 +23,7 @@ double fieldLossAndGradientVectors(const PointOrder& order, const float* HWY_RES
   for (int c = 0; c < cell_count; ++c) {
     const Cell cell = cellAt(resolution, c);
     CellPolynomials polynomials;
+    // within a cell A and B are polynomials of its centred coordinates (representations.md §8)
     loadCell(resolution, cell, theta, polynomials);
     MomentSums moments;
     clearMoments(d, moments);
@@ -33,6 +34,7 @@ double fieldLossAndGradientVectors(const PointOrder& order, const float* HWY_RES
       const Floats weight = hn::LoadU(d, mask + place);
       const Floats residual = hn::Mul(weight, hn::Sub(field.value, hn::LoadU(d, phi + place)));
       square_sum = hn::MulAdd(residual, residual, square_sum);
+      // the gradient as moments of the cell's monomials, taken to its nodes once
       const Floats delta = hn::Mul(weight, hn::Add(residual, residual));
       addMoments(at, hn::Mul(delta, field.by_a), hn::Mul(delta, field.by_b), moments);
     }

@@ -68,6 +68,7 @@ template <NetworkShape kShape, int kGroup>
 HWY_INLINE void backward(FloatTag d, const float* HWY_RESTRICT theta, Floats slope, const Hidden<kShape, kGroup>& hidden,
                          const Floats* output_delta, int lanes, int offset, BlockState<kShape>& block) {
   Floats delta[kShape.last()][kGroup];
+  // with one hidden layer its deltas are the last ones, and end here
   if constexpr (kShape.second == 0) {
     lastDeltas<kGroup>(d, theta + kShape.w3(), slope, hidden.first, output_delta, lanes, offset, block.first, block.first_delta,
                        delta);
@@ -75,6 +76,7 @@ HWY_INLINE void backward(FloatTag d, const float* HWY_RESTRICT theta, Floats slo
   }
   lastDeltas<kGroup>(d, theta + kShape.w3(), slope, hidden.second, output_delta, lanes, offset, block.second, block.second_delta,
                      delta);
+  // W2^T times the deltas of the second layer, through the slopes of the first
 #pragma GCC unroll 8
   for (int i = 0; i < kShape.first; ++i) {
     Floats sum[kGroup];
@@ -107,6 +109,7 @@ HWY_INLINE void addLaneSums(FloatTag d, const Floats* vectors, float* HWY_RESTRI
     const Floats blocks =
         hn::Add(hn::BitCast(d, hn::InterleaveLower(pairs, ab, cd)), hn::BitCast(d, hn::InterleaveUpper(pairs, ab, cd)));
     const hn::CappedTag<float, 4> four;
+    // wider vectors fold by halves until one block of four is left
     const auto addHalves = [](auto narrow, auto vector) {
       return hn::Add(hn::LowerHalf(narrow, vector), hn::UpperHalf(narrow, vector));
     };
@@ -219,6 +222,7 @@ double shapeLossAndGradient(const Representation& representation, const PointSet
   for (int begin = 0; begin < count; begin += kBlock) {
     const int block_count = std::min(kBlock, count - begin);
     Floats square_sum = hn::Zero(d);
+    // first pass: values, residuals and deltas of the block's points, into arrays that stay in the level-1 cache
     const auto step = [&]<int kVectors>(int offset) {
       const int at = first + begin + offset;
       Floats x[kVectors], y[kVectors], z[kVectors], output[kVectors];
@@ -234,9 +238,11 @@ double shapeLossAndGradient(const Representation& representation, const PointSet
       for (int g = 0; g < kVectors; ++g) hn::Store(output[g], d, &block.output_delta[offset + g * lanes]);
       backward<kShape, kVectors>(d, theta, slope, hidden, output, lanes, offset, block);
     };
+    // two vectors at a time hide the latency of multiply-adds; the rest of a block takes one
     int offset = 0;
     for (; offset + kGroup * lanes <= block_count; offset += kGroup * lanes) step.template operator()<kGroup>(offset);
     for (; offset < block_count; offset += lanes) step.template operator()<1>(offset);
+    // second pass: the gradient as small matrix products. Squares add up in float within a block, in double beyond it
     addBlockGradient<kShape>(d, block_count, block, points, first + begin, gradient);
     total += hn::GetLane(hn::SumOfLanes(d, square_sum));
   }
