@@ -12,6 +12,7 @@ void packQuads(int resolution, const int8_t* brick, uint32_t* quads) {
       for (int x = 0; x < r; ++x) {
         const int8_t* node = brick + x + r * (y + r * z);
         const auto byte = [&](int offset) { return uint32_t{static_cast<uint8_t>(node[offset])}; };
+        // a word holds the nodes of one x, two y and two z: two words in a row are the eight nodes of a cell
         *quads++ = byte(0) | byte(r) << 8 | byte(r * r) << 16 | byte(r * (r + 1)) << 24;
       }
     }

@@ -91,6 +91,7 @@ void evaluatePointLogits(int resolution, const PointSet& points, const float* HW
     const auto x = along(&points.x[i], &share[0]), y = along(&points.y[i], &share[1]), z = along(&points.z[i], &share[2]);
     const auto side = hn::Set(di, resolution);
     const auto low = hn::Add(x, hn::Mul(side, hn::Add(y, hn::Mul(side, z))));
+    // points in no order: eight gathers each, where points of one cell would share its polynomial
     const auto row = [&](int offset) {
       const float* from = logits + offset;
       return between(hn::GatherIndex(d, from, low), hn::GatherIndex(d, from + 1, low), share[0]);
@@ -167,9 +168,11 @@ const Dictionary::FitTables& Dictionary::fitTables() const {
     const PointOrder& order = cellOrder(resolution());
     const auto K = static_cast<size_t>(codeCount());
     const int r = resolution();
+    // b(x) at every place, the fit's rows, and the sum of tent² b b^T, its straight-through damping (representations.md §9)
     fit_tables_.at_places.assign(static_cast<size_t>(order.placeCount()) * K, 0.0f);
     fit_tables_.tent_squares.assign(K * K, 0.0f);
     for (int p = 0; p < order.placeCount(); ++p) {
+      // a place without a point only fills up a vector
       if (order.pattern_index[p] < 0) continue;
       float* values = &fit_tables_.at_places[static_cast<size_t>(p) * K];
       const NodePlace place = placeAmongNodes(r, {order.points.x[p], order.points.y[p], order.points.z[p]});
@@ -236,6 +239,7 @@ double evaluateCodeReference(const Dictionary& dictionary, const LocalPoint& poi
     node[axis] = std::min(static_cast<int>(position), r - 2);
     share[axis] = position - node[axis];
   }
+  // unrounded logits of all nodes: the largest decides the step of all
   std::vector<double> logits;
   double largest = 0.0, logit = 0.0;
   for (int n = 0; n < dictionary.nodeCount(); ++n) {
@@ -244,6 +248,7 @@ double evaluateCodeReference(const Dictionary& dictionary, const LocalPoint& poi
     logits.push_back(sum);
     largest = std::max(largest, std::fabs(sum));
   }
+  // the least power of two whose 127 steps hold the largest logit (representations.md §9)
   double step = std::ldexp(1.0, kLeastStepExponent);
   while (largest > kMostLogitSteps * step) step *= 2.0;
   for (int corner = 0; corner < 8; ++corner) {

@@ -18,6 +18,7 @@ float evaluateNetwork(float slope, const LocalPoint& point, const float* theta) 
     first[j] = leaky(theta[kShape.b1() + j] + w1[0] * point[0] + w1[1] * point[1] + w1[2] * point[2], slope);
   }
   float output = theta[kShape.b3()];
+  // one hidden layer leads straight to the output
   if constexpr (kShape.second == 0) {
     for (int j = 0; j < kShape.first; ++j) output += theta[kShape.w3() + j] * first[j];
   }

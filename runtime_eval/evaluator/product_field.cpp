@@ -57,6 +57,7 @@ void evaluateBlock(int resolution, const PointSet& points, int first, int count,
     locate(d, hn::Load(d, &points.y[first + i]), resolution, &node[1][i], &share[1][i]);
     locate(d, hn::Load(d, &points.z[first + i]), resolution, &node[2][i], &share[2][i]);
   }
+  // no gathers: a point loads four rows of A, B, A, B and blends them in y and z
   const auto between = [](Nodes low, Nodes high, float part) { return multiplyAdd(part, subtract(high, low), low); };
   for (int i = 0; i < count; ++i) {
     const float* corner = theta + 2 * node[0][i] + y * node[1][i] + z * node[2][i];
@@ -64,6 +65,7 @@ void evaluateBlock(int resolution, const PointSet& points, int first, int count,
     const Nodes high = between(loadNodes(corner + z), loadNodes(corner + z + y), share[1][i]);
     storeNodes(between(low, high, share[2][i]), row + 4 * i);
   }
+  // the blend along x and the sigmoid are whole vectors again
   for (int i = 0; i < count; i += lanes) {
     Floats a0, b0, a1, b1;
     hn::LoadInterleaved4(d, row + 4 * i, a0, b0, a1, b1);

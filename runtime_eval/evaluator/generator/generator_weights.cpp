@@ -188,6 +188,7 @@ void writeLayers(const std::vector<GeneratorLayer>& layers, WeightsFile* file) {
 FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
   *data = {};
   TensorReader reader(file);
+  // version and pattern first: a basis of other support points fits no function
   const int version = reader.integer("version", 1, 1 << 20);
   if (version > kWeightsVersion) {
     reader.fail(FileStatus::version_unknown,
@@ -199,11 +200,13 @@ FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
   if (!findRepresentation(representation, &data->representation)) {
     reader.fail(FileStatus::value_out_of_range, "metadata representation: unknown " + shown(representation));
   }
+  // the dictionary is part of a code's formula
   if (reader.ok() && data->representation.isCode()) readDictionary(reader, &data->representation);
   data->representation.slope = static_cast<float>(reader.number("representation_slope", 1e-6, 0.999));
   data->slope = static_cast<float>(reader.number("generator_slope", 1e-6, 0.999));
   readBasis(reader, &data->basis);
   const int theta_count = data->representation.thetaCount();
+  // the shapes of the layers follow from the basis and D
   if (reader.ok()) data->layers = readLayers(reader, data->basis.coefficientCount(), theta_count);
   data->exact_last_layer = reader.integer("exact_last_layer", 0, 1) == 1;
   if (data->exact_last_layer && !data->representation.hasLinearOutput()) {
@@ -218,6 +221,7 @@ FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
 WeightsFile weightsFromGenerator(const GeneratorData& data) {
   WeightsFile file;
   const uint64_t octant = kOctantPointCount, count = static_cast<uint64_t>(data.basis.coefficientCount());
+  // nine digits give back every float
   const auto number = [](double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.9g", value);

@@ -44,6 +44,7 @@ HWY_INLINE void multiplyTile(const Tile& tile) {
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) sum[r][v] = hn::LoadU(d, tile.bias + v * kLanes);
   }
+  // sums take the inputs in order, so that theta does not depend on its place in the batch, bit for bit (inference.md)
   const float* HWY_RESTRICT panel = tile.panel;
   for (int k = 0; k < tile.input_count; ++k, panel += PackedMatrix::kPanelWidth) {
     Floats column[kVectors];
@@ -57,6 +58,7 @@ HWY_INLINE void multiplyTile(const Tile& tile) {
       for (int v = 0; v < kVectors; ++v) sum[r][v] = hn::MulAdd(value, column[v], sum[r][v]);
     }
   }
+  // LeakyReLU, then the skip, before the sums leave the registers
   const Floats slope = hn::Set(d, tile.slope);
 #pragma GCC unroll 12
   for (int r = 0; r < kRows; ++r) {
@@ -99,6 +101,7 @@ void multiplyStrip(Tile tile, int row_count, int columns, Epilogue epilogue, con
     multiplyRows<kTileRows, kTileVectors>(tile, row, row_count);
     return;
   }
+  // a ragged strip computes whole vectors into a buffer: the output behind its columns belongs to others
   const float* skip = tile.skip;
   float* output = tile.output;
   const int output_stride = tile.output_stride;
@@ -116,6 +119,7 @@ void multiplyStrip(Tile tile, int row_count, int columns, Epilogue epilogue, con
     } else {
       multiplyRows<kTileRows, kTileVectors>(part, row, rows);
     }
+    // the skip is added here, because a tile would read it beyond the row
     for (int r = 0; r < rows; ++r) {
       std::fill_n(skip_buffer, columns, 0.0f);
       if (skip) std::copy_n(skip + (begin + r) * tile.input_stride, columns, skip_buffer);

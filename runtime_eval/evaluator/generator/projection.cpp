@@ -13,6 +13,7 @@ Projection::Projection(const BasisData& basis) : coefficient_count_(basis.coeffi
     for (int k = 0; k < count; ++k) {
       const float* component = &basis.components[size_t(first + k) * kOctantPointCount];
       const float* mean = &basis.mean[size_t(c) * kOctantPointCount];
+      // dequantisation, 1/√8 and the deviation go into the components, the mean into the bias: one product is left
       const double inverse_deviation = 1.0 / basis.deviation[first + k];
       double mean_coefficient = 0.0;
       for (int i = 0; i < kOctantPointCount; ++i) {
