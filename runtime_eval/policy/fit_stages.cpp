@@ -98,6 +98,7 @@ void AdamStage::run(ThetaBatch& batch, const int* members, int member_count) {
       options_.steps = count;
       return iterateAdam(batch.representation(), function, options_, &workspace_, theta->data()).rmse;
     };
+    // a short race from theta and from theta0: the rest of the steps goes on from the winner
     std::copy_n(batch.theta(i), batch.thetaCount(), theta_.begin());
     if (race_steps > 0) {
       std::copy_n(batch.generator().theta0(), batch.thetaCount(), other_.begin());

@@ -58,6 +58,7 @@ void compareVectors(const float* HWY_RESTRICT values, const float* HWY_RESTRICT 
       const auto value = hn::Load(d, values + i);
       const auto residual = hn::IfThenElseZero(valid, hn::NegMulAdd(phi, scale, value));
       square = hn::MulAdd(residual, residual, square);
+      // a dark point leaks beyond a share of its tent; kRimTent forgives the border, where the tent itself is almost 0
       const auto tents = hn::Load(d, tent + i), limit = hn::MulAdd(share, tents, rim);
       const auto dark = hn::And(valid, hn::Eq(phi, zero));
       const auto magnitude = hn::IfThenElseZero(dark, hn::Abs(value));
@@ -68,6 +69,7 @@ void compareVectors(const float* HWY_RESTRICT values, const float* HWY_RESTRICT 
         const auto root = hn::Div(unit, hn::Max(sum, floor));
         lit_weight = hn::IfThenElse(dark, unit, hn::Mul(root, root));
       }
+      // m² of math.md §4; a dark point at the border, whose tent is almost 0 too, weighs 1
       const auto weight = hn::IfThenElse(hn::And(dark, hn::Gt(tents, rim)), dark_weight, lit_weight);
       loss = hn::MulAdd(hn::Mul(weight, residual), residual, loss);
       leak = hn::Add(leak, magnitude);
@@ -132,6 +134,7 @@ FunctionChecker& FunctionChecker::operator=(FunctionChecker&&) noexcept = defaul
 
 FunctionCheck FunctionChecker::check(const Representation& representation, const StoredFunction& stored, const float* theta,
                                      const CheckOptions& options) {
+  // cell by cell fields and codes are several times faster; their values then go into the pattern's order
   if (!representation.isNetwork()) {
     const PointOrder& order = pointOrder(representation);
     if (representation.isCode()) {
@@ -148,6 +151,7 @@ FunctionCheck FunctionChecker::check(const Representation& representation, const
     evaluate(representation, patternPoints(), theta, buffers_->values.data());
   }
   FunctionCheck result = compare(buffers_->values.data(), stored, options);
+  // a theta with a NaN or an infinity has no error, even where clamps make its values finite
   const bool is_finite = allFinite({theta, static_cast<size_t>(representation.thetaCount())});
   if (!is_finite) result.rmse = result.blend_rmse = std::numeric_limits<double>::infinity();
   return result;

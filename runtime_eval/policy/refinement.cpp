@@ -30,6 +30,7 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
   RefinementResult result{start, checker_.check(representation, stored, start.data(), check)};
   if (result.check.passes(check)) return result;
   const WeightingFunction function = decodeFunction(stored, pointOrder(representation), check.loss());
+  // trouble is the larger of the two errors over its threshold, so that no step trades one for the other
   const auto consider = [&](const FitResult& fit) {
     const FunctionCheck found = checker_.check(representation, stored, fit.theta.data(), check);
     result.steps += fit.steps;
@@ -64,6 +65,7 @@ RefinementResult Refiner::refine(const Representation& representation, const Sto
     if (!fails()) break;
     last_steps = std::min(steps, kMostSteps);
     tryFrom(result.theta, static_cast<int>(last_steps));
+    // it converged: more steps from here would stay in the same minimum
     if (result.stop != FitStop::budget) break;
     steps = last_steps * options.refine_growth;
   }

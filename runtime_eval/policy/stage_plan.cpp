@@ -116,6 +116,7 @@ std::vector<StagePlan> stagesOf(const StageFacts& facts, const PolicyOptions& op
   const double least_rmse = std::min(kOverTent * tent_rmse, kMostRetry * options.retry_rmse);
   std::vector<StagePlan> plan = {{ThetaStage::network, Who::all, 0.0, 0}};
   if (facts.exact_last_layer) plan.push_back({ThetaStage::last_layer, Who::wrong, options.good_rmse, 0});
+  // a budget of 0 leaves a fit out
   const auto addFit = [&](ThetaStage stage, Who who, double above_rmse, int budget) {
     if (budget > 0) plan.push_back({stage, who, above_rmse, budget});
   };

@@ -58,6 +58,7 @@ void StageRunner::makeBatch(const StoredFunction* functions, int count, float* t
     if (trace != nullptr) (trace->*word).insert((trace->*word).end(), theta, theta + value_count);
   };
   const FlushSubnormals flush;
+  // one pass for all of the batch: each function is charged its share of the time
   const Clock::time_point start = Clock::now();
   batch_.generate(functions, count, theta, options_.use_generator != 0 ? ThetaBatch::Begin::network : ThetaBatch::Begin::theta0);
   const float network_us = microsecondsSince(start) / static_cast<float>(count);
@@ -66,8 +67,10 @@ void StageRunner::makeBatch(const StoredFunction* functions, int count, float* t
     records[i].addTime(ThetaStage::network, ThetaWord::network, network_us);
   }
   keepTrace(&ThetaTrace::network);
+  // only what the network left wrong takes part in the stages
   checkNetwork(functions, records);
   ThetaWord word = ThetaWord::corrected;
+  // at the end of the corrections, and of the fits, a theta that passed and no longer would goes back
   for (Stage& stage : stages_) {
     if (word != wordOf(stage.plan.stage)) {
       finishWord(word, functions, records);
@@ -77,6 +80,7 @@ void StageRunner::makeBatch(const StoredFunction* functions, int count, float* t
     runStage(stage, records);
   }
   finishWord(word, functions, records);
+  // without a fit, fitted means what was corrected
   if (word == ThetaWord::corrected) {
     keepTrace(&ThetaTrace::corrected);
     for (int i = 0; i < count; ++i) records[i].at(ThetaWord::fitted) = records[i].at(ThetaWord::corrected);
@@ -117,6 +121,7 @@ void StageRunner::runStage(Stage& stage, ThetaRecord* records) {
   }
   stage.run->run(batch_, members_.data(), member_count);
   const float elapsed_us = microsecondsSince(start) / static_cast<float>(member_count);
+  // a theta ends in the last stage that changed its loss
   for (const int i : wrong_) {
     if (!(before_[i] > above_square)) continue;
     records[i].addTime(name, wordOf(name), elapsed_us);

@@ -87,6 +87,7 @@ FunctionCheck ThetaPolicy::Stages::checkBareTent(const StoredFunction& function)
 void ThetaPolicy::Stages::bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace) {
   std::vector<StoredFunction> with_theta;
   std::vector<int> numbers;
+  // the cheapest first: a function that its bare tent serves takes no theta
   std::vector<float> tent_us(count);
   for (int i = 0; i < count; ++i) {
     const Clock::time_point start = Clock::now();
@@ -102,6 +103,7 @@ void ThetaPolicy::Stages::bake(const StoredFunction* functions, int count, MadeT
     made[i].record.ended = ThetaStage::bare_tent;
     made[i].record.addTime(ThetaStage::bare_tent, ThetaWord::corrected, tent_us[i]);
   }
+  // all others go through the stages together: the generator is fast in batches
   std::vector<MadeTheta> results(with_theta.size());
   const size_t traced = trace != nullptr ? trace->fitted.size() : 0;
   make(with_theta.data(), static_cast<int>(with_theta.size()), results.data(), trace);
@@ -143,11 +145,13 @@ void ThetaPolicy::Stages::make(const StoredFunction* functions, int count, MadeT
     numbers.push_back(i);
   }
   if (others.empty()) return;
+  // the choice needs the errors of all larger ones
   std::vector<std::vector<float>> larger_theta(generators_.size());
   std::vector<std::vector<ThetaRecord>> larger(generators_.size());
   for (size_t g = 1; g < generators_.size(); ++g) larger[g] = makeAll(g, others, &larger_theta[g], nullptr);
   for (size_t n = 0; n < others.size(); ++n) {
     MadeTheta& one = made[numbers[n]];
+    // all tries count in time and fits, whichever is chosen
     ThetaRecord tried = one.record;
     std::vector<FunctionCheck> checks = {one.check()};
     for (size_t g = 1; g < generators_.size(); ++g) {
@@ -174,6 +178,7 @@ void ThetaPolicy::Stages::refine(const StoredFunction& function, MadeTheta* made
   if (last_ < ThetaStage::refinement || options_.refine_rounds <= 0 || record.at(ThetaWord::stored).passes(options_.check()))
     return;
   record.refined = record.took_fit = true;
+  // the present representation first, then larger ones as long as the check fails; each is kept only if in less trouble
   const size_t first = made->generator;
   double least_trouble = record.at(ThetaWord::stored).trouble(options_.check());
   for (size_t g = first; g < generators_.size() && least_trouble > 1.0; ++g) {
@@ -204,6 +209,7 @@ void ThetaPolicy::Stages::round(const StoredFunction& function, MadeTheta* made)
   const auto roundPresent = [&] {
     return rounding_.round(representation, function, {made->theta, made->check()}, options_.check());
   };
+  // only what passed before is fitted on for the sake of its rounding
   const bool passed = made->check().passes(options_.check());
   const bool may_refit = passed && last_ >= ThetaStage::refinement && options_.refine_rounds > 0;
   RoundedTheta rounded = roundPresent();

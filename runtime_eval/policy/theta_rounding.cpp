@@ -44,11 +44,13 @@ bool CompensatedRounding::round(const Representation& network, const WeightingFu
   const int D = shape.thetaCount(), hidden = shape.w3();
   float numbers[kMaxNetworkThetaCount];
   std::copy_n(theta, D, numbers);
+  // scaled first, so that one step holds for all hidden numbers (theta_form.h)
   scaleHiddenLayers(network, numbers, compensation.most);
   kernel_.compute(network, function, numbers, &equations_, kHessianPoints, compensation.first_batch);
   if (!factor(compensation.damping)) return false;
   const double step = stepOf(shape);
   moved_.assign(D, 0.0);
+  // Babai's nearest plane (math.md §5): each number at its optimum given those before; the last layer is not rounded here
   for (int i = 0; i < D; ++i) {
     double best = numbers[i];
     for (int j = 0; j < i; ++j) best -= rows_[i * D + j] * moved_[j];
@@ -68,6 +70,7 @@ bool CompensatedRounding::factor(double damping) {
   double mean = 0.0;
   for (int i = 0; i < D; ++i) mean += hessian.at(i, i) / D;
   rows_.resize(static_cast<size_t>(D) * D);
+  // damped, so that numbers which hardly matter do not move far to make up for others
   for (int i = 0; i < D; ++i) {
     for (int j = 0; j < i; ++j) rows_[i * D + j] = hessian.at(i, j);
     rows_[i * D + i] = (1.0 + damping) * hessian.at(i, i) + kLeastDiagonal * mean;
@@ -117,7 +120,9 @@ RoundedTheta CodeRounding::round(const Representation& representation, const Sto
     const FunctionCheck found = checker_.check(representation, function, theta.data(), check);
     return RoundedTheta{std::move(theta), found};
   };
+  // without equations each number is rounded for itself
   if (!factorAt(representation, present.theta.data())) return inSteps(present.theta);
+  // how much a shorter code may err: a little more than the full one, or as much as is exact enough anyway
   const double before = present.check.blend_rmse,
                allowed = std::max(options_.code_enough_rmse, options_.code_flat_ratio * before);
   const bool must_pass = present.check.passes(check);
@@ -131,6 +136,7 @@ RoundedTheta CodeRounding::round(const Representation& representation, const Sto
     for (int k = i; k < K; ++k) sum += double{equations_.matrix[i * K + k]} * present.theta[k];
     added[i] = added[i + 1] + sum * sum / std::max(1, present.check.valid_count);
   }
+  // the shortest first; where H already predicts too much error, none is made
   for (int length = kCodeGroup; length < K; length += kCodeGroup) {
     if (std::sqrt(before * before + added[length]) > allowed) continue;
     RoundedTheta shorter = inSteps(rounded(present.theta.data(), length));
@@ -185,12 +191,14 @@ RoundedTheta ThetaRounding::roundToBytes(const Representation& network, const St
     if (!isDone()) offer(std::move(theta));
   };
   const int most = enoughThetaSteps(network.shape());
+  // each number for itself: other scales of the first layer round otherwise
   for (int way = 0; way < kRoundingWays && !isDone(); ++way) {
     Theta theta = start;
     roundHiddenLayers(network, theta.data(), {most - 2 * way, most});
     offerSolvedAndNot(std::move(theta));
   }
   if (isDone()) return best;
+  // numbers that make up for each other, at other scales, dampings and points of H
   for (const CompensatedWay& way : kCompensatedWays) {
     Theta theta = start;
     const auto steps = static_cast<int>(std::lround(way.share * most));
