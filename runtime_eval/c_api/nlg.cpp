@@ -296,6 +296,7 @@ nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, co
   const auto theta_count = static_cast<size_t>(generator->generator.representation().thetaCount());
   return withMemory([&] {
     std::vector<nlg::StoredFunction> functions;
+    // in the generator's batches: the memory of a call does not grow with its functions
     std::vector<nlg::MadeTheta> results(nlg::kBatchCount);
     for (size_t first = 0; first < count; first += nlg::kBatchCount) {
       const size_t piece = std::min<size_t>(nlg::kBatchCount, count - first);
@@ -307,6 +308,7 @@ nlg_status nlg_make_theta(const nlg_generator* generator, const uint8_t* phi, co
       scratch->policy.bake(functions.data(), static_cast<int>(piece), results.data());
       for (size_t i = 0; i < piece; ++i) {
         float* target = theta + (first + i) * theta_count;
+        // a bare tent has no theta
         std::fill_n(target, theta_count, 0.0f);
         std::copy(results[i].theta.begin(), results[i].theta.end(), target);
         if (made != nullptr) made[first + i] = madeOf(results[i], scratch->policy.options().check());

@@ -188,6 +188,7 @@ FileResult takeRepresentations(GridMetadata* metadata, std::vector<Representatio
       if (!parseNumber(text, &representation.slope))
         return refuseText(FileStatus::value_out_of_range, slope_key, "a number in (0, 1)", text);
     }
+    // a code gets its dictionary once theta is read (readDictionaries)
     representations->push_back(representation);
   }
   return {};
@@ -242,6 +243,7 @@ FileResult readLight(const TensorFileReader& reader, GridCounts* counts, LightGr
   takeFirst(&result, reader.read("light.offsets", &offsets));
   takeFirst(&result, reader.read("light.axes", &axes));
   takeFirst(&result, reader.read("light.records", &records));
+  // the lists must fit each other before anything is built of them
   if (result.ok() && bits.size() != offsets.size() + 1) result = refuseCount("light.bits", offsets.size() + 1, bits.size());
   if (result.ok() && axes.size() != offsets.size() * kShFloats)
     result = refuseCount("light.axes", offsets.size() * kShFloats, axes.size());
@@ -254,6 +256,7 @@ FileResult readLight(const TensorFileReader& reader, GridCounts* counts, LightGr
     std::transform(&axes[k * kShFloats], &axes[k * kShFloats] + kShFloats, axis.direction.begin(),
                    [](Half half) { return half.bits; });
   }
+  // what the records would need is bounded by the file's size before they are decoded
   result = checkLightLayout(packed);
   countRecords(packed, counts);
   if (result.ok()) result = checkMemory(reader, *counts);
@@ -272,10 +275,12 @@ FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadat
   if (result.ok() && has_light) result = takeGroups(metadata, grid);
   if (result.ok()) result = takeRepresentations(metadata, &grid->representations);
   if (!result.ok()) return result;
+  // all keys of its own have been taken out: one that is left means nothing to this reader
   for (const auto& [key, text] : *metadata) {
     if (isOwnKey(key)) return refuse(FileStatus::value_out_of_range, "metadata " + key + ": expected no such key");
   }
   GridCounts counts{.representations = grid->representations, .light_groups = lightGroups(*grid, has_light)};
+  // functions say how many probes there are, and the tree which of them have light
   result = readFunctions(reader, &counts, grid);
   if (result.ok()) result = readTree(reader, &counts, grid);
   if (result.ok() && has_light) result = readLight(reader, &counts, grid);
@@ -312,6 +317,7 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
     light = packedLightOf(grid, *precision.light_error);
     result = checkPackedLight(grid, light);
   }
+  // the writer keeps addresses: every list stays until it has serialised
   const std::vector<float> light_unit{light.unit};
   std::vector<uint8_t> light_bits{static_cast<uint8_t>(light.scale_bits)};
   std::vector<int32_t> light_offsets;
@@ -327,6 +333,7 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
   if (result.ok()) result = storeFunctions(grid, precision.theta, &functions);
   if (!result.ok()) return result;
 
+  // the tree goes without its slots: a reader numbers the probes as the builder did
   const ProbeTreeData tree = probeTreeData(grid.tree);
   const PackedNodes nodes = packNodes(tree);
   const std::vector<uint8_t> node_kind = codedBytes(nodes.kind), node_bits = codedBytes(nodes.bits);
@@ -346,6 +353,7 @@ FileResult serializeLightGrid(const LightGrid& grid, const GridPrecision& precis
     writer.add("light.offsets", light_offsets);
     writer.add("light.axes", light_axes);
   }
+  // readers bound their memory by the file's size: a grid that packs better than that gets room beside it
   GridCounts counts{grid.representations, grid.functionCount(), grid.probe_function.size()};
   counts.light_groups = lightGroups(grid, has_light);
   countNodes(nodes, &counts);

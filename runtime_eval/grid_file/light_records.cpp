@@ -57,6 +57,7 @@ class RecordContext {
   Expected expected(size_t field) const {
     std::array<int, 3> values{};
     for (size_t n = 0; n < near_count_; ++n) values[n] = numbers_[near_[n] * fields_.size() + field];
+    // the median of three, the mean of two: their spread says how far they are trusted
     if (near_count_ == 0) return {1 << fields_[field].bits >> 1, kDoubts - 1};
     if (near_count_ == 1) return {values[0], kDoubts - 1};
     const auto doubtOf = [](int spread) {
@@ -106,6 +107,7 @@ std::vector<RecordsBefore> recordsBefore(const ProbeTree& tree, const std::vecto
     const LatticePoint at = tree.probeLattice(probe);
     RecordsBefore& near = before.emplace_back();
     near.fill(kNoRecord);
+    // a lower neighbour has a lower Morton key, so that its record is known by now
     for (size_t axis = 0; axis < 3; ++axis) {
       for (int32_t units = 1; units <= 4 && near[axis] == kNoRecord; units *= 2) {
         if (at[axis] < units) break;
@@ -127,11 +129,13 @@ std::vector<uint8_t> codedRecords(const PackedLight& packed, const std::vector<R
   RangeEncoder encoder;
   for (size_t i = 0; i < packed.records.size() / words; ++i) {
     const uint32_t* record = &packed.records[i * words];
+    // what neighbours say is of the same group
     if (i % before.size() == 0) context.beginGroup();
     context.beginRecord(i % before.size());
     const bool is_dark = lightNumber(record, fields[0]) == 0;
     encoder.add(is_dark ? 1 : 0, context.dark());
     context.setDark(is_dark);
+    // a dark record is its scale alone
     for (size_t f = 0; f < fields.size() && !is_dark; ++f) {
       if (fields[f].bits == 0) continue;
       const auto number = static_cast<int>(lightNumber(record, fields[f]));
@@ -156,6 +160,7 @@ FileResult decodeRecords(const std::vector<uint8_t>& bytes, const std::vector<Re
   RecordContext context(before, fields);
   RangeDecoder decoder(bytes.data(), bytes.size());
   std::vector<uint32_t> records(before.size() * group_count * words);
+  // the encoder's way, so that both expect the same numbers
   for (size_t i = 0; i < before.size() * group_count; ++i) {
     uint32_t* record = &records[i * words];
     if (i % before.size() == 0) context.beginGroup();

@@ -108,12 +108,14 @@ FileResult readProbeFunctions(const TensorFileReader& reader, GridCounts* counts
   std::vector<uint8_t> kinds, names;
   FileResult result = readNumbers<1>(reader, "probe.count", &count);
   counts->probes = count;
+  // no count of a file takes memory before the file's size allows it
   takeFirst(&result, checkMemory(reader, *counts));
   const size_t bytes = (size_t{count} + kProbesAByte - 1) / kProbesAByte;
   if (result.ok()) result = readCoded(reader, "probe.kind", {}, &kinds, bytes);
   if (!result.ok()) return result;
   if (kinds.size() != bytes) return refuseCount("probe.kind", bytes, kinds.size());
   const auto kindOf = [&](size_t probe) { return kinds[probe / kProbesAByte] >> 2 * (probe % kProbesAByte) & 3; };
+  // the kinds say how many names follow
   size_t named = 0;
   for (size_t probe = 0; probe < count; ++probe) named += kindOf(probe) == kNamedFunction;
   result = readCoded(reader, "probe.function", columnsOfNames(named), &names);
@@ -179,6 +181,7 @@ FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   for (const uint8_t r : grid->function_representation)
     code_count += representationOf(r) != nullptr && representationOf(r)->isCode();
   if (packed.groups.size() != code_count) return refuseCount("theta.groups", code_count, packed.groups.size());
+  // the steps of each function, which say what column each byte belongs to
   size_t theta_count = 0, code = 0;
   std::vector<int> steps_of_function;
   for (const uint8_t r : grid->function_representation) {
@@ -206,6 +209,7 @@ FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
     return refuse(FileStatus::value_out_of_range,
                   "theta.steps: value " + std::to_string(beyond - packed.steps.begin()) + ": expected -127 to 127");
   }
+  // a code is accepted only as its writer would have packed it, so that one grid has one file
   grid->theta.resize(theta_count);
   const int8_t* steps = packed.steps.data();
   const Half* halves = packed.halves.data();
@@ -261,10 +265,12 @@ FileResult readDictionary(const TensorFileReader& reader, const std::string& nam
   if (stored.exponents.size() != rows) return refuseCount(name + kExponentsSuffix, rows, stored.exponents.size());
   DictionaryData data;
   data.code_count = code->code_count;
+  // the resolution follows from the nodes of a row
   const auto nodesOf = [](int r) { return static_cast<size_t>(r) * r * r; };
   while (data.resolution < kMaxBrickResolution && rows * nodesOf(data.resolution) < stored.nodes.size()) ++data.resolution;
   const size_t nodes = nodesOf(data.resolution);
   if (stored.nodes.size() != rows * nodes) return refuseCount(name + kNodesSuffix, rows * nodes, stored.nodes.size());
+  // rows that no code of the grid uses were left out: zeros stand for them, and 1 for deviations, which fits alone read
   const auto last = stored.nodes.end() - static_cast<ptrdiff_t>(nodes);
   data.nodes.assign(stored.nodes.begin(), last);
   data.nodes.resize(nodes * static_cast<size_t>(data.code_count), 0);

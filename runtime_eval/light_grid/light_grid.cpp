@@ -146,6 +146,7 @@ void LightGrid::dropUnusedFunctions() {
   LightGrid kept;
   std::vector<uint32_t> function_now(functionCount(), kNoWeight);
   std::vector<int> representation_now(representations.size(), -1);
+  // functions in the order of the probes that have them first: a file then names most of them as the next one
   for (uint32_t& function : probe_function) {
     if (function == kFreeSpace || function == kNoWeight) continue;
     if (function_now[function] == kNoWeight) {
@@ -186,6 +187,7 @@ FileResult checkWithoutBricks(const LightGrid& grid) {
   const size_t probes = grid.tree.probeCount();
   if (grid.probe_function.size() != probes)
     return refuse(FileStatus::tensor_unexpected, sized("probe_function", grid.probe_function.size(), "probes", probes));
+  // each check relies on those before it
   FileResult result = checkRepresentations(grid);
   if (result.ok()) result = checkFunctions(grid);
   if (result.ok()) result = checkDictionaries(grid);
@@ -234,6 +236,7 @@ std::vector<std::array<float, 3>> startingColours(const LightGrid& grid) {
 }
 
 FileResult mixLight(const std::vector<std::array<float, 3>>& colours, LightGrid* grid) {
+  // light is linear: groups add up in their colours, and the sum must keep to the limits of any light
   std::vector<float> mixed(grid->probe_function.size() * kShFloats, 0.0f);
   for (size_t g = 0; g < grid->groups.size(); ++g) {
     const float* light = grid->groups[g].light.data();

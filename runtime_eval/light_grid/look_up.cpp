@@ -26,6 +26,7 @@ void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeigh
     const uint32_t function = grid.probe_function[corner.probe];
     if (function == kNoWeight) continue;
     const float bare = tent(corner.local);
+    // v: 1 of a bare tent, of a code straight from its brick
     float share = 1.0f;
     if (function != kFreeSpace) {
       const Representation& representation = grid.representations[grid.function_representation[function]];
@@ -33,12 +34,14 @@ void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeigh
                                                       grid.functionQuads(function))
                                       : evaluateTentShare(representation, corner.local, bare, grid.functionTheta(function));
     }
+    // w = t ρ (v - r) / (1 - r) (probes.md)
     const float above = share - kResidue;
     const float weight = bare * corner.tent_ratio * (above * kStretch);
     if (!addWeight(corner.probe, weight, weights)) continue;
     sum += weight;
     believed += weight * above;
   }
+  // 1 where the mean of v is at least twice the residue (probes.md)
   weights->certainty = sum > 0.0f ? std::min(1.0f, believed / (kResidue * sum)) : 0.0f;
 }
 
@@ -105,15 +108,18 @@ void addDarkest(const LightGrid& grid, const ProbesAround& around, ProbeWeights*
     }
     if (tents == 0.0f) return;
   }
+  // by tent over squared luminance; the floor keeps it continuous (probes.md)
   const float mean = light / tents + kNoLight;
   float sum = 0.0f;
   for (size_t c = 0; c < 8; ++c) {
     const float darker = mean / (luminance[c] + kDarkestFloor * mean);
     sum += weight[c] *= darker * darker;
   }
+  // sure shares stay as they are; what the certainty lacks of 1 is spread over the corners
   const float scale = (1.0f - shares->certainty) / sum;
   const ProbeWeights sure = *shares;
   shares->count = 0;
+  // both lists are in the order of corners: one walk merges them
   for (int c = 0, next = 0; c < 8; ++c) {
     float share = scale * weight[c];
     if (next < sure.count && sure.probe[next] == around.corners[c].probe) share += sure.weight[next++];

@@ -370,6 +370,7 @@ void placeInBricks(size_t first, size_t count, int resolution, int spacing_log2,
   for (size_t i = 0; i < count; i += hn::Lanes(d)) {
     Floats from_low[3], unused;
     hn::LoadInterleaved4(d, b.from_low + 4 * (first + i), from_low[0], from_low[1], from_low[2], unused);
+    // along each axis as the probe at the low side sees it, and as the one at the high side does
 #pragma GCC unroll 6
     for (int k = 0; k < 6; ++k) {
       const int axis = k / 2;
@@ -454,6 +455,7 @@ void findBricks(const LightGrid& grid, size_t first_run, size_t end_run, int res
       if (run.code_corners >> corner & 1) {
         const FunctionBrick& brick = grid.function_brick[grid.probe_function[run.corners.probe[corner]]];
         const uint32_t* quads = grid.quads.data() + brick.begin;
+        // a corner of the tile's resolution and of its cell's own spacing shares the places of the tile
         if (brick.resolution == resolution && run.corners.spacing_log2[corner] == 0) {
           hwy::Prefetch(quads + tile.word[place]);
           tile.bricks[brick_count++] = {quads, static_cast<uint16_t>(place), static_cast<uint16_t>(count)};
@@ -475,6 +477,7 @@ void addTile(const LightGrid& grid, size_t first_run, size_t end_run, int resolu
   const size_t lanes = hn::Lanes(d), first = b.runs[first_run].first,
                count = b.runs[end_run - 1].first + b.runs[end_run - 1].count - first;
   CodeTile& tile = b.tile;
+  // first all words, then all cells, then all shares: the fetches of bricks overlap with work on others
   placeInBricks(first, count, resolution, 0, b, tile.places);
   for (size_t corner = 0; corner < 8; ++corner) {
     const CornerPlace at(corner);
@@ -533,6 +536,7 @@ void normalise(Buffers& b) {
   for (size_t i = 0; i < b.position_count; i += hn::Lanes(d)) {
     Floats x, y, z, unused;
     hn::LoadInterleaved4(d, b.from_low + 4 * i, x, y, z, unused);
+    // the cell's own tents, which are t ρ of probes.md whatever spacing a probe has
     const Floats low_x = hn::Sub(one, x), low_y = hn::Sub(one, y), low_z = hn::Sub(one, z);
     const Floats to_x[2] = {low_x, hn::Sub(one, low_x)}, to_y[2] = {low_y, hn::Sub(one, low_y)},
                  to_z[2] = {low_z, hn::Sub(one, low_z)};
@@ -549,6 +553,7 @@ void normalise(Buffers& b) {
       sum = hn::Add(sum, weight[c]);
       believed = hn::MulAdd(weight[c], above, believed);
     }
+    // certainty as in probes.md; shares sum to 1 here, since positions that are less than certain are looked up alone
     const Floats divisor = hn::IfThenElse(hn::Gt(sum, zero), sum, one);
     const Floats certainty = hn::Min(one, hn::Div(believed, hn::Mul(residue, divisor)));
     hn::Store(certainty, d, &b.certainty[i]);
@@ -616,6 +621,7 @@ struct FactorTable {
 
 constexpr FactorTable kFactors = [] {
   FactorTable table{};
+  // a basis function is a polynomial of degree 2: its terms follow from its values at 0, ±1 on the axes, and sums of two axes
   const auto zero = shBasis(0, 0, 0);
   const std::array<float, kShCount> plus[3] = {shBasis(1, 0, 0), shBasis(0, 1, 0), shBasis(0, 0, 1)},
                                     minus[3] = {shBasis(-1, 0, 0), shBasis(0, -1, 0), shBasis(0, 0, -1)},
@@ -646,6 +652,7 @@ HWY_INLINE void storeIrradiance(FloatTag d, const LightLanes& light, const float
 #pragma GCC unroll 27
   for (size_t p = 0; p < kPieces; ++p) {
     Floats factor = hn::LoadU(d, kFactors.of_term[0] + p * kTriples);
+    // what no lane of the piece needs is gone once the loops are unrolled
 #pragma GCC unroll 10
     for (size_t t = 1; t < kTerms; ++t) {
       if (kFactors.is_needed[p][t]) factor = hn::MulAdd(hn::LoadU(d, kFactors.of_term[t] + p * kTriples), term[t], factor);
@@ -657,6 +664,7 @@ HWY_INLINE void storeIrradiance(FloatTag d, const LightLanes& light, const float
     }
   }
   if constexpr (kTriples > 1) hn::Store(sum, d, lanes);
+  // lanes of one channel are three apart
   for (size_t c = 0; c < kShChannels; ++c) {
     float total = lanes[c];
     for (size_t i = c + kShChannels; i < (kTriples == 1 ? kPieces : kTriples); i += kShChannels) total += lanes[i];
@@ -679,6 +687,7 @@ void lightRun(const LightGrid& grid, const Buffers& b, const CellRun& run, const
   for (size_t i = run.first; i < run.first + run.count; ++i) {
     const size_t to = b.order[i];
     const bool is_direction = slice.normals_3 == nullptr || isDirection(slice.normals_3 + kShChannels * to);
+    // what is less than certain, or has no direction, takes the path of a single look-up
     if (b.certainty[i] < 1.0f || !is_direction) {
       lookUpOne(grid, slice, to);
       continue;
@@ -790,6 +799,7 @@ size_t fillChunk(const LightGrid& grid, const BatchSlice& slice, size_t next, Lo
     const ListRun& from = b.sorted_runs[next];
     if (next + kListRunsAhead < b.list_run_count) prefetchPosition(slice, b.sorted_runs[next + kListRunsAhead].first, b);
     if (b.position_count + from.count > kChunkSize) break;
+    // runs of one cell that the sort brought together become one
     const bool goes_on = b.run_count > 0 && b.runs[b.run_count - 1].first_slot == from.first_slot &&
                          b.runs[b.run_count - 1].count + from.count <= kMaxRun;
     if (!goes_on) {
@@ -797,11 +807,13 @@ size_t fillChunk(const LightGrid& grid, const BatchSlice& slice, size_t next, Lo
       b.runs[b.run_count++] = {static_cast<uint32_t>(b.position_count), 0, from.first_slot, 0, 0, 0, grid.tree.cornersOf(place)};
     }
     b.runs[b.run_count - 1].count += from.count;
+    // positions of a run side by side, so that kernels load them as vectors
     for (uint32_t i = from.first; i < from.first + from.count; ++i, ++b.position_count) {
       std::memcpy(b.from_low + 4 * b.position_count, b.block_from_low + 4 * size_t{i}, 4 * sizeof(float));
       b.order[b.position_count] = i;
     }
   }
+  // sorted by function each theta is read once a chunk; keys from the least on need fewer passes
   for (size_t r = 0; r < b.run_count; ++r) addItems(grid, b.runs[r], b);
   uint32_t least = UINT32_MAX, most = 0;
   for (size_t i = 0; i < b.item_count; ++i) {

@@ -79,6 +79,7 @@ void principalAxes(std::array<Numbers, kShFloats> matrix, std::array<Numbers, kS
   constexpr double kTurnedFrom = 1e-30;  // squares, of both variances
   std::array<Numbers, kShFloats> rows{};
   for (size_t i = 0; i < kShFloats; ++i) rows[i][i] = 1.0;
+  // Jacobi's method: sweeps over all pairs until none is correlated any more
   bool is_turned = true;
   for (int sweep = 0; sweep < kMostSweeps && is_turned; ++sweep) {
     is_turned = false;
@@ -87,6 +88,7 @@ void principalAxes(std::array<Numbers, kShFloats> matrix, std::array<Numbers, kS
         const double apart = matrix[p][q];
         if (!(apart * apart > kTurnedFrom * std::abs(matrix[p][p] * matrix[q][q]))) continue;
         is_turned = true;
+        // the smaller of the two angles that make the pair uncorrelated
         const double ratio = (matrix[q][q] - matrix[p][p]) / (2.0 * apart);
         const double tangent = std::copysign(1.0, ratio) / (std::abs(ratio) + std::sqrt(ratio * ratio + 1.0));
         const double cosine = 1.0 / std::sqrt(tangent * tangent + 1.0), sine = tangent * cosine;
@@ -101,6 +103,7 @@ void principalAxes(std::array<Numbers, kShFloats> matrix, std::array<Numbers, kS
       }
     }
   }
+  // by variance: the first axes hold most of the light
   std::array<size_t, kShFloats> order;
   std::iota(order.begin(), order.end(), size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return matrix[a][a] > matrix[b][b]; });
@@ -130,8 +133,10 @@ AxisChoice choiceOf(const std::vector<double>& steps) {
     count[bin] += 1.0, sum[bin] += from_low, squares[bin] += from_low * from_low;
     rounding += (step - nearest) * (step - nearest);
   }
+  // as prefix sums, so that the cost of any window is a few operations
   for (size_t bin = 0; bin < bins; ++bin)
     count[bin + 1] += count[bin], sum[bin + 1] += sum[bin], squares[bin + 1] += squares[bin];
+  // by bits: the window of so many numbers that loses least
   for (size_t bits = 0; bits <= kMostAxisBits; ++bits) {
     const size_t window = size_t{1} << bits;
     choice.error[bits] = std::numeric_limits<double>::infinity();
@@ -176,6 +181,7 @@ class BitsChoice {
   // Gives bits while a record of so many words holds them.
   void fill(int words) {
     std::vector<int> most(choices_.size(), kMostAxisBits);  // by axis, what may still fit
+    // greedily the widening that lowers the squared error most for each of its bits
     for (;;) {
       size_t best = choices_.size();
       int best_bits = 0;
@@ -191,6 +197,7 @@ class BitsChoice {
       std::vector<int> widened = bits_;
       widened[best] = best_bits;
       std::vector<size_t> axes;
+      // an axis that finds no room may still be widened by fewer bits
       if (placed(widened, words, &axes)) {
         bits_ = widened;
       } else {
@@ -240,6 +247,7 @@ class LightPacker {
     measureLengths();
     if (lit_.empty()) return packing_;
     findAxes();
+    // scales are sixteenths of octaves, from the darkest probe that is lit to the brightest; 0 is darkness
     const int scale_count = static_cast<int>(std::nearbyint(kScalesAnOctave * std::log2(most_ / least_))) + 1;
     scale_bits_ = bitsFor(static_cast<uint32_t>(scale_count));
     sampleSteps();
@@ -278,6 +286,7 @@ class LightPacker {
 
   void findAxes() {
     std::array<Numbers, kShFloats> moments{};
+    // of unit length each: a dark probe shapes the axes as much as a bright one
     for (const size_t probe : lit_) {
       Numbers unit = irradianceOf(probe);
       for (double& number : unit) number /= length_[probe];
@@ -326,6 +335,7 @@ class LightPacker {
     constexpr int kStepsTried = 24, kLargestStep = 16;  // sixths of octaves around the error itself
     std::vector<BitsChoice> by_step;
     for (int t = 0; t < kStepsTried; ++t) by_step.push_back(choicesAt(stepAt(t, kLargestStep)));
+    // the fewest words for which some step keeps the error; the records themselves have the last word
     for (int words = 1; words <= kMaxLightWords; ++words) {
       int best = 0;
       double least = std::numeric_limits<double>::infinity();
@@ -410,6 +420,7 @@ class LightPacker {
           numbers[k + 1] = static_cast<uint32_t>(number);
           for (size_t i = 0; i < kShFloats; ++i) left[i] -= scale * (number + axis.offset) * stored[k][i];
         }
+        // relative to the probe's own light, because the eye sees ratios
         const double error = dot(left, left) / (length_[probe] * length_[probe]);
         if (error < least) least = error, best = numbers;
       }
@@ -448,6 +459,7 @@ FileResult checkPacked(const PackedLight& packed, size_t probe_count) {
     return refuse(FileStatus::tensor_unexpected,
                   "light.records: " + std::to_string(packed.records.size()) + " words; expected " + std::to_string(expected));
   }
+  // bits that no field has must be 0, so that one light has one file
   std::array<uint32_t, kMaxLightWords> used{};
   for (const LightField& field : lightFields(packed)) used[static_cast<size_t>(field.word)] |= maskOf(field) << field.shift;
   for (size_t i = 0; i < packed.records.size(); ++i) {
@@ -504,6 +516,7 @@ FileResult checkLightLayout(const PackedLight& packed) {
         return refuse(FileStatus::value_not_finite, "light.axes: value " + std::to_string(k * kShFloats + i));
     }
   }
+  // the words follow from widths that are checked by now
   const int words = lightWords(packed);
   if (words > kMaxLightWords)
     return refuse(FileStatus::value_out_of_range,
@@ -530,6 +543,7 @@ FileResult unpackLight(const PackedLight& packed, size_t probe_count, std::vecto
 
 FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, size_t group_count,
                            std::vector<std::vector<float>>* light) {
+  // records are of probes with weight alone, group after group
   std::vector<uint32_t> weighted;
   for (uint32_t probe = 0; probe < probe_function.size(); ++probe) {
     if (probe_function[probe] != kNoWeight) weighted.push_back(probe);

@@ -71,6 +71,7 @@ bool ProbeTree::lookUpNear(const PositionM& position_m, ProbesAround* around) co
   if (lookUp(position_m, around)) return true;
   PositionM units;
   LatticePoint unit;
+  // more than a unit beyond the roots no cell is near enough
   for (int axis = 0; axis < 3; ++axis) {
     units[axis] = (position_m[axis] - frame_.first_m[axis]) / frame_.spacing_m;
     if (!(units[axis] > -1.0 && units[axis] < kRootSide * frame_.root_count[axis] + 1.0)) return false;
@@ -117,6 +118,7 @@ bool ProbeTree::unitsOf(const PositionM& position_m, PositionM* units, LatticePo
 // unit    on the lattice: which cell is read
 // units   the position, in the closed cube [unit, unit + 1]
 bool ProbeTree::findCellOfUnit(const LatticePoint& unit, const PositionM& units, CellPlace* place) const {
+  // roots are an array: the first step is an index
   const auto root = [&](int axis) { return static_cast<uint32_t>(unit[axis] / kRootSide); };
   const auto roots = [&](int axis) { return static_cast<uint32_t>(frame_.root_count[axis]); };
   const Node* node = &nodes_[(root(2) * roots(1) + root(1)) * roots(0) + root(0)];
@@ -133,6 +135,7 @@ bool ProbeTree::findCellOfUnit(const LatticePoint& unit, const PositionM& units,
   }
   if (!(node->used_mask & cell_bit)) return false;
 
+  // where the cell's low corner stands among the slots of its brick
   const uint32_t edge = node->cell_count + 1u;
   place->first_slot = node->first_slot + (in_node[2] * edge + in_node[1]) * edge + in_node[0];
   place->edge = static_cast<uint8_t>(edge);
@@ -176,6 +179,7 @@ ProbesAround ProbeTree::aroundOf(const LatticePoint& unit, const CellPlace& plac
       const float distance = is_high ? 1.0f - place.from_low[axis] : place.from_low[axis];
       const float local = distance * cell_per_spacing;
       corner.local[axis] = is_high ? -local : local;
+      // a probe of a coarser spacing has too wide a tent for this cell: ρ (probes.md)
       if (cell_per_spacing < 1.0f) corner.tent_ratio *= (1.0f - distance) / (1.0f - local);
     }
   }

@@ -148,6 +148,7 @@ class NodeWalk {
     first_child.resize(node_count);
     cell_log2.resize(node_count);
     next_node_ = root_count;
+    // nodes stand as the builder numbers them: all roots, then the children of one node side by side
     for (uint64_t root = 0; root < root_count; ++root) {
       if (!checkNode(root, kRootSide, 0)) return false;
     }

@@ -101,9 +101,11 @@ class Packer {
   FileResult pack(ShaderGrid* result) {
     if (grid_.light.empty()) return refuse("a grid without light");
     const ProbeTreeFrame& frame = grid_.tree.frame();
+    // shaders hold the corner as floats: its error shifts the whole grid
     if (!(cornerErrorM(frame) <= kMostCornerError * frame.spacing_m))
       return refuse("its corner is so far from the origin that a float is " + std::to_string(cornerErrorM(frame)) +
                     " m off; give --origin-m");
+    // in this order: records need the numbers of probes, these the classes, and these the words of light
     packLightOfProbes();
     findClasses();
     for (const ProbeClass& of : classes_) {
@@ -149,12 +151,14 @@ class Packer {
 
   // A class a representation and form of theta that some probe has, then bare tents, then probes without weight.
   void findClasses() {
+    // one theta beyond bytes puts its whole representation into halves
     std::vector<bool> in_bytes(grid_.representations.size(), true);
     for (size_t f = 0; f < grid_.functionCount(); ++f) {
       const uint8_t r = grid_.function_representation[f];
       if (in_bytes[r]) in_bytes[r] = isInBytes(grid_.representations[r], grid_.functionTheta(f));
     }
     std::vector<size_t> class_of_representation(grid_.representations.size(), 0);
+    // a representation that no probe has needs no code in the shader
     std::vector<bool> used(grid_.representations.size(), false);
     for (const uint32_t f : grid_.probe_function) {
       if (f < kNoWeight) used[grid_.function_representation[f]] = true;
@@ -166,6 +170,7 @@ class Packer {
       ProbeClass& of = classes_.emplace_back();
       of.representation = representation;
       of.kind = kindOf(representation);
+      // pairs of halves of a field, the name of a brick, hidden and last layer of a network
       size_t theta_words = 0;
       if (representation.isField()) {
         theta_words = static_cast<size_t>(representation.thetaCount()) / 2;
@@ -182,6 +187,7 @@ class Packer {
       of.stride = toFours(thetaWord(of) + theta_words);
       largest_read_ = std::max(largest_read_, readOf(representation, theta_words));
     }
+    // bare tents are light alone; probes without weight have no record
     classes_.emplace_back().kind = kTent;
     classes_.back().stride = toFours(light_words_);
     classes_.emplace_back().kind = kNone;
@@ -225,6 +231,7 @@ class Packer {
       count *= static_cast<uint64_t>(block_count_[axis]);
     }
     if (count > kMaxShaderBlocks) return refuse(std::to_string(count) + " blocks of 4³ units; shaders address 2^26");
+    // each block of 4³ units names the node whose cells cover it: a shader reads once where the tree takes steps
     first_block_word_ = words_.size();
     words_.resize(words_.size() + toFours(count), kNoBlock);
     first_slot_word_ = words_.size();
@@ -256,6 +263,7 @@ class Packer {
     };
     const auto cells_log2 = static_cast<uint32_t>(std::countr_zero(cells));
     const uint32_t entry = lists.first_slot[node] | cells_log2 << 27 | cell_log2 << 29;
+    // a used cell is flagged in the slot of its low corner, and its node entered in all blocks that it covers
     for (uint64_t mask = tree.used_mask[node]; mask != 0; mask &= mask - 1) {
       const auto bit = static_cast<uint32_t>(std::countr_zero(mask));
       words_[first_slot_word_ + lists.first_slot[node] + ((bit >> 4) * edge + (bit >> 2 & 3)) * edge + (bit & 3)] |= kUsed;
@@ -282,6 +290,7 @@ class Packer {
   }
 
   FileResult addRecords(ShaderGrid* result) {
+    // records of a class stand together and have one length: a probe's place is a product
     size_t end = words_.size();
     for (size_t k = 0; k < classes_.size(); ++k) {
       const size_t next = k + 1 < classes_.size() ? classes_[k + 1].first_probe : number_.size();
@@ -292,6 +301,7 @@ class Packer {
     if (end > kMostWords) return refuse(std::to_string(end) + " words; shaders address 2^29");
     words_.resize(end, 0);
     result->probe_record.assign(number_.size(), 0);
+    // packed light is of probes with weight alone, group after group
     const auto stored_words = static_cast<size_t>(lightWords(light_));
     const size_t with_weight =
         number_.size() - static_cast<size_t>(std::count(grid_.probe_function.begin(), grid_.probe_function.end(), kNoWeight));
@@ -309,6 +319,7 @@ class Packer {
       const uint32_t function = grid_.probe_function[probe];
       if (function >= kNoWeight) continue;
       if (of.representation.isCode()) {
+        // a step is a power of two, whose exponent fits the five bits beside the brick's name
         const int exponent = std::ilogb(grid_.function_brick[function].step);
         if (exponent > kMostExponent)
           return refuse("function " + std::to_string(function) + ": logits beyond the range of shaders");
@@ -318,6 +329,7 @@ class Packer {
       }
       result->theta_bytes += (of.stride - light_words_) * sizeof(uint32_t);
     }
+    // each brick once, however many probes share its function
     for (size_t function = 0; function < brick_four_.size(); ++function) {
       if (brick_four_[function] == kNoBrick) continue;
       const size_t quads = quadCount(grid_.representations[grid_.function_representation[function]].resolution);
@@ -351,6 +363,7 @@ class Packer {
       for (int node = 0; node < of.representation.thetaCount() / 2; ++node) *words++ = pairOf(half(2 * node), half(2 * node + 1));
       return fits;
     }
+    // hidden layers in halves or bytes, the last layer in halves
     const NetworkOrder order(of.representation.shape());
     if (of.kind & kHalvesFlag) {
       for (size_t i = 0; i < order.hidden.size(); i += 2) *words++ = pairOf(half(order.hidden[i]), half(order.hidden[i + 1]));
@@ -372,6 +385,7 @@ class Packer {
       std::copy(four.begin(), four.end(), &words_[at * kWordsAFour]);
     };
     const auto metres = [&](size_t axis) { return bitsOf(static_cast<float>(frame.first_m[axis])); };
+    // the places that look_up.glsl reads
     write(0, {metres(0), metres(1), metres(2), bitsOf(static_cast<float>(1.0 / frame.spacing_m))});
     const auto blocks = [](const std::array<int32_t, 3>& of, size_t word) {
       return std::array<uint32_t, 4>{static_cast<uint32_t>(of[0]), static_cast<uint32_t>(of[1]), static_cast<uint32_t>(of[2]),
@@ -398,6 +412,7 @@ class Packer {
       const LightAxis& axis = light_.axes[k];
       uint32_t* words = &words_[(static_cast<size_t>(lightHeader()) + kHeadersAnAxis * k) * kWordsAFour];
       for (size_t i = 0; i < kShFloats; ++i) {
+        // a channel's eight coefficients of order 1 and 2 side by side, the constants of all channels behind them
         const size_t coefficient = i / kShChannels, channel = i % kShChannels;
         const size_t place = coefficient == 0 ? 24 + channel : 8 * channel + coefficient - 1;
         words[place] = bitsOf(light_.unit / scale_ * floatFromHalf({axis.direction[i]}));

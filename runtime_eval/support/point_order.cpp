@@ -24,6 +24,7 @@ int cellAlong(float x, int count) { return static_cast<int>((static_cast<double>
 PointOrder makeCellOrder(int resolution) {
   const int cells = resolution - 1;
   const std::vector<LocalPoint>& pattern = supportPattern().points;
+  // points of one cell together: kernels load its nodes once for all of them
   std::vector<std::vector<int>> members(static_cast<size_t>(cells) * cells * cells);
   for (int p = 0; p < kSupportPointCount; ++p) {
     const LocalPoint& point = pattern[p];
@@ -41,6 +42,7 @@ PointOrder makeCellOrder(int resolution) {
     const int x = static_cast<int>(cell) % cells, y = static_cast<int>(cell) / cells % cells;
     const int z = static_cast<int>(cell) / (cells * cells);
     const auto centre = [cells](int i) { return static_cast<float>((2 * i + 1) / static_cast<double>(cells) - 1.0); };
+    // vectors never span two cells: the gap is filled with the cell's centre, which has no index in the pattern
     while (points.size() % kPointGroup != 0) {
       order.pattern_index.push_back(-1);
       points.push_back({centre(x), centre(y), centre(z)});

@@ -89,6 +89,7 @@ std::vector<LatticePoint> octantPoints() {
     int base_cell = 0;
     bool image[3];
     for (int axis = 0; axis < 3; ++axis) {
+      // a cell in the outer half of an axis is the mirror image of one in the inner half
       const int outer = run.cell >> (5 - axis) & 1, inner = run.cell >> (2 - axis) & 1;
       image[axis] = outer == 1;
       base_cell |= (outer ^ inner) << axis;

@@ -85,6 +85,7 @@ FileResult checkCoverage(const WeightsHeader& header, uint64_t data_bytes) {
   std::sort(in_order.begin(), in_order.end(), [](const auto& a, const auto& b) {
     return std::pair(a.second->begin, a.second->end) < std::pair(b.second->begin, b.second->end);
   });
+  // in their order tensors must tile the data: no overlap, no hole, no rest
   uint64_t covered = 0;
   for (const auto& [name, tensor] : in_order) {
     if (tensor->begin != covered) {

@@ -28,6 +28,7 @@ uint32_t bigEndian(const uint8_t* bytes) {
 
 void compressPortably(uint32_t* state, const uint8_t* blocks, size_t block_count) {
   for (; block_count > 0; --block_count, blocks += 64) {
+    // FIPS 180-4, 6.2.2: the message schedule, then 64 rounds
     uint32_t w[64];
     for (int i = 0; i < 16; ++i) w[i] = bigEndian(blocks + 4 * i);
     for (int i = 16; i < 64; ++i) {
@@ -60,6 +61,7 @@ __attribute__((target("sha,ssse3,sse4.1"))) void compressByExtensions(uint32_t* 
                                                                       size_t block_count) {
   const __m128i to_big_endian = _mm_set_epi64x(0x0c0d0e0f08090a0b, 0x0405060700010203);
   auto* const halves = reinterpret_cast<__m128i*>(state);
+  // the state goes into the order of the instructions once for all blocks
   const __m128i cdab = _mm_shuffle_epi32(_mm_loadu_si128(halves), 0xb1),
                 efgh = _mm_shuffle_epi32(_mm_loadu_si128(halves + 1), 0x1b);
   __m128i abef = _mm_alignr_epi8(cdab, efgh, 8), cdgh = _mm_blend_epi16(efgh, cdab, 0xf0);

@@ -74,6 +74,7 @@ FileResult TensorFileWriter::serialize(const std::map<std::string, std::string>&
   if (header.size() > kMaxHeaderBytes) {
     return refuse(FileStatus::header_too_large, "header of " + std::to_string(header.size()) + " bytes");
   }
+  // the caller's texts may be no UTF-8: nothing is written that a reader would refuse
   WeightsHeader parsed;
   const std::string fault = parseWeightsHeader(header, &parsed);
   if (!fault.empty()) return refuse(FileStatus::header_malformed, "header, " + fault);
@@ -84,6 +85,7 @@ FileResult TensorFileWriter::serialize(const std::map<std::string, std::string>&
     bytes->append(padding[i], '\0');
     if (tensors_[i].bytes > 0) bytes->append(static_cast<const char*>(tensors_[i].values), tensors_[i].bytes);
   }
+  // last, because it covers all other bytes
   stampDigest(bytes);
   return {};
 }
