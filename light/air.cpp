@@ -97,6 +97,7 @@ bool AirVoter::isAir(const glm::dvec3& position_m) {
     if (isOutside(rays_, vote.nothing)) return false;
     if (facing != Facing::back) continue;
     ++vote.back;
+    // a ray that found a back goes first at the next point, which is likely in the same solid
     std::rotate(order_.begin(), order_.begin() + i, order_.begin() + i + 1);
     // were all others fronts, it would be disputed
     if (10 * vote.back > kSolidVoteRays) return false;
@@ -126,9 +127,11 @@ double openShare(const Scene& scene) {
   const RayScene rays(scene);
   if (!lampsAllow(scene, rays)) return 0.0;
   float furthest = 0.0f;
+  // further off the ground than floats round at the scene's furthest vertex
   for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
   const float lift_m = std::max(1e-4f, furthest * 0x1p-18f);
   const Lattice on_surface(kSeed);
+  // ground by its area in plan, spread over all of it
   int open = 0, asked = 0;
   for (int i = 0; i < kPoints; ++i) {
     const auto [place, within] = on_surface.point(i, kPoints);
@@ -139,8 +142,10 @@ double openShare(const Scene& scene) {
     const auto root = static_cast<float>(std::sqrt(within)), share = static_cast<float>(random.uniform());
     const glm::vec3 point = scene.positions[corners.x] * (1.0f - root) + scene.positions[corners.y] * (root * (1.0f - share)) +
                             scene.positions[corners.z] * (root * share);
+    // only the lowest ground: a roof in the open says nothing of the rooms below
     if (!isLowest(rays, point, lift_m)) continue;
     ++asked;
+    // by the cosine: the share of a uniform sky's light that arrives
     const Lattice directions(mixSeed(kSeed, i, 1));
     for (int ray = 0; ray < kRays; ++ray) {
       const auto [u, v] = directions.point(ray, kRays);

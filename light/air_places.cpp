@@ -99,8 +99,10 @@ class Surveyor {
     rays_.trianglesNearCube(middle, half_side_m, &triangles_);
     const bool is_of_one_kind = triangles_.empty() && !rays_.isSkyNearCube(middle, half_side_m);
     survey_.begin();
+    // by seed and place of the cell alone, whatever thread or tree asks
     Random random(mixSeed(options_.seed, kPlaceStream, mortonFromLattice(cell.low)));
     const glm::dvec3 shift(random.uniform(), random.uniform(), random.uniform());
+    // a cell without a point in air so far is tried for longer: gaps are not lost to chance
     int in_air = 0, drawn = 0;
     while (drawn < (in_air > 0 ? options_.draws_per_cell : options_.draws_for_one) && in_air < options_.places_per_cell) {
       const glm::dvec3 place = low + side_m * spreadPoint(shift, drawn++);
@@ -144,6 +146,7 @@ AirPlaces findAirPlaces(const RayScene& rays, const ProbeTree& tree, const AirPl
   std::vector<Block> blocks((cells.size() + kBlockCells - 1) / kBlockCells);
   Progress progress("cells searched for air", static_cast<int64_t>(cells.size()));
   parallelFor(blocks.size(), thread_count, [&](uint64_t b, int) {
+    // a voter a block: the order of its rays depends on no thread
     Surveyor surveyor(rays, tree, options);
     for (uint64_t i = b * kBlockCells; i < std::min<uint64_t>((b + 1) * kBlockCells, cells.size()); ++i)
       surveyor.survey(cells[i], &blocks[b]);

@@ -101,6 +101,7 @@ std::vector<std::vector<uint32_t>> clustersOf(const std::vector<glm::vec3>& midd
   while (ranges.size() < Emitters::kMostClusters) {
     const auto widest =
         std::max_element(ranges.begin(), ranges.end(), [&](const Range& a, const Range& b) { return width(a) < width(b); });
+    // all that is left stands in one place
     if (!(width(*widest) > 0.0f)) break;
     const int axis = widest->size.x == width(*widest) ? 0 : widest->size.y == width(*widest) ? 1 : 2;
     std::vector<uint32_t> members = std::move(widest->patches);
@@ -112,6 +113,7 @@ std::vector<std::vector<uint32_t>> clustersOf(const std::vector<glm::vec3>& midd
     *widest = measured({members.begin(), half});
     ranges.push_back(measured({half, members.end()}));
   }
+  // in the order of patches, whatever nth_element left
   std::vector<std::vector<uint32_t>> clusters;
   for (Range& range : ranges) {
     std::sort(range.patches.begin(), range.patches.end());
@@ -132,6 +134,7 @@ void splitPlace(float place, int side, int* low, float* share) {
 void Emitters::cutIntoPatches() {
   std::vector<std::pair<uint32_t, int>> wanted;  // triangle and side
   uint64_t by_image = 0;
+  // what shines by an image is cut as finely as its texels; all else is one patch
   for (uint32_t t = 0; t < scene_.triangles.size(); ++t) {
     const Material& material = materialOf(scene_, t);
     if (!(luminance(material.emissive) * glm::length(crossOf(scene_, t)) > 0.0f)) continue;
@@ -140,6 +143,7 @@ void Emitters::cutIntoPatches() {
     by_image += static_cast<uint64_t>(side * side);
   }
   if (wanted.empty()) return;
+  // beyond the most patches all sides shrink alike
   const double shrink = std::min(1.0, std::sqrt(static_cast<double>(kMostPatches) / static_cast<double>(by_image)));
   shining_of_.assign(scene_.triangles.size(), kNone);
   for (const auto& [t, wanted_side] : wanted) {
@@ -147,6 +151,7 @@ void Emitters::cutIntoPatches() {
     const int side = std::max(1, static_cast<int>(wanted_side * shrink));
     shining_of_[t] = static_cast<uint32_t>(shining_.size());
     shining_.push_back({static_cast<uint32_t>(patch_at_.size()), static_cast<uint16_t>(side)});
+    // a patch without light is never drawn
     for (int part = 0; part < side * side; ++part) {
       const float shine =
           isByImage(material) ? meanLuminance(scene_, t, cornersOfPart(side, part)) : luminance(material.emissive);
@@ -170,6 +175,7 @@ Emitters::Emitters(const Scene& scene) : scene_(scene) {
     const std::array<glm::vec3, 3> corners = cornersOf(patch);
     middles.push_back((corners[0] + corners[1] + corners[2]) / 3.0f);
   }
+  // patches of a cluster side by side, with running sums of power: a point is drawn by two binary searches
   std::vector<Patch> by_cluster;
   std::vector<uint32_t> place_of(patches_.size());  // in by_cluster
   for (const std::vector<uint32_t>& members : clustersOf(middles)) {
@@ -186,6 +192,7 @@ Emitters::Emitters(const Scene& scene) : scene_(scene) {
       by_cluster.push_back(patch);
       sums_.push_back(cluster.power);
     }
+    // within its radius a cluster counts as no nearer, so that its share stays finite
     for (const uint32_t p : members) {
       for (const glm::vec3& corner : cornersOf(patches_[p])) {
         const glm::vec3 way = corner - cluster.middle;

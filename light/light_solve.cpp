@@ -56,6 +56,7 @@ float irradianceSquares(const LightSh& light) {
 
 LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_count, int thread_count)
     : samples_(samples), thread_count_(thread_count), row_begin_(probe_count + 1, 0), read_begin_(probe_count + 1, 0) {
+  // the pattern of the normal equations: a probe's row has a column for each probe that some sample reads beside it
   std::vector<std::vector<uint32_t>> beside(probe_count);
   size_t pair_count = 0;
   forEachRun(samples_, [&](size_t first, size_t end) {
@@ -75,6 +76,7 @@ LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_c
     row_begin_[p + 1] = columns_.size();
     beside[p] = {};
   }
+  // where the pairs of a run add up is found once, since every round weighs anew
   values_.resize(columns_.size());
   for (const Run& run : runs_) {
     const LightSample& sample = samples_[run.first];
@@ -82,6 +84,7 @@ LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_c
       for (int b = 0; b < sample.count; ++b) pairs_.push_back(indexOf(sample.probe[a], sample.probe[b]));
     }
   }
+  // and by probe the samples that read it, for the right-hand sides
   for (const LightSample& sample : samples_) {
     for (int j = 0; j < sample.count; ++j) ++read_begin_[sample.probe[j] + 1];
   }
@@ -115,6 +118,7 @@ void LightSolver::weigh() {
       }
     }
   });
+  // in the order of runs, so that sums do not depend on threads
   std::fill(values_.begin(), values_.end(), 0.0f);
   for (size_t i = 0; i < pairs_.size(); ++i) values_[pairs_[i]] += sums[i];
 }
@@ -151,6 +155,7 @@ LightSolution LightSolver::solve(const Vector& prior, const std::vector<float>& 
     for (size_t order = 0; order < 3; ++order) inverse[order] = 1.0f / (diagonal[p] + pull[p] * options.order_pull[order]);
     for (size_t i = 0; i < kShFloats; ++i) result[i] = residual[i] * inverse[orderOf(i)];
   };
+  // the right-hand side: the pull to the prior, and the samples' light under shares and importance
   Vector right(prior.size()), residual(prior.size()), direction(prior.size()), image(prior.size());
   forEachProbe([&](size_t p) {
     float* sum = floatsOf(right[p]);
@@ -170,7 +175,9 @@ LightSolution LightSolver::solve(const Vector& prior, const std::vector<float>& 
     });
   };
 
+  // conjugate gradients with a diagonal preconditioner: 27 systems in one pass, each with steps of its own
   LightSolution solution{start, 0, 0.0};
+  // the tolerance is relative to what is left at the prior
   const double first = total(begin(prior));
   Sums energy = begin(start);
   while (solution.iterations < options.max_iterations && total(energy) > options.tolerance * options.tolerance * first) {

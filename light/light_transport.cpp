@@ -49,6 +49,7 @@ struct LightTransport::Impl {
   Impl(const Scene& s, const RayScene& r)
       : scene(s), rays(r), emitters(s), sky(s.light.sky.image), group_count(s.light.groups.count()) {
     for (const Material& material : scene.materials) factor_albedo.push_back(albedoOf(material, material.base_color));
+    // more than positions round at the scene's furthest vertex
     float furthest = 0.0f;
     for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     nudge_m = std::max(2e-5f, furthest * 0x1p-20f);
@@ -110,6 +111,7 @@ struct LightTransport::Impl {
     float cosine = -glm::dot(glm::normalize(crossOf(point.triangle)), arriving->direction);
     if (materialOf(scene, point.triangle).double_sided) cosine = std::fabs(cosine);
     if (!(cosine > 0.0f) || rays.isOpaqueBetween(from, from + way * (1.0f - 2.0f * nudge_m / distance))) return false;
+    // from a density by area to one by solid angle
     const float solid_density = point.area_density * distance * distance / cosine;
     arriving->flux = emissionAt(scene, point.triangle, point.u, point.v) / (solid_density + density(arriving->direction));
     arriving->flux *= passing(from, arriving->direction, distance - 2.0f * nudge_m);
@@ -193,6 +195,7 @@ struct LightTransport::Impl {
       if (chosen != nullptr && lampLight(*chosen, from, random.uniform(), random.uniform(), &arriving))
         addArriving(LightGroups::of(groups().of_lamp, static_cast<size_t>(chosen - scene.light.lamps.data())), cosine() / share);
     }
+    // the density of the path's next direction: emitters and sky are weighed against it
     const auto density = [&](const glm::vec3& direction) { return std::max(0.0f, glm::dot(direction, normal)) / kPi; };
     uint8_t group = 0;
     if (emitterLight({emitters, from}, random.uniform(), from, random, density, &arriving, &group)) addArriving(group, cosine());
@@ -244,6 +247,7 @@ struct LightTransport::Impl {
         if (vertex == 0 && options.direct == DirectLight::reflected) return;
         const glm::vec3 shine = emission(at);
         if (!(luminance(shine) > 0.0f)) return;
+        // emission that a sample of emitters also finds counts by the balance heuristic (Veach 1995)
         float share = 1.0f;
         if (density > 0.0f) {
           const float cosine = std::fabs(glm::dot(at.normal, direction));
@@ -267,6 +271,7 @@ struct LightTransport::Impl {
         reflectance = albedo(hit);
         addShine(hit);
       }
+      // baked light holds all bounces
       if (isBaked()) {
         (*light)[groups().of_baked] += throughput * bakedLight(scene, hit.triangle, hit.u, hit.v) * reflectance;
         return;
@@ -274,6 +279,7 @@ struct LightTransport::Impl {
       throughput *= reflectance;
       if (hits != nullptr && vertex == 0) *hits = {origin + direction * hit.distance, hit.normal, throughput};
       if (vertex >= options.max_bounces) return;
+      // a cell of the cache holds all further bounces
       if (options.cache != nullptr) {
         const glm::vec3 point = origin + direction * hit.distance;
         if (const glm::vec3* stored = options.cache->irradiance(point, hit.normal)) {
@@ -283,11 +289,13 @@ struct LightTransport::Impl {
       }
       const float most = std::max({throughput.r, throughput.g, throughput.b});
       if (!(most > 0.0f)) return;
+      // Russian roulette, beyond the first bounces
       if (vertex + 1 >= kSurePathVertices) {
         const float survival = std::min(kSurvival, most);
         if (random.uniform() >= survival) return;
         throughput /= survival;
       }
+      // the next vertex: direct light by a sample of each kind, all else by the path's next ray
       origin = origin + direction * hit.distance + hit.normal * nudge_m;
       addReflectedDirect(origin, hit.normal, throughput, random, light);
       direction = cosineDirection(hit.normal, random.uniform(), random.uniform());
@@ -329,6 +337,7 @@ struct LightTransport::Impl {
       const auto [u, v] = sky_lattice.point(i, count);
       if (skyLight(from, u, v, density, &arriving)) add(set, arriving.direction, arriving.flux * share, groups().of_sky);
     }
+    // suns and lamps have samples of their own, spread over their discs and over all sets
     const auto sampleAll = [&](int samples, uint64_t stream, size_t of_group, const auto& light) {
       const Lattice lattice(mixSeed(seed, stream), index);
       for (int i = 0; i < samples; ++i) {
@@ -417,6 +426,7 @@ GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherO
                               const glm::vec3 share = flux / static_cast<float>(kSetCount);
                               for (int k = 0; k < kShCount; ++k) result.groups[group][k] += share * basis[k];
                             });
+  // the mean over sets, and by their spread how sure it is
   for (int k = 0; k < kShCount; ++k) {
     for (const LightSh& set : sets) result.light[k] += set[k] / static_cast<float>(kSetCount);
     glm::vec3 squares(0.0f);
@@ -445,6 +455,7 @@ GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m
         result.groups[group] += irradiance / static_cast<float>(kSetCount);
       },
       hits);
+  // the mean over sets, and by their spread how sure it is
   for (const glm::vec3& set : sets) result.irradiance += set / static_cast<float>(kSetCount);
   glm::vec3 squares(0.0f);
   for (const glm::vec3& set : sets) squares += (set - result.irradiance) * (set - result.irradiance);

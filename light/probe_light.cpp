@@ -185,13 +185,16 @@ ProbeLight solved(std::vector<LightSample>& samples, const Means& means, float m
     parallelForBlocks(samples.size(), kBlockSamples, thread_count, [&](uint64_t first, uint64_t end, int) {
       for (size_t i = first; i < end; ++i) {
         const LightSh blend = blendOf(samples[i], result.light);
+        // u_i a_i of light.md; s is the scale of Cauchy's loss
         const float unit = unitOf(samples[i], blend, least), s = outlier * unit;
+        // priors weigh by 1 / unit, the solve by its square
         say[i] = importance[i] * mean / unit;
         samples[i].importance = say[i] * mean / unit;
         samples[i].importance /= 1.0f + squaredError(samples[i], blend) / (s * s);
         if (of_all != nullptr) samples[i].importance = std::sqrt(samples[i].importance * (*of_all)[i].importance);
       }
     });
+    // only the last round's answer stays
     if (round + 1 == kRounds) solve.tolerance = LightSolveOptions().tolerance;
     LightSolution solution = solver.solve(priorOf(solver, samples, say, means.light),
                                           pullOf(solver, samples, means.light.size(), options.pull), result.light, solve);
@@ -215,6 +218,7 @@ void judge(const std::vector<ProbeWeights>& weights, const std::vector<LightSh>&
       worst = error;
       lit->worst_place = i;
     }
+    // relative to the light there, which in the dark is taken as a share of the mean
     const double own = lightOf(place_light[i]) + kDarkestShare * mean;
     if (own > 0.0) shares.push_back(std::sqrt(error) / own);
     sum += error;
@@ -286,12 +290,14 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
   Means means(tree, places, leaned_on, place_light);
   std::vector<Means> group_means;
   for (const std::vector<LightSh>& of_group : place_groups) group_means.emplace_back(tree, places, leaned_on, of_group);
+  // probes to which no sample point gives weight are counted for the report
   const auto unread = static_cast<uint64_t>(std::count(means.is_read.begin(), means.is_read.end(), 0));
   ProbeLight result;
   if (options.way == LightWay::solved) {
     const float mean = meanLight(place_light);
     std::vector<LightSample> samples = samplesOf(weights, place_light);
     result = solved(samples, means, mean, options, thread_count);
+    // groups are solved apart; which points are outliers all light has a say in
     for (size_t g = 0; g < place_groups.size(); ++g) {
       std::vector<LightSample> of_group = samplesOf(weights, place_groups[g]);
       ProbeLight lit = solved(of_group, group_means[g], meanLight(place_groups[g]), options, thread_count, &samples);
@@ -302,6 +308,7 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
     result.light = std::move(means.light);
     for (Means& of_group : group_means) result.groups.push_back(std::move(of_group.light));
   }
+  // gathered at the probe itself; a probe in solid keeps its mean
   if (options.way == LightWay::point) {
     parallelFor(tree.probeCount(), thread_count, [&](uint64_t p, int) {
       const auto [x, y, z] = tree.probePosition(p);
@@ -311,6 +318,7 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
       for (size_t g = 0; g < result.groups.size(); ++g) result.groups[g][p] = gathered.groups[g];
     });
   }
+  // all light is the sum of its groups, as a game mixes them
   if (!result.groups.empty()) {
     for (size_t p = 0; p < result.light.size(); ++p) {
       result.light[p] = {};

@@ -50,6 +50,7 @@ class DarkAir {
 
  private:
   void joinAround(uint32_t place) {
+    // few rays towards each room: more would look at the same air again
     std::vector<std::pair<uint32_t, int>> tried;  // by root; of lit places together
     const auto mayTry = [&](uint32_t root) {
       auto found = std::find_if(tried.begin(), tried.end(), [&](const auto& entry) { return entry.first == root; });
@@ -64,6 +65,7 @@ class DarkAir {
         const uint32_t own = rootOf(place), root = is_dark_[other] ? rootOf(other) : kLit;
         if (own == root || (root == kLit && is_lit_[own]) || !mayTry(root)) continue;
         if (rays_.isBlocked(glm::vec3(places_[place]), glm::vec3(places_[other]))) continue;
+        // lit air joins no room, but the room that sees it is not dark
         if (root == kLit) {
           is_lit_[own] = 1;
         } else {
@@ -176,10 +178,12 @@ std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const Probe
   std::vector<DarkRoom> rooms;
   if (std::find(is_dark.begin(), is_dark.end(), 1) == is_dark.end()) return rooms;
   DarkAir dark(transport.rays(), air.places, is_dark, tree.frame().spacing_m);
+  // a dark room: dark points joined by sight, none of which sees a lit one
   std::unordered_map<uint32_t, std::vector<uint32_t>> places_of;  // by root
   for (uint32_t p = 0; p < is_dark.size(); ++p) {
     if (is_dark[p] && !dark.touchesLight(dark.rootOf(p))) places_of[dark.rootOf(p)].push_back(p);
   }
+  // the air that each point stands for
   std::vector<double> volume_m3(air.places.size(), 0.0);
   for (const AirPlaces::Cell& of_cell : air.cells) {
     const double side_m = tree.frame().spacing_m * of_cell.cell.side;

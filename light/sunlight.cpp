@@ -36,6 +36,7 @@ bool isInSunlight(const Scene& scene, const RayScene& rays, const glm::dvec3& po
 }
 
 SkySampler::SkySampler(const SkyImage& image) : image_(image) {
+  // running sums along rows, and over rows by solid angle: a texel is drawn by luminance times solid angle
   double power = 0.0;
   for (int row = 0; row < image.height; ++row) {
     double sum = 0.0;

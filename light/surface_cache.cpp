@@ -117,12 +117,14 @@ void SurfaceCache::findCells(const LightTransport& transport, const std::vector<
         const auto [u, v] = lattice.point(ray, options.discovery_rays);
         const glm::vec3 direction = sphereDirection(u, v);
         const auto find = [&](const LightHit& hit) {
+          // surfaces further off are met by too few rays to be worth a cell
           if (hit.distance > options.reach_m) return;
           const glm::vec3 point = from + direction * hit.distance;
           found.push_back({spotOf(point, hit.normal).key, point, hit.normal});
         };
         const LightHit hit = transport.rays().lightHit(from, direction);
         if (hit.kind == LightHit::Kind::surface) find(hit);
+        // transmissive surfaces on the way scatter light, too
         const float reach = hit.kind == LightHit::Kind::nothing ? INFINITY : hit.distance;
         LightHit pane = transport.rays().transmissiveHit(from, direction, 0.0f, reach);
         for (; pane.kind == LightHit::Kind::surface;
@@ -130,6 +132,7 @@ void SurfaceCache::findCells(const LightTransport& transport, const std::vector<
           find(pane);
       }
     }
+    // a block keeps the outermost points of its cells alone
     blocks[first / kDiscoveryBlock] = outermost(std::move(found));
     progress.advance(static_cast<int64_t>(end - first));
   });
@@ -138,6 +141,7 @@ void SurfaceCache::findCells(const LightTransport& transport, const std::vector<
 
 // blocks   each by rising keys: put together range by range of the keys, every range by one thread
 void SurfaceCache::addCells(const LightTransport& transport, const std::vector<std::vector<Found>>& blocks, int thread_count) {
+  // ranges of about as many points each, by a sample of the keys
   std::vector<uint64_t> sample;
   for (const std::vector<Found>& block : blocks) {
     for (size_t i = 0; i < block.size(); i += kBlock) sample.push_back(block[i].key);
@@ -155,6 +159,7 @@ void SurfaceCache::addCells(const LightTransport& transport, const std::vector<s
       const auto end = part + 1 < kParts ? std::lower_bound(first, block.end(), firstKey(part + 1), isBefore) : block.end();
       found.insert(found.end(), first, end);
     }
+    // a cell whose outermost points do not see each other is divided by a wall, and left out
     found = outermost(std::move(found));
     forEachCell(found, [&](size_t first, size_t end) {
       bool is_divided = false;
@@ -235,6 +240,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
         for (size_t g = 0; g < group_count_; ++g) direct_[cell * group_count_ + g] += light[g] * weight;
       };
       const uint32_t first = first_point_[cell];
+      // as many points as leave each kLeastRays rays
       const uint32_t points = std::min<uint32_t>(first_point_[cell + 1] - first, std::max(1, options.rays_per_cell / kLeastRays));
       const int rays = std::max(kLeastRays, options.rays_per_cell / static_cast<int>(points) / kLeastRays * kLeastRays);
       const float ray_share = kPi / static_cast<float>(rays * static_cast<int>(points));
@@ -243,6 +249,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
         const Found& point = points_[first + p];
         const glm::dvec3 from(point.position + point.normal * transport.nudge());
         const uint64_t seed = mixSeed(options.seed, kCellStream, keys_[cell], p);
+        // without bounces: what arrives from emission, lamps, suns and sky
         addDirect(transport.gatherIrradiance(from, point.normal, {rays, 0}, seed, &hits).groups,
                   1.0f / static_cast<float>(points));
         for (size_t i = 0; i < hits.size(); ++i) {
@@ -262,6 +269,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
     }
     progress.advance(static_cast<int64_t>(end_cell - first_cell));
   });
+  // in the order of cells, whatever thread measured them
   for (std::vector<Link>& links : block_links) {
     links_.insert(links_.end(), links.begin(), links.end());
     links = {};
@@ -277,6 +285,7 @@ void SurfaceCache::exchange(size_t group, int thread_count) {
   std::vector<float> changes(blockCount(keys_.size(), kExchangeBlock)), mosts(changes.size());
   float change = 1.0f, most = 0.0f;
   int iterations = 0;
+  // a bounce an iteration: every cell gathers the last light of those that its rays met
   for (; iterations < kMostIterations && change > kSettled * most; ++iterations) {
     parallelForBlocks(keys_.size(), kExchangeBlock, thread_count, [&](uint64_t first, uint64_t end, int) {
       float &change_here = changes[first / kExchangeBlock], &most_here = mosts[first / kExchangeBlock];
@@ -292,6 +301,7 @@ void SurfaceCache::exchange(size_t group, int thread_count) {
         most_here = std::max(most_here, largest(next[cell]));
       }
     });
+    // by block, so that the end does not depend on threads
     change = most = 0.0f;
     for (size_t block = 0; block < changes.size(); ++block) {
       change = std::max(change, changes[block]);

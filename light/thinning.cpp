@@ -35,6 +35,7 @@ std::vector<glm::dvec3> placesBesideSurfaces(const RayScene& rays, const std::ve
     for (int surfaces = 0; surfaces < 3; ++surfaces) {
       const LightHit hit = rays.lightHit(at, direction);
       if (hit.kind != LightHit::Kind::surface || hit.distance > static_cast<float>(reach_m)) break;
+      // stops a share of the reach before the surface, however slanted the ray
       const float back = std::min(hit.distance, before_m / std::max(0.05f, -glm::dot(direction, hit.normal)));
       at += (hit.distance - back) * direction;
       beside.emplace_back(at);
@@ -56,6 +57,7 @@ GridThinner::GridThinner(LightGrid* grid, const glm::dvec3& origin_m, const std:
   NLG_CHECK(measured.size(), ==, light.size());
   const size_t groups = light_.size();
   blend_.resize(places_.size() * groups);
+  // what every place reads of the whole grid: all later errors are measured from there
   parallelForBlocks(places_.size(), kBlockProbes, thread_count_, [&](uint64_t first, uint64_t end, int) {
     for (size_t i = first; i < end; ++i) {
       Place& place = places_[i];
@@ -100,6 +102,7 @@ void GridThinner::setTargets(const std::vector<const std::vector<LightSh>*>& mea
     double mean = 0.0;
     for (const LightSh& light : *measured[g]) mean += meanLightOf(light) / static_cast<double>(measured_count);
     for (size_t i = 0; i < places_.size(); ++i) {
+      // measured places are held to their measured light, places beside surfaces to what the whole grid gives
       LightSh& target = target_[i * groups + g];
       target = i < measured_count ? (*measured[g])[i] : blend_[i * groups + g];
       for (int k = 0; k < kShCount && i >= measured_count; ++k) target[k] /= std::max(places_[i].sum, 1e-12f);
@@ -134,11 +137,13 @@ void GridThinner::indexEdges() {
   const ProbeTree& tree = grid_->tree;
   tree.forEachCell([&](const ProbeCell& cell) {
     const ProbeTreeFrame& frame = tree.frame();
+    // the middle of a cell reads its eight corners
     PositionM middle;
     for (int axis = 0; axis < 3; ++axis)
       middle[axis] = frame.first_m[axis] + frame.spacing_m * (cell.low[axis] + 0.5 * cell.side);
     ProbesAround around;
     NLG_CHECK(tree.lookUp(middle, &around), ==, true);
+    // an edge along each axis from each of its four low corners; counted are its probes with weight
     for (int axis = 0; axis < 3; ++axis) {
       for (int low = 0; low < kCorners; ++low) {
         if ((low >> axis & 1) != 0) continue;
@@ -153,6 +158,7 @@ void GridThinner::indexEdges() {
       }
     }
   });
+  // by probe, so that what leaves one out finds its edges
   std::sort(of_probe.begin(), of_probe.end());
   edge_begin_.assign(tree.probeCount() + 1, 0);
   for (const auto& [probe, edge] : of_probe) {
@@ -237,6 +243,7 @@ void GridThinner::leaveOut(uint32_t probe, Left left) {
 void GridThinner::pass(Left left, double error) {
   const auto most_at_one = static_cast<float>(kMostAtOne * error);
   const auto probes = static_cast<uint32_t>(grid_->tree.probeCount());
+  // all trials against the grid as it stands, in parallel
   std::vector<Trial> trials(probes, Trial{false, 0.0});
   parallelForBlocks(probes, kBlockProbes, thread_count_, [&](uint64_t first, uint64_t end, int) {
     std::vector<LightSh> scratch(light_.size());

@@ -97,6 +97,7 @@ ApvProbes bakeApvProbes(const ProbeSet& probes, const LightTransport& transport,
 ProbeBlend Apv::blendAt(const glm::dvec3& position_m, const glm::vec3& normal) const {
   ProbeBlend valid, all;
   ProbesAround around;
+  // biased along the normal as in Unity, unless that leaves the grid
   const glm::dvec3 biased = position_m + kNormalBiasM * glm::dvec3(normal);
   if (!probes_.tree.lookUp({biased.x, biased.y, biased.z}, &around) &&
       !probes_.tree.lookUp({position_m.x, position_m.y, position_m.z}, &around)) {

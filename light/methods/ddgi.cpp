@@ -69,6 +69,7 @@ glm::dvec3 movedOffset(const std::vector<ProbeRay>& rays, const glm::dvec3& offs
     if (!ray.is_back && (farthest_front == nullptr || ray.distance > farthest_front->distance)) farthest_front = &ray;
   }
   const float least_m = kLeastFrontDistance * spacing_m;
+  // out of solid past the nearest back face; else away from a near front face; else back towards the lattice
   glm::dvec3 moved = offset;
   if (closest_back != nullptr && backfaceShare(rays) > kRelocationBackfaceShare) {
     moved += glm::dvec3(closest_back->direction) * double{closest_back->distance + 0.5f * least_m};
@@ -146,6 +147,7 @@ DdgiMaps asShipped(DdgiMaps maps) {
   for (const DdgiProbe& probe : maps.probes) {
     for (const glm::vec3& texel : probe.irradiance.texels) brightest = std::max({brightest, texel.r, texel.g, texel.b});
   }
+  // one scale for the level: 10 bits a channel of irradiance, float16 of depths
   if (brightest > 0.0f) maps.scale = std::pow(brightest, kGamma);
   for (DdgiProbe& probe : maps.probes) {
     for (glm::vec3& texel : probe.irradiance.texels)
@@ -161,6 +163,7 @@ float Ddgi::chebyshev(const DdgiProbe& probe, const glm::dvec3& biased_m) const 
   if (!(distance > 0.0f)) return 1.0f;
   const glm::vec2 moments = probe.depth.at(way / distance);
   if (distance <= moments.x) return 1.0f;
+  // Chebyshev's bound on the chance that nothing stands between, cubed as RTXGI does
   const float variance = std::fabs(moments.x * moments.x - moments.y);
   const float beyond = distance - moments.x;
   const float bound = variance / (variance + beyond * beyond);
@@ -207,6 +210,7 @@ LightAnswer Ddgi::irradianceAt(const glm::dvec3& position_m, const glm::vec3& no
   glm::vec3 roots(0.0f);
   for (int i = 0; i < blend.count; ++i) {
     const glm::vec3 stored = maps_.probes[blend.probe[i]].irradiance.at(normal);
+    // stored to the power 1 / 5, blended as square roots, as RTXGI does
     roots += blend.weight[i] * glm::pow(stored, glm::vec3(0.5f * kGamma));
   }
   return {roots * roots * kTwoPi * maps_.scale, blend.reach};

@@ -108,9 +108,11 @@ void MethodSet::addBlends(Blends blends) {
         if (probes_.is_in_air[p]) light[p] = probes_.light[p];
       }
     }
+    // a method's light takes the time that its gathering or measuring took
     method.light_s = processorSeconds() - start + (way == LightWay::point ? probes_.gather_s : measure_s_);
     // whoever counts bytes of harmonics for itself has 8 bits or more for each
     const bool has_own_bytes = blends.bytes.light > 0;
+    // through the file's packing: methods are compared with the light that they would store
     size_t light_bytes = 0;
     const std::vector<LightSh>& kept = own(packedAndBack(
         has_own_bytes ? kLeastLightError : options_.light_error, probes_.tree, light,
@@ -215,6 +217,7 @@ void MethodSet::addShOctrees(const std::vector<glm::dvec3>& places, const std::v
   octree.solve = options_.solve;
   octree.thread_count = options_.thread_count;
   octree.seed = mixSeed(options_.seed, kOctreeStream);
+  // one growing tree comes past all budgets
   for (ShOctree& grown : growShOctrees(scene_.transport, places, light, octree)) {
     const ProbeTree& tree = octrees_.emplace_back(std::move(grown.tree));
     const Weighting& weighting = own(std::make_unique<ShOctreeWeighting>(tree));
@@ -243,6 +246,7 @@ void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, 
   addBlends({name, std::make_unique<GridWeighting>(kept, origin_m), with_weight,
              bytesOf(bytes.theta + bytes.dictionaries + bytes.functions + bytes.probe_function), bake_s, nullptr, ways,
              kept.probe_function});
+  // a copy of the grid for each way of lighting, so that answers come from the look-up itself
   for (size_t m = first, end = methods_.size(); m < end; ++m) {
     LightGrid& lit = grids_.emplace_back(kept);
     lit.light = floatsOf(*methods_[m].probe_light);

@@ -136,12 +136,14 @@ class Grower {
     for (int round = 0; round < options_.rounds_per_budget; ++round) {
       const size_t stored = bytes();
       if (static_cast<double>(stored) >= kFull * static_cast<double>(budget)) return;
+      // what is left of the budget, in probes at their present bytes
       const double room =
           static_cast<double>(budget - stored) / (static_cast<double>(stored) / static_cast<double>(tree_.probeCount()));
       const size_t before = tree_.probeCount();
       const double expected = divide(std::min(kOfRoom * room, (kGrowth - 1.0) * static_cast<double>(before)) / probes_of_one_);
       if (expected == 0.0) return;
       rebuild();
+      // how many probes divisions really made corrects the next guess
       const double grown = static_cast<double>(tree_.probeCount()) - static_cast<double>(before);
       probes_of_one_ = std::clamp(grown / expected, 0.1, 3.0);
       solve();
@@ -181,6 +183,7 @@ class Grower {
     air.draws_for_one = 48;
     air.seed = mixSeed(options_.seed, kAirStream);
     tree_ = treeOfAir(full, findAirPlaces(transport_.rays(), full, air, options_.thread_count));
+    // new probes begin with the blend of the tree before, and the first with the mean
     LightSh mean{};
     for (const LightSh& sh : light_) {
       for (int k = 0; k < kShCount; ++k) mean[k] += sh[k] / static_cast<float>(light_.size());
@@ -197,6 +200,7 @@ class Grower {
     std::vector<LightSample> samples;
     std::vector<float> pull(tree_.probeCount(), 1e-6f);
     for (size_t i = 0; i < places_.size(); ++i) {
+      // half of the points are held out: they measure what a division gained
       if (is_held_out_[i]) continue;
       LightSample sample = sampleAt(tree_, places_[i]);
       if (sample.count == 0) continue;
@@ -234,9 +238,11 @@ class Grower {
       double gain, cost;
     };
     std::vector<Candidate> candidates;
+    // by held-out error for each probe that a division would add
     for (const auto& [cube, error] : error_) {
       const int side = sides_.sideOf(cube);
       if (side == 0 || settled_.count(cube) > 0) continue;
+      // a cube's first division makes 8 of a cell, a further one 64
       const bool halves = side == cube.log2;
       const double cost = halves ? kProbesOfHalving : kProbesOfQuartering;
       candidates.push_back({cube, error / cost, cost});
@@ -245,6 +251,7 @@ class Grower {
                      [](const Candidate& a, const Candidate& b) { return a.gain > b.gain; });
     divisions_.clear();
     double sum = 0.0;
+    // one is always taken, however few probes are left
     for (const Candidate& candidate : candidates) {
       if (sum > 0.0 && sum + candidate.cost > probes) break;
       const int side = sides_.sideOf(candidate.cube);

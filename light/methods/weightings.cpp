@@ -94,6 +94,7 @@ ProbeBlend Trilinear::blendAt(const glm::dvec3& position_m, const glm::vec3&) co
     blend.reach = Reach::outside;
     return blend;
   }
+  // probes that are not seen serve where none is
   ProbeBlend unseen;
   for (const ProbeAround& corner : around.corners) {
     const float weight = tent(corner.local) * corner.tent_ratio;
