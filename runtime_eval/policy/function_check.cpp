@@ -151,7 +151,7 @@ FunctionCheck FunctionChecker::check(const Representation& representation, const
     evaluate(representation, patternPoints(), theta, buffers_->values.data());
   }
   FunctionCheck result = compare(buffers_->values.data(), stored, options);
-  // a theta with a NaN or an infinity has no error, even where clamps make its values finite
+  // a theta with a NaN or an infinity fails, even where clamps make its values finite
   const bool is_finite = allFinite({theta, static_cast<size_t>(representation.thetaCount())});
   if (!is_finite) result.rmse = result.blend_rmse = std::numeric_limits<double>::infinity();
   return result;
