@@ -127,7 +127,7 @@ double openShare(const Scene& scene) {
   const RayScene rays(scene);
   if (!lampsAllow(scene, rays)) return 0.0;
   float furthest = 0.0f;
-  // further off the ground than floats round at the scene's furthest vertex
+  // a lift larger than the rounding of positions at the scene's furthest vertex
   for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
   const float lift_m = std::max(1e-4f, furthest * 0x1p-18f);
   const Lattice on_surface(kSeed);
@@ -145,7 +145,7 @@ double openShare(const Scene& scene) {
     // only the lowest ground: a roof in the open says nothing of the rooms below
     if (!isLowest(rays, point, lift_m)) continue;
     ++asked;
-    // by the cosine: the share of a uniform sky's light that arrives
+    // cosine-weighted: the share of open rays is that of a uniform sky's light
     const Lattice directions(mixSeed(kSeed, i, 1));
     for (int ray = 0; ray < kRays; ++ray) {
       const auto [u, v] = directions.point(ray, kRays);

@@ -84,7 +84,7 @@ LightSolver::LightSolver(const std::vector<LightSample>& samples, size_t probe_c
       for (int b = 0; b < sample.count; ++b) pairs_.push_back(indexOf(sample.probe[a], sample.probe[b]));
     }
   }
-  // and by probe the samples that read it, for the right-hand sides
+  // by probe, the samples that read it: for the right-hand sides
   for (const LightSample& sample : samples_) {
     for (int j = 0; j < sample.count; ++j) ++read_begin_[sample.probe[j] + 1];
   }

@@ -49,7 +49,7 @@ struct LightTransport::Impl {
   Impl(const Scene& s, const RayScene& r)
       : scene(s), rays(r), emitters(s), sky(s.light.sky.image), group_count(s.light.groups.count()) {
     for (const Material& material : scene.materials) factor_albedo.push_back(albedoOf(material, material.base_color));
-    // more than positions round at the scene's furthest vertex
+    // larger than the rounding of positions at the scene's furthest vertex
     float furthest = 0.0f;
     for (const glm::vec3& p : scene.positions) furthest = std::max({furthest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
     nudge_m = std::max(2e-5f, furthest * 0x1p-20f);
