@@ -80,6 +80,7 @@ double functionSeconds(const PlacedSample& sample, const RayScene& rays, const B
     seconds += threadSeconds() - start;
   }
   if (visited == 0) return 0.0;
+  // theta have a sample of their own time, and count for all functions that take one
   seconds += static_cast<double>(with_theta.size()) * thetaSeconds(rows, with_theta, options, generators);
   return seconds / static_cast<double>(visited);
 }
@@ -107,6 +108,7 @@ ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& 
       placement.reach->high_m = glm::max(placement.reach->high_m, reach->high_m);
     }
   };
+  // to choose a spacing needs a placement: first with the one that is asked for, or the default
   place(options.spacing_m > 0.0 ? options.spacing_m : BakeOptions().spacing_m);
   if (options.spacing_m > 0.0) return placement;
   const ChosenSpacing choice = chooseSpacing(source.scene, placement);
@@ -130,6 +132,7 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, const s
   plan.probes = estimateProbes(scene, placement, options.seed, &sample);
   plan.memory_bytes = kBaseBytes + kProbeBytes * plan.probes + kTriangleBytes * static_cast<double>(scene.triangles.size());
   plan.machine_bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  // a small sample of probes, timed on this machine, stands for all
   double seconds = generators.empty() ? 0.0 : functionSeconds(sample, RayScene(scene), options, generators);
   if (options.light != "none")
     seconds += (kLightProbeSeconds + kLightRaySeconds * options.light_rays * options.light_samples) *

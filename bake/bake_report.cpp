@@ -175,6 +175,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
     weights[used.representation] = {{"sha256", used.sha256}, {"bytes", used.bytes}};
   }
   nlohmann::ordered_json stops, ended, stage_seconds, words;
+  // every reason has its key, also where no fit stopped for it
   for (int stop = 0; stop < kFitStopCount; ++stop) stops[fitStopName(static_cast<FitStop>(stop))] = 0;
   for (const ThetaRecord& record : s.records) {
     if (record.refined)

@@ -153,6 +153,7 @@ BlendTargets::BlendTargets(const BakeScene& scene, uint64_t seed, int thread_cou
   const PointDraws draws(scene);
   std::vector<std::optional<BlendPoint>> drawn(kBlendAirPoints + kBlendSurfacePoints);
   parallelForBlocks(drawn.size(), kBlock, thread_count, [&](uint64_t first, uint64_t end, int) {
+    // a random stream for each point, so that points do not depend on threads
     for (uint64_t n = first; n < end; ++n)
       drawn[n] = draws.draw(n < kBlendAirPoints ? 0 : 1 + n % (kBlendClassCount - 1), Random(mixSeed(seed, kStream, n)));
   });
@@ -190,6 +191,7 @@ void BlendTargets::setTargets(uint64_t probe, const LocalPoint& eye, const std::
 float BlendTargets::diffusedShare(const StoredFunction& function, const ProbeAround& at, const glm::dvec3& position) const {
   const std::vector<LocalPoint>& points = supportPattern().points;
   static const PointSet octant = makePointSet({points.begin(), points.begin() + kOctantPointCount});
+  // mirrored into the positive octant: 1024 distances instead of 8192
   const float x = std::abs(at.local[0]), y = std::abs(at.local[1]), z = std::abs(at.local[2]);
   const int mirror = (at.local[0] < 0.0f) | (at.local[1] < 0.0f) << 1 | (at.local[2] < 0.0f) << 2;
   // a loop by itself, which compilers turn into vectors
@@ -207,6 +209,7 @@ float BlendTargets::diffusedShare(const StoredFunction& function, const ProbeAro
   }
   // rays for nothing otherwise
   if (std::all_of(nearest.begin(), nearest.end(), [&](const auto& near) { return function.phi[near.second] == 0; })) return 0.0f;
+  // v of errors.md: the mean of min(1, phi / tent) over nearest samples that are valid and see the point
   float sum = 0.0f, count = 0.0f;
   for (const auto& [of_distance, sample] : nearest) {
     if (!function.isValid(sample) || !sees(scene_.rays, inSupport(scene_.tree, at.probe, points[sample]), position)) continue;

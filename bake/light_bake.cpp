@@ -126,6 +126,7 @@ std::vector<ProbeLight> solveSets(const BakeScene& scene, const LightGrid& grid,
     const ProbeLight& of_set = lit.back();
     LightAtPlaces at_places{meanOf(set.place_light), of_set.error, of_set.median_error, of_set.p95_error};
     if (!scene.air.places.empty()) at_places.worst_m = origin_m + scene.air.places[of_set.worst_place];
+    // the first set is the one that the grid begins with
     if (lit.size() == 1) static_cast<LightAtPlaces&>(*statistics) = at_places;
     if (!names.empty()) statistics->of_sets.emplace_back(names[lit.size() - 1], at_places);
     const std::vector<float> coefficients = floatsOf(of_set.light);
@@ -187,6 +188,7 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   const Progress progress("thinning");
   const std::vector<glm::dvec3> beside = placesBesideSurfaces(inputs.scene.rays, inputs.scene.air.places,
                                                               inputs.scene.tree.frame().spacing_m, options.seed, kBesideEvery);
+  // all changes are measured from the light of the whole grid
   const ProbeLight whole = std::move(lit);
   std::vector<const std::vector<LightSh>*> light;
   addLights(whole.light, whole.groups, &light);
@@ -207,6 +209,7 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
                        fmt::format("{} or more, or a spacing_m above {:g}", least, inputs.scene.tree.frame().spacing_m),
                        fmt::format("{:.0f}", options.max_bytes));
     }
+    // too large still: allows more error, in steps that find a size near the limit
     error = std::min(kMostThinError, std::max(kFirstError, kErrorGrowth * error));
     thinner.thinTo(error);
   }
@@ -288,6 +291,7 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   light_options.way = lightWayFromName(options.light);
   const int threads = threadsOf(options);
   const GroupsOfGrid groups{lightGroupNames(scene.source), firstGroupCount(scene.source)};
+  // one light, or a set for each of several; all of them share air, rays and functions
   std::deque<LitSet> sets;
   for (const Scene* lit : litScenes(scene.source)) sets.emplace_back(*lit, scene.rays).options = light_options;
   statistics.is_lit = true;
@@ -296,15 +300,18 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
   statistics.places = scene.air.places.size();
   statistics.rays_per_place = static_cast<uint64_t>(light_options.place.rays);
 
+  // bounces between surfaces, once for all sample points
   Clock::time_point start = Clock::now();
   cacheSurfaces(scene, threads, &sets, &statistics);
   statistics.cache_wall_s = secondsSince(start);
 
+  // light at sample points in air, and what it shows of dark rooms and buried lamps
   start = Clock::now();
   measureSets(scene, threads, &sets, &statistics);
   findDark(scene, sets, &statistics);
   statistics.measure_wall_s = secondsSince(start);
 
+  // probes' light, and once more after thinning, with what is left
   start = Clock::now();
   const auto solve = [&] { return joined(solveSets(scene, *grid, sets, threads, &statistics), groups); };
   ProbeLight lit = solve();
@@ -314,9 +321,11 @@ LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, Li
     lit = thin({scene, options, metadata, groups, measured, solve, threads}, std::move(lit), grid, &statistics);
   }
   statistics.solve_wall_s = secondsSince(start);
+  // what thinning left out is unread on purpose
   statistics.unread_probes = lit.unread - statistics.thinned.probes;
   statistics.solve_iterations = lit.iterations;
   takeLight(lit, groups, grid);
+  // rounded as the file stores it, so that grid, report and file have one light
   statistics.packing = roundGridLight(options.light_error, grid);
   statistics.file_bytes = packedLightBytes(*grid);
   if (!checkLight(grid->light).ok()) throw tooBright(scene.source.id);

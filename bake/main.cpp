@@ -181,6 +181,7 @@ void runCheck(Request request, const BakeOptions& options, const OptionTable& ta
     weights[kWeightsRole + std::string(representationName(generators[g].representation()))] = fileSha256(weight_files[g]);
   SceneSource source = loadLitScene(request.scene, options);
   std::vector<std::string> changes = changesSince(request.checked, baked, source, table, weights);
+  // other lamps may move probes: the scene is set up to see where they would stand
   if (changes == std::vector<std::string>{kLightChanged} &&
       !standsWhere({std::move(source), options, knownAir(request.checked, baked)}, baked))
     changes.push_back("probes would stand elsewhere");
@@ -205,6 +206,7 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   const auto start = std::chrono::steady_clock::now();
   BakedGrid baked = readBakedGrid(request.relit);
   const int threads = threadsOf(options);
+  // cells that the bake of the grid found without air are not searched again
   const BakeScene scene = readScene(request, options, {}, threads, knownAir(request.relit, baked));
   requireFunctionsOf(scene, table, options.representation, request.relit, baked);
   if (!baked.grid.groups.empty() && lightGroupNames(scene.source).empty())
@@ -238,6 +240,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   if (request.weights.empty()) {
     request.weights = shippedWeights(options.representation, weightsFolders());
   }
+  // outputs and contradictions before any file is read: a bake takes minutes
   std::vector<std::string> inputs = filesOfLight(options.light_set, options.scene_light);
   inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
   inputs.insert(inputs.end(), {request.scene, request.config});
@@ -250,6 +253,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
                      " cannot be combined with --light none: thinning needs light");
   const GridPrecision stored{options.policy.theta_precision, options.light_error};
   const auto [generators, weight_files] = loadGenerators(request.weights);
+  // the hashes of the weights belong to the grid's provenance
   std::vector<WeightsUsed> weights;
   for (size_t g = 0; g < generators.size(); ++g) {
     weights.push_back({representationName(generators[g].representation()), fileSha256(weight_files[g]),
@@ -259,6 +263,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   std::map<std::string, std::string> weights_sha256;
   for (const WeightsUsed& used : weights) weights_sha256[kWeightsRole + used.representation] = used.sha256;
 
+  // kept functions hold for the same options, weights and program alone
   const int threads = threadsOf(options);
   const bool is_keeping = !request.kept.empty();
   nlohmann::ordered_json origin;
@@ -275,6 +280,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   const GridMetadata metadata = bakeMetadata(scene, bakedOptions(table), weights_sha256);
   Bake bake = bakeScene(scene, generators, options, temporaryFolder(), metadata, is_keeping ? &kept : nullptr);
 
+  // the grid first: kept functions are of use to the next bake alone
   const std::string bytes = fileBytes(bake.grid, options, metadata);
   writeFileAtomically(request.out, bytes);
   if (is_keeping) writeFileAtomically(request.kept, keptBytes(kept, origin));
@@ -287,6 +293,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   weights_bytes.reserve(weights.size());
   for (const WeightsUsed& used : weights) weights_bytes.push_back(used.bytes);
   report.threads = threads;
+  // savings read the statistics, which the report then takes over
   report.savings = savingsOf(bake, generators, options.policy, stored, weights_bytes, report.threads);
   report.statistics = std::move(bake.statistics);
   report.statistics.load_wall_s = load_s;

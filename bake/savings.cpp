@@ -183,6 +183,7 @@ class SavingsCount {
       add("theta of the largest representation", functions - chosen.back(), functions, {}, std::lround(bytes),
           fmt::format("against {} alone, for every function", representationName(largest)));
     }
+    // weights of generators that no function of this scene has chosen
     std::vector<std::string> names;
     uint64_t bytes = 0;
     for (size_t g = 0; g < generators_.size(); ++g) {

@@ -42,6 +42,7 @@ class SceneBake {
 
   Bake run() {
     const Clock::time_point start = Clock::now();
+    // targets of the blend are set while functions are made, when their samples are at hand
     BlendTargets targets(scene_, options_.seed, thread_count_);
     functions_.tellTargets(&targets);
     functions_.makeAll([this](int thread) {
@@ -67,6 +68,7 @@ class SceneBake {
     std::vector<std::shared_ptr<KeptFunction>> known(chunk.functionCount());  // null: to be made
     std::vector<StoredFunction> functions;
     for (uint64_t n = 0; n < chunk.functionCount(); ++n) {
+      // functions with the same samples as before keep their theta
       const StoredFunction function = storedFunction(chunk, n);
       if (known_) known[n] = known_->findFunction(keys.emplace_back(keyOf(function)));
       if (known[n] && !known[n]->theta) known[n].reset();
@@ -147,6 +149,7 @@ class SceneBake {
     for (size_t i = 0; i < made_.size(); ++i) {
       if (is_final_[i]) continue;
       KeptTheta& theta = functions.at(keys_[i])->theta.emplace(KeptTheta{made_[i], chosen_first_[i]});
+      // times are of the bake that made it, and would make equal files differ
       theta.made.record.word_us = {};
       theta.made.record.stage_us = {};
     }

@@ -112,6 +112,7 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
                      ", where they were divided by 683; give --light-unit file or --light-unit watt");
   if (std::none_of(sets.begin(), sets.end(), [&](const LightSet& set) { return set.scene.empty() || set.scene == request; }))
     source.light_notes.push_back("what the level's own file is lit by is in no set");
+  // the first set is the scene, the others stand beside it
   source.scene = std::move(lit.front());
   source.lit_otherwise.assign(std::move_iterator(lit.begin() + 1), std::move_iterator(lit.end()));
   const std::vector<std::string> groups = lightGroupNames(source);
@@ -339,6 +340,7 @@ void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int th
   const uint64_t probe_count = scene_.tree.probeCount();
   Progress progress("probes", static_cast<int64_t>(probe_count));
   FunctionPipeline pipeline;
+  // blocks of probes in their order
   pipeline.nextProbes = [next = uint64_t{0}, probe_count]() mutable {
     std::vector<uint64_t> probes;
     while (probes.size() < kBlockProbes && next < probe_count) probes.push_back(next++);

@@ -45,6 +45,7 @@ struct Arrays {
   std::vector<float> theta;
 };
 
+// One list of names for the reader and the writer.
 template <class Visit, class Of>
 void forEachTensor(Of& arrays, const Visit& visit) {
   visit("probe.key", arrays.probe_key);
@@ -210,6 +211,7 @@ class Parser {
       require(probe.function == nullptr || !probe.bare_tent_rmse, "probe.function", "no function of a bare tent");
       require((probe.outcome == ProbeOutcome::function) == (probe.function != nullptr || probe.bare_tent_rmse.has_value()),
               "probe.function", "a function if the outcome says so");
+      // what was asked of the scene beyond the support, and what it answered
       for (uint16_t q = 0; q < arrays_.question_count[p]; ++q) {
         FarQuestion asked = questionOf(arrays_.question[question++]);
         for (size_t i = 0; i < asked.point_count; ++i) asked.points[i] = arrays_.point[point++];
@@ -248,6 +250,7 @@ std::string changeOf(const Json& before, const Json& now) {
 std::string keptBytes(const KeptProbes& probes, const Json& origin) {
   Arrays arrays;
   std::unordered_map<const KeptFunction*, uint32_t> number_of;
+  // each function once, in the order of the probes that have it first
   const auto numberOf = [&](const KeptFunction& function) {
     const auto [place, is_new] = number_of.emplace(&function, static_cast<uint32_t>(number_of.size()));
     if (!is_new) return place->second;
