@@ -81,6 +81,7 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   Progress progress("shards", static_cast<int64_t>(request.shards.size()));
   for (size_t i = 0; i < request.shards.size(); ++i) {
     Shard shard = readShard(request.shards[i], supportPattern().hash, kSupportPointCount);
+    // functions that an earlier shard holds count once
     filter.removeKnown(&shard);
     fit.add(shard.phi.data(), shard.functionCount());
     mean.add(shard);
@@ -93,6 +94,7 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   }
   const std::vector<int> counts = {32, 64, 128, 256, 512, 1024};
   BasisFile file;
+  // wide enough for the table of variance kept; the file takes its first components
   Basis wide = fit.fit(std::max(counts.back(), options.components));
   if (!request.from.empty()) {
     takeBasis(request.from, &wide);

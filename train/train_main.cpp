@@ -156,6 +156,7 @@ void resume(const Request& request, const RunIdentity& identity, const RunFolder
       std::cerr << "nlg-train: starting afresh: " << path << " is of another run\n";
       break;
     }
+    // more steps of the same run go on from its checkpoint
     const bool is_extended = isExtended(file->identity(), identity);
     readCheckpoint(*file, is_extended ? file->identity() : identity, state);
     if (is_extended)
@@ -166,6 +167,7 @@ void resume(const Request& request, const RunIdentity& identity, const RunFolder
     if (request.processes.rank == 0) folder.settle(path, *state);
     return;
   }
+  // what another run left must not mix with this one
   if (!paths.empty() && request.processes.rank == 0) folder.clear();
 }
 
@@ -228,12 +230,14 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
   const std::optional<GeneratorData> init = readInit(request, &representation, &options);
   options.device = findDevice(request.device);
   computeOnCallingThreads();
+  // a system that refuses threads is found before any data are read
   requireThreads(options.threads - 1 + (request.cache.empty() ? 0 : 1));  // one that reads the cache
   const BasisFile basis = readBasisFile(request.basis);
   if (const int most = basis.basis.data.coefficientCount(); options.coefficients > most) {
     throw UsageError("coefficients", "at most the " + std::to_string(most) + " of the basis",
                      std::to_string(options.coefficients));
   }
+  // the basis as the generator reads it: cut to the coefficients that are asked for, and whitened
   const BasisData used = usedBasis(options, basis.basis);
   options.shape.coefficient_count = used.coefficientCount();
   options.shape.code_count = representation.code_count;
@@ -245,12 +249,14 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
     throw InputError(request.held_out.front(), "functions", "at least one in all shards", "none");
   requireSeparate(request, training, held_out);
 
+  // a run is what its checkpoints say: it goes on from the newest whole one of the same options and data
   const RunIdentity identity{request.representation, runOptions(request, table).dump(), fileSha256(request.basis),
                              training.sha256()};
   const RunFolder folder(request.run);
   const auto lock = request.processes.rank == 0 ? folder.lock() : nullptr;
   TrainingState state = makeState(options, Theta(representation.thetaCount()));
   resume(request, identity, folder, &state);
+  // numbers to begin with are for a run that has none yet
   if (state.step == 0 && init) {
     for (GeneratorNetwork* network : {&state.network, &state.average}) (*network)->takeNumbers(*init);
   } else if (state.step == 0) {
@@ -290,6 +296,7 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
     std::cerr << "nlg-train: a network that is worse than the bare tent on held-out functions: " << report.held_out.network
               << ", " << report.held_out.tent << "; try a smaller learning_rate or more steps\n";
   }
+  // numbers of codes in the order of what they add, scaled to bytes: the averaged network is what is exported
   if (representation.isCode()) {
     orderCodes(training, used, {.tent_rmse = options.bare_tent_rmse, .loss = options.loss, .threads = options.threads},
                &state.average);

@@ -59,6 +59,7 @@ BasisFile readBasisFile(const std::string& path) {
   const Hdf5Reader reader(path);
   BasisFile file;
   BasisData& data = file.basis.data;
+  // kind and version before the digest: another kind of file is no damaged basis
   if (const std::string kind = reader.readTextAttribute("kind"); kind != kKind) {
     throw InputError(path, "attribute kind", kKind, "'" + kind.substr(0, 40) + "'");
   }
@@ -74,6 +75,7 @@ BasisFile readBasisFile(const std::string& path) {
   file.basis.function_count = reader.readIntegerAttribute("function_count");
   file.provenance_json = reader.readTextAttribute("provenance");
   readClassCounts(path, reader, &data);
+  // shapes of all else follow from the components of each class
   uint64_t count = 0;
   for (const int class_count : data.class_count) count += static_cast<uint64_t>(class_count);
   data.mean = reader.read<float>("mean", {kParityClassCount, kOctantPointCount});

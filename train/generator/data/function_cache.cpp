@@ -71,6 +71,7 @@ FunctionCache::FunctionCache(const std::string& path) : path_(path), mapped_(map
   try {
     CacheHead head;
     std::memcpy(&head, mapped_, sizeof head);
+    // where the head names no place of a footer, there is none to verify
     const bool has_footer = head.footer_first >= kFirstRecord && head.footer_first <= mapped_count_;
     const size_t footer_first = has_footer ? head.footer_first : mapped_count_;
     const std::string footer(reinterpret_cast<const char*>(mapped_) + footer_first, mapped_count_ - footer_first);
@@ -92,6 +93,7 @@ FunctionCache::FunctionCache(const std::string& path) : path_(path), mapped_(map
       throw DamageError(path, "SHA-256 of the footer", "that of the head", "another digest: the file is truncated or damaged");
     }
     readFooter(footer);
+    // records of one length fill the file up to its footer
     const size_t expected = kFirstRecord + recordBytes(coefficient_count_) * static_cast<size_t>(function_count_);
     if (head.footer_first != expected) {
       throw InputError(path, "footer", "at byte " + std::to_string(expected), std::to_string(head.footer_first));

@@ -94,6 +94,7 @@ class CacheWriter {
     std::vector<uint8_t> record(record_bytes_);
     for (int64_t begin = 0; begin < count; begin += kBatchCount) {
       const int batch = static_cast<int>(std::min<int64_t>(kBatchCount, count - begin));
+      // projected once, so that training only reads coefficients
       projection_.project(&shard.phi[static_cast<size_t>(begin) * kSupportPointCount], batch, coefficients.data(), &scratch_);
       for (int b = 0; b < batch; ++b) {
         const size_t n = static_cast<size_t>(begin + b), place = places_[static_cast<size_t>(count_++)];
@@ -172,6 +173,7 @@ CacheReport writeFunctionCache(const std::string& path, const std::vector<std::s
   if (shards.empty()) throw InputError("shards", "files", "at least one", "none");
   CacheOrigin origin;
   origin.basis_sha256 = basis_sha256;
+  // as many as there can be: places are shuffled before anybody knows the duplicates
   int64_t largest_count = 0;
   for (const std::string& shard_path : shards) {
     const Shard header = readShardHeader(shard_path, supportPattern().hash, kSupportPointCount);
@@ -183,6 +185,7 @@ CacheReport writeFunctionCache(const std::string& path, const std::vector<std::s
   if (largest_count == 0) throw InputError(shards.front(), "functions", "at least one in all shards", "none");
   CacheReport report;
   writeAtomically(path, [&](const std::string& temporary_path) {
+    // one pass: every record goes straight to its shuffled place, whatever the memory
     RandomFile file(temporary_path, path);
     CacheWriter writer(file, basis, largest_count);
     DuplicateFilter filter([&](uint64_t id) { return writer.samples(id); });

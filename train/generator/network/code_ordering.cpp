@@ -65,6 +65,7 @@ FittedCodes fitAll(const TrainingData& training, const std::vector<Sample>& samp
   parallelFor(kSumParts, options.threads, [&](uint64_t part, int thread) {
     Worker& worker = workers[static_cast<size_t>(thread)];
     for (size_t i = part * samples.size() / kSumParts; i < (part + 1) * samples.size() / kSumParts; ++i) {
+      // from the predicted code, as in a bake
       float* z = codes.data_ptr<float>() + static_cast<int64_t>(i) * K;
       const WeightingFunction function = decodeFunction(training.function(samples[i].function), pointOrder(code), options.loss);
       worker.fit.iterate(code, function, fit_options, K, z);
@@ -128,9 +129,11 @@ void orderCodes(const TrainingData& training, const BasisData& basis, const Code
   for (size_t i = 0; i < count; ++i) samples.push_back({.function = functions[i * functions.size() / count]});
   const torch::NoGradGuard guard;
   (*network)->to(torch::kCPU);
+  // deviations of the prior, from predicted codes until fits say more
   (*network)->deviations().copy_(predictedCodes(training, samples, *network).std(0, false).clamp_min(1e-3));
   const FittedCodes loose = fitAll(training, samples, codeOf(*network, basis), kLoosePrior, options, *network);
 
+  // the order of representations.md §9: mean equations the identity, covariance diagonal and falling
   const int64_t K = loose.codes.cols();
   const Vector mean = loose.codes.colwise().mean();
   const Matrix centred = loose.codes.rowwise() - mean.transpose();

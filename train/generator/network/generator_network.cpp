@@ -104,12 +104,14 @@ GeneratorNetworkImpl::GeneratorNetworkImpl(const GeneratorShape& shape, const Th
   if (shape.code_count == 0) return;
   dictionary_ = register_parameter("dictionary", startDictionary(shape, seed));
   deviations_ = register_buffer("deviations", torch::full({shape.code_count}, kStartDeviation));
+  // which parameter the dictionary is: it learns at a rate of its own
   const auto all = named_parameters();
   while (all[dictionary_parameter_].key() != "dictionary") ++dictionary_parameter_;
 }
 
 torch::Tensor GeneratorNetworkImpl::dictionaryAt(const PointSet& points, int first, int count) {
   const int r = shape_.dictionary_resolution;
+  // eight nodes and their shares for each point: one product that libtorch can differentiate
   torch::Tensor nodes = torch::empty({int64_t{count} * 8}, torch::kLong), shares = torch::empty({int64_t{count} * 8, 1});
   int64_t* node = nodes.data_ptr<int64_t>();
   float* share = shares.data_ptr<float>();
@@ -167,6 +169,7 @@ void GeneratorNetworkImpl::takeNumbers(const GeneratorData& data) {
   for (size_t l = 0; l < layers_.size(); ++l) {
     const GeneratorLayer& layer = data.layers[l];
     torch::Tensor weight = toTensor(layer.weight, {layer.output_count, layer.input_count}), bias = toTensor(layer.bias, {-1});
+    // a file has an output scale for every number, which goes into the last layer
     if (l + 1 == layers_.size()) {
       const torch::Tensor scale = toTensor(data.output_scale, {-1}) / shape_.output_scale;
       weight = weight * scale.view({-1, 1}), bias = bias * scale;

@@ -71,6 +71,7 @@ void BatchGradient::compute(const GeneratorNetwork& network, int part_count, int
   const std::vector<torch::Tensor> parameters = network->parameters();
   std::vector<std::vector<torch::Tensor>> gradients(static_cast<size_t>(part_count));
   std::vector<float> losses(gradients.size());
+  // each part on one thread, with a graph of its own
   parallelFor(gradients.size(), thread_count, [&](uint64_t part, int) {
     const torch::Tensor loss = lossOf(static_cast<int>(part));
     // undefined for a parameter that nothing of this part used
@@ -80,6 +81,7 @@ void BatchGradient::compute(const GeneratorNetwork& network, int part_count, int
     }
     losses[part] = loss.item<float>();
   });
+  // parts add up in their order, so that the gradient does not depend on threads
   float* row = row_.data_ptr<float>();
   const std::vector<Block> blocks = blocksOf(begin_);
   parallelFor(blocks.size(), thread_count, [&](uint64_t b, int) {
@@ -92,6 +94,7 @@ void BatchGradient::compute(const GeneratorNetwork& network, int part_count, int
       for (int64_t k = 0; k < block.count; ++k) sum[k] += gradient[k];
     }
   });
+  // the loss stands behind the gradient: processes sum both at once
   row[begin_.back()] = 0.0f;
   for (const float loss : losses) row[begin_.back()] += loss;
 }
@@ -113,10 +116,12 @@ void takeStep(const GeneratorStep& step, const BatchGradient& gradient, int thre
   adam.beta2 = kBeta2;
   adam.beta1_power = std::pow(kBeta1, static_cast<double>(step.number));
   adam.beta2_power = std::pow(kBeta2, static_cast<double>(step.number));
+  // clipping is a factor on the gradient
   adam.gradient_scale = static_cast<float>(std::min(1.0, step.gradient_clip / (step.gradient_norm + 1e-6)));
   const float share = static_cast<float>(step.average_share);
   const ProcessorNumbers of_network(network), of_average(average);
   const std::vector<Block> blocks = blocksOf(gradient.begin());
+  // a block of parameters is stepped and averaged while it is in the cache
   parallelFor(blocks.size(), thread_count, [&](uint64_t b, int) {
     const Block& block = blocks[b];
     const size_t i = block.parameter;

@@ -65,6 +65,7 @@ torch::Tensor codeMeanSquares(GeneratorNetwork& network, const torch::Tensor& z,
   const torch::Tensor logits = torch::addmm(table.select(1, K), z, table.slice(1, 0, K).t());
   // bytes of functions may lie a rounding above the tent, which no sigmoid reaches
   torch::Tensor residuals = (torch::sigmoid(logits) * tents - torch::minimum(targets.phi, tents)) * targets.mask;
+  // a saturated sigmoid passes on a share of a slope, unless that leads further out
   if (options.leak > 0.0) {
     const torch::Tensor held = logits.detach();
     const torch::Tensor follows = torch::logical_or(held.abs() < kFarLogit, residuals.detach() * held > 0).to(torch::kFloat);
@@ -156,6 +157,7 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
 
 HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
                           const LossOptions& loss, int limit, double tent_rmse, int thread_count) {
+  // functions that take a theta, at equal distances
   const std::vector<uint32_t> functions = data.functionsAbove(tent_rmse);
   const int64_t function_count = static_cast<int64_t>(functions.size()), count = std::min<int64_t>(limit, function_count);
   if (count == 0) return {};
@@ -169,6 +171,7 @@ HeldOutError heldOutError(GeneratorNetwork& network, const Representation& repre
       samples.push_back({.function = functions[static_cast<size_t>(i * function_count / count)], .batch_count = all_points});
     }
     const ThetaStages stages = runStages(network, representation, data, samples, loss);
+    // the better stage of each function, which a bake would keep
     const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
     sums[part] = {stages.mean_squares.front().sqrt().sum().item<double>(), least.sqrt().sum().item<double>()};
     for (const Sample& sample : samples) sums[part].tent += tentRmse(data.function(sample.function));

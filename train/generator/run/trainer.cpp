@@ -92,6 +92,7 @@ std::vector<Sample> shareOf(const std::vector<Sample>& samples, int index, int c
 void agree(const TrainingState& state, const ProcessGroup& processes) {
   if (processes.count() == 1) return;
   torch::NoGradGuard guard;
+  // each process writes its step into its own place, so that the sum is everybody's
   torch::Tensor steps = torch::zeros({processes.count()}, torch::kDouble);
   steps[processes.rank()] = static_cast<double>(state.step);
   processes.sum(steps);
@@ -102,6 +103,7 @@ void agree(const TrainingState& state, const ProcessGroup& processes) {
                        "step " + std::to_string(steps[rank].item<int64_t>()));
     }
   }
+  // the numbers of process 0: all others add zeros
   for (const GeneratorNetwork& network : {state.network, state.average}) {
     std::vector<torch::Tensor> tensors = network->parameters();
     for (const torch::Tensor& buffer : network->buffers()) tensors.push_back(buffer);
@@ -289,6 +291,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     const Clock::time_point step_start = Clock::now();
     const TrainStep::Result result = step.computeGradient(*state);
     training_s += secondsSince(step_start);
+    // a batch that diverged is not applied: back to the last good state
     if (!guard.accepts(*state, result.loss, result.gradient_norm)) {
       if (std::isfinite(result.gradient_norm))
         goBack("loss", result.loss);
@@ -302,6 +305,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     mean.add(result.loss);
     training_s += secondsSince(apply_start);
     progress.update(state->step, "loss " + std::to_string(mean.value()));
+    // good states between checkpoints keep the way back short
     const bool at_checkpoint = state->step % options.checkpoint_steps == 0 || state->step == options.steps;
     if (!at_checkpoint && state->step % kStepsBetweenGoodStates != 0) continue;
     if (!guard.keep(*state)) {
@@ -310,6 +314,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     }
     kept_mean = mean;
     if (!at_checkpoint) continue;
+    // networks are alike in all processes: the first one judges and writes
     if (processes.rank() == 0) {
       report.held_out = judge();
       requireFinite(report.held_out.final, state->step, "held-out error");
