@@ -237,16 +237,20 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   TrainingState state = readState(request, checkpoint, basis, basis_sha256, &representation, &used);
 
   WeightsFile file = weightsFromGenerator(state.average->toData(representation, used));
+  // float32 as well, to say what rounding costs
   const Generator unrounded(asLoaded(file));
   if (options.dtype == "float16") {
     roundMatrices(&file);
     roundMatrices(state.average);
   }
+  // read back from the file's bytes, as a baker gets it
   const GeneratorData data = asLoaded(file);
   const Generator generator(data);
+  // coefficients of the basis that is exported
   const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), data.basis,
                                data.basis);
   if (functions.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
+  // a generator that the evaluator runs otherwise than libtorch is never written
   const Parity parity = compare(state, generator, functions, options.parity_functions);
   const double held_out_blend_rmse = meanBlendRmse(generator, functions, options.parity_functions);
   checkParity(parity, held_out_blend_rmse, options);

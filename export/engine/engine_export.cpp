@@ -71,6 +71,7 @@ std::vector<float> groupFactors(const LightGrid& grid, const std::vector<std::st
     for (size_t g = 0; g < grid.groups.size(); ++g) {
       const std::string& group = grid.groups[g].name;
       names += (g == 0 ? "" : ", ") + group;
+      // a name stands for a group, or for a light set, whose groups begin with it
       if (group != name && !group.starts_with(name + "/")) continue;
       if (is_taken[g]) throw UsageError("light_groups", "each group once", group + " twice");
       factors[g] = factor;
@@ -171,6 +172,7 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
                                  {"origin_m", request.origin_m}};
   if (grid_format != nullptr) return writeGrid(grid, *grid_format, request, options, std::move(line));
 
+  // a texture holds one light: groups are mixed before it is resampled
   const std::vector<float> factors = groupFactors(grid, options.light_groups);
   nlohmann::ordered_json groups = nlohmann::ordered_json::object();
   std::vector<std::array<float, 3>> colours;
@@ -186,6 +188,7 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   const LightBox& box = volume.box;
   const TextureSize size = shTextureSize(box.texel_count);
   const std::string texels = packShTexture(volume);
+  // where the texture lies: for light.json and for the tool's own line
   nlohmann::ordered_json place = {
       {"low_m", box.low_m}, {"high_m", box.high_m}, {"resolution", box.texel_count}, {"texture_size", size}};
   line.update(place);
@@ -197,6 +200,7 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   place["provenance"] = provenance("nlg-export engine", table.toJson(), {{"grid", fileSha256(request.grid)}});
   const std::vector<EngineFile> files = {format->file(box, texels), {kPlace, place.dump(2) + "\n"}};
   line["bytes"] = bytesOf(files);
+  // measured on the halves that are written, filtered as the engine does
   line["error"] =
       errorJson(resamplingError(grid, &box, format->shown(textureOfHalves(texels, size), box), options.error_samples));
   writeFiles(files, request);

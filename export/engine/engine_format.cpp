@@ -242,6 +242,7 @@ std::optional<ResamplingError> resamplingError(const LightGrid& grid, const Ligh
     const std::array<std::array<float, 3>, 2> normals = {drawNormal(random), drawAxis(random)};
     if (box != nullptr && !isInside(*box, position_m)) continue;
     std::array<std::array<float, kShChannels>, 2> exact;
+    // only where light is sure: what is faint no texture need repeat
     bool is_lit = true;
     for (size_t i = 0; i < normals.size(); ++i)
       is_lit = lookUpIrradiance(grid, position_m, normals[i].data(), exact[i].data()) == LightStatus::lit && is_lit;

@@ -88,6 +88,7 @@ size_t fillTexels(const std::array<uint32_t, 3>& count, std::vector<Texel>* texe
   while (!next.empty()) {
     round.swap(next);
     next.clear();
+    // means of the rounds before alone, whatever the order of texels
     for (const size_t texel : round) {
       float neighbours = 0.0f;
       float* mean = &(*light)[texel * kShFloats];
@@ -173,6 +174,7 @@ float largestLight(const LightVolume& volume) {
 Rgba sampleLinear(const Texture3d& texture, const std::array<double, 3>& uvw) {
   std::array<size_t, 3> low, high;
   std::array<float, 3> share;
+  // texel centres at halves, clamped to the edge as samplers do
   for (size_t axis = 0; axis < 3; ++axis) {
     const double last = texture.size[axis] - 1.0, at = std::clamp(uvw[axis] * texture.size[axis] - 0.5, 0.0, last);
     low[axis] = static_cast<size_t>(at);
@@ -219,6 +221,7 @@ std::string packShTexture(const LightVolume& volume) {
   bytes.reserve(texelsOf(shTextureSize(count)) * kChannels * sizeof(uint16_t));
   for (size_t v = 0; v < kVolumes; ++v) {
     for (uint32_t padded = 0; padded < count[2] + 2 * kPadding; ++padded) {
+      // padding repeats the outer slices: filtering never reaches the next volume
       const size_t z = std::clamp(padded, kPadding, count[2]) - kPadding;
       for (size_t texel = z * slice; texel < (z + 1) * slice; ++texel) {
         for (size_t number = v * kChannels; number < (v + 1) * kChannels; ++number) {

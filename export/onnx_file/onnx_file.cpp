@@ -141,6 +141,7 @@ std::string addProjection(ModelBuilder& model, const BasisData& basis, const std
   for (int c = 0; c < kClasses; ++c) {
     for (int m = 0; m < kMirrorCount; ++m) signs.push_back(static_cast<float>(mirrorSign(c, m) / std::sqrt(8.0)));
   }
+  // the parity transform as one product with signs (math.md §2)
   const std::string octants = model.reshape(phi, {-1, kMirrorCount, kPoints}, "octants");
   const std::string transformed =
       model.apply("MatMul", {model.numbers("parity.signs", {kClasses, kMirrorCount}, signs), octants}, "parity");
@@ -150,6 +151,7 @@ std::string addProjection(ModelBuilder& model, const BasisData& basis, const std
   for (int c = 0; c < kClasses; ++c) classes.push_back("parity.class." + std::to_string(c));
   model.split(model.reshape(centred, {-1, kClasses * kPoints}, "parity.flat"), classes);
 
+  // class by class, since a component has numbers in one class alone
   Names coefficients;
   auto first = basis.components.begin();
   for (int c = 0; c < kClasses; ++c) {

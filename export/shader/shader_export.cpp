@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 constexpr const char* kFiles[] = {"grid.bin", "look_up.glsl", "resample.comp", "resampled.glsl"};
 
 void run(const std::string& grid_path, const std::string& folder, const std::vector<double>& origin_m) {
+  // refusals before the grid is read
   requireOutputFolder(folder);
   for (const char* name : kFiles) refuseToReplaceInputs((fs::path(folder) / name).string(), {grid_path});
   LightGrid grid;
@@ -32,6 +33,7 @@ void run(const std::string& grid_path, const std::string& folder, const std::vec
   const FileResult result = packShaderGrid(grid, &packed);
   if (!result.ok()) throw InputError(grid_path, fileStatusName(result.status), "a grid that shaders can show", result.detail);
   writeShader(packed, folder);
+  // bytes that a pixel reads of the buffer
   const PixelReads reads = pixelReads(packed);
   const nlohmann::ordered_json line = {
       {"scene", metadata.contains("scene") ? metadata["scene"] : ""},

@@ -112,6 +112,7 @@ std::vector<BakeWeights> weightsUsedBy(const BakedWeights& baked, const std::str
   for (const std::string& path : paths) {
     BakeWeights file = lookAt(path);
     given.add(path, file.representation);
+    // only the very weights of the bake will do: others of the same representation are an error
     const auto baked_with = baked.sha256.find(file.representation);
     if (baked_with == baked.sha256.end()) {
       file.why = "the bake was not given any of " + file.representation;
@@ -124,6 +125,7 @@ std::vector<BakeWeights> weightsUsedBy(const BakedWeights& baked, const std::str
     }
     weights.push_back(file);
   }
+  // every representation that some function has needs its weights
   for (const std::string& name : baked.used) {
     const bool found =
         std::any_of(weights.begin(), weights.end(), [&](const BakeWeights& file) { return file.representation == name; });
