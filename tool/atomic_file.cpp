@@ -198,6 +198,7 @@ void writeAtomically(const std::string& path, const std::function<void(const std
   const RemovedOnSignals removed(temporary_path);
   try {
     write(temporary_path);
+    // on the disk before it gets its name: a power cut leaves the old file or the whole new one
     syncFile(temporary_path, path);
     if (::rename(temporary_path.c_str(), path.c_str()) != 0) throw OutputError(path, reasonOf(errno));
   } catch (const std::exception& error) {

@@ -94,8 +94,10 @@ void parallelFor(uint64_t count, int thread_count, const std::function<void(uint
   std::exception_ptr error;
   const auto run = [&](int thread) {
     try {
+      // one counter: whoever is free takes the next item
       for (uint64_t item = next++; item < count; item = next++) work(item, thread);
     } catch (...) {
+      // nothing more begins after an error; the first one is thrown
       next = count;
       const std::lock_guard lock(mutex);
       if (!error) error = std::current_exception();

@@ -54,6 +54,7 @@ int fileInfoMain(int argc, char** argv, const FileInfoCommand& command) {
     for (const std::string& path : paths) {
       try {
         Json file = {{"file", path}};
+        // describing reads the file to its end, and so verifies its digest
         file.update(command.describe(path));
         if (quiet) continue;
         file["bytes"] = std::filesystem::file_size(path);

@@ -177,6 +177,7 @@ void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const
   if (app.get_version_ptr() == nullptr) app.set_version_flag("--version", std::string(sourceRevision()));
   addHelpFlags(app);
   table.addFlags(app);
+  // before the command line is parsed, which would ask for required options
   if (argc == 2 && std::strcmp(argv[1], kListOptions) == 0) {
     std::cout << table.describeAsJson().dump() << '\n';
     return flushStandardOutput();
@@ -186,6 +187,7 @@ void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const
   app.allow_extras();
   app.parse(argc, argv);
   refuseExtras(app);
+  // the file first, and flags over it
   if (config_flag->count() > 0) table.readYaml(config);
   table.applyFlags();
   run();
@@ -219,6 +221,7 @@ void endWithParent() {
 
 int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run) {
   const PrintableStreams streams;
+  // a closed pipe is an error of writing, not a signal
   std::signal(SIGPIPE, SIG_IGN);
   // past a limit on file sizes write fails with an error, as on a full disk
   std::signal(SIGXFSZ, SIG_IGN);
