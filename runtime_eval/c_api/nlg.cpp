@@ -165,6 +165,7 @@ nlg_status loadHandle(bool has_source, const Load& load, Handle** handle, char* 
     return refuseArgument("handle: expected an address for the result, got a null pointer", detail, detail_size);
   *handle = nullptr;
   if (!has_source) return refuseArgument("path or bytes: expected a source, got a null pointer", detail, detail_size);
+  // nothing that is thrown crosses the border
   const nlg_status status = withMemory([&] {
     Held loaded;
     const nlg::FileResult result = load(&loaded);

@@ -93,6 +93,7 @@ bool roundTheta(const Representation& representation, ThetaPrecision precision, 
   const int D = representation.thetaCount();
   float rounded[kMaxThetaCount];
   std::copy_n(theta, D, rounded);
+  // a code takes the least power of two that holds its largest number; networks scale their units instead
   if (representation.isCode() && form.steps > 0) {
     if (!allFinite({theta, static_cast<size_t>(D)})) return false;
     const float step = std::ldexp(1.0f, codeExponent(D, rounded));
@@ -101,6 +102,7 @@ bool roundTheta(const Representation& representation, ThetaPrecision precision, 
   } else if (form.steps > 0) {
     roundHiddenLayers(representation, rounded);
   }
+  // the rest in halves, in last layers of small networks with fewer bits
   for (int d = form.steps; d < D && form.halves > 0; ++d) {
     Half half;
     if (!halfFromFloat(rounded[d], &half)) return false;

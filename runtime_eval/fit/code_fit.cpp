@@ -287,6 +287,7 @@ void CodeFit::prepare(const Representation& representation) {
   rows_.assign(2 * kRowsAtOnce * K, 0.0f);
   limits_.assign(order_->cell_begin.size() - 1, {});
   cell_of_.assign(static_cast<size_t>(order_->placeCount()), 0);
+  // the cell of every place, so that makeRows can pair neighbours
   for (size_t c = 0; c < limits_.size(); ++c) {
     std::fill(cell_of_.begin() + order_->cell_begin[c], cell_of_.begin() + order_->cell_begin[c + 1], static_cast<uint16_t>(c));
   }

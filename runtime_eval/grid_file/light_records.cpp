@@ -43,7 +43,9 @@ class RecordContext {
         near_[near_count_++] = other;
       }
     }
+    // how likely darkness is, by the neighbours that are dark
     darkness_ = near_dark == 0 ? 0 : near_dark < near ? 1 : 2;
+    // without a lit neighbour the last lit record is the best guess
     if (near_count_ == 0 && last_lit_ != kNoRecord) near_[near_count_++] = last_lit_;
     mean_difference_ = 0;
   }
@@ -135,7 +137,7 @@ std::vector<uint8_t> codedRecords(const PackedLight& packed, const std::vector<R
     const bool is_dark = lightNumber(record, fields[0]) == 0;
     encoder.add(is_dark ? 1 : 0, context.dark());
     context.setDark(is_dark);
-    // a dark record is its scale alone
+    // a dark record is one bit
     for (size_t f = 0; f < fields.size() && !is_dark; ++f) {
       if (fields[f].bits == 0) continue;
       const auto number = static_cast<int>(lightNumber(record, fields[f]));

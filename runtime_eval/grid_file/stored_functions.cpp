@@ -172,6 +172,7 @@ ThetaColumns thetaColumns(const LightGrid& grid, const std::vector<int>& steps_o
 FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   PackedTheta packed;
   FileResult result;
+  // only grids with codes have groups
   if (!reader.dtypeOf("theta.groups").empty())
     result = readCoded(reader, "theta.groups", {}, &packed.groups, grid->functionCount());
   if (!result.ok()) return result;
@@ -202,6 +203,7 @@ FileResult readSteps(const TensorFileReader& reader, LightGrid* grid) {
   takeFirst(&result, readCoded(reader, "theta.halves", columns.halves, &half_bytes));
   if (!result.ok()) return result;
   packed.steps.assign(step_bytes.begin(), step_bytes.end());
+  // halves were coded as bytes, the low one first
   for (size_t i = 0; i < half_bytes.size(); i += sizeof(Half))
     packed.halves.push_back({static_cast<uint16_t>(half_bytes[i] | half_bytes[i + 1] << 8)});
   const auto beyond = std::find(packed.steps.begin(), packed.steps.end(), int8_t{-128});

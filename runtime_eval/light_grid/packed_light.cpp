@@ -1,3 +1,5 @@
+// Axes by Jacobi's method; bits by a greedy choice of those that lower the error most.
+// Both are tried for many steps of the numbers, and the fewest words that keep the error win.
 #include "runtime_eval/light_grid/packed_light.h"
 
 #include <algorithm>
@@ -397,6 +399,7 @@ class LightPacker {
       Numbers& numbers = stored.emplace_back();
       for (size_t i = 0; i < kShFloats; ++i) numbers[i] = bandOf(i) * double{floatFromHalf({axis.direction[i]})};
     }
+    // no scale is above that of the brightest probe: the layout's bits reach that far
     const uint32_t most_scale =
         nearestScale(static_cast<size_t>(std::max_element(length_.begin(), length_.end()) - length_.begin()));
     double squares = 0.0;

@@ -184,10 +184,12 @@ class NodeWalk {
     const uint32_t count = data_.cell_count[node];
     if (!(count == 2 || count == 4 || (count == 1 && level == 0))) return expected(place, "a cell_count of 1, 2 or 4");
     const int32_t cell_side = side / static_cast<int32_t>(count);
+    // a cell is a child, or used, or neither
     const uint64_t children = data_.child_mask[node], used = data_.used_mask[node];
     if ((children & used) != 0) return expected(place, "no cell that is a child and used");
     if (((children | used) & ~cellsOf(count)) != 0) return expected(place, "only cells that it has");
     if (children != 0 && (count != 4 || level == kLastLevel)) return expected(place, "no children");
+    // children stand where the builder would have put them
     cell_log2[node] = static_cast<uint8_t>(std::countr_zero(static_cast<uint32_t>(cell_side)));
     first_child[node] = static_cast<uint32_t>(next_node_);
     used_count += static_cast<uint64_t>(std::popcount(used));

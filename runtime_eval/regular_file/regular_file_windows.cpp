@@ -42,6 +42,7 @@ int openRegularFile(const std::string& path, std::string* fault) {
     *fault = is_directory ? "a directory" : reasonOf(reason);
     return -1;
   }
+  // only what is on a disk is a regular file
   switch (::GetFileType(handleOf(file))) {
     case FILE_TYPE_DISK:
       return file;

@@ -236,6 +236,7 @@ class Packer {
     words_.resize(words_.size() + toFours(count), kNoBlock);
     first_slot_word_ = words_.size();
     words_.resize(words_.size() + toFours(lists.slots.size()));
+    // slots with the shader's own numbers of probes; the high bits keep the log2 of their spacings
     for (size_t i = 0; i < lists.slots.size(); ++i) {
       const uint32_t slot = lists.slots[i];
       if (slot != kNoProbe) words_[first_slot_word_ + i] = number_[slot & kIndexMask] | (slot >> 27) << 27;
@@ -359,6 +360,7 @@ class Packer {
       fits = (place < 0 || halfFromFloat(theta[place], &rounded)) && fits;
       return rounded;
     };
+    // nodes are pairs of A and B
     if (of.representation.isField()) {
       for (int node = 0; node < of.representation.thetaCount() / 2; ++node) *words++ = pairOf(half(2 * node), half(2 * node + 1));
       return fits;

@@ -49,6 +49,7 @@ PointOrder makeCellOrder(int resolution) {
     }
   }
   order.cell_begin.push_back(static_cast<int>(points.size()));
+  // one minibatch of all points
   order.batch_begin = {0, static_cast<int>(points.size())};
   order.minibatch_places = static_cast<int>(points.size());
   order.points = makePointSet(points);

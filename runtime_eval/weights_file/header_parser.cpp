@@ -49,6 +49,7 @@ class HeaderParser {
   bool parse(WeightsHeader* header) {
     if (text_.empty() || text_[0] != '{') return expected("'{'");
     bool has_metadata = false;
+    // each name once, so that no two readers disagree
     const auto parseEntry = [&](const std::string& name) {
       if (name == kMetadataKey) {
         if (std::exchange(has_metadata, true)) return expected("__metadata__ once");

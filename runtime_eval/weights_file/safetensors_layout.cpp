@@ -188,6 +188,7 @@ FileResult readLayout(const ByteSource& source, TensorAlignment alignment,
                       uint64_t* data_offset) {
   FileResult result = readHeader(source, header, data_offset);
   if (!result.ok()) return result;
+  // each tensor by itself, then all of them against the file's size, then every byte against the digest
   for (const auto& [name, tensor] : header->tensors) {
     const std::string fault = dtype_fault(name, tensor.dtype);
     if (!fault.empty()) return refuseTensor(FileStatus::tensor_malformed, name, fault);
