@@ -152,6 +152,7 @@ AirPlaces findAirPlaces(const RayScene& rays, const ProbeTree& tree, const AirPl
       surveyor.survey(cells[i], &blocks[b]);
     progress.advance(static_cast<int64_t>(blocks[b].cells.size()));
   });
+  // in the order of the cells, whatever thread searched them
   AirPlaces air;
   for (Block& block : blocks) {
     for (AirPlaces::Cell cell : block.cells) {

@@ -104,6 +104,7 @@ std::vector<std::vector<uint32_t>> clustersOf(const std::vector<glm::vec3>& midd
     // all that is left stands in one place
     if (!(width(*widest) > 0.0f)) break;
     const int axis = widest->size.x == width(*widest) ? 0 : widest->size.y == width(*widest) ? 1 : 2;
+    // at the median, so that clusters draw among about as many patches
     std::vector<uint32_t> members = std::move(widest->patches);
     const auto half = members.begin() + static_cast<ptrdiff_t>(members.size() / 2);
     std::nth_element(members.begin(), half, members.end(), [&](uint32_t a, uint32_t b) {
@@ -202,6 +203,7 @@ Emitters::Emitters(const Scene& scene) : scene_(scene) {
     clusters_.push_back(cluster);
   }
   patches_ = std::move(by_cluster);
+  // parts of triangles name patches by their new places
   for (uint32_t& patch : patch_at_) {
     if (patch != kNone) patch = place_of[patch];
   }

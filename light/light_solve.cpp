@@ -1,3 +1,5 @@
+// The normal equations are sparse and kept: their pattern is found once,
+// and every round fills it anew from runs of samples in one cell.
 #include "light/light_solve.h"
 
 #include <cmath>

@@ -475,6 +475,7 @@ GroupedLight LightTransport::reflected(const SurfacePoint& point, uint64_t seed)
   Random random(mixSeed(seed, kPathStream));
   const glm::vec3 from = point.position + point.normal * impl_->nudge_m;
   GroupedLight light{};
+  // what the surface sends back: direct light by samples, the rest by one path
   impl_->addReflectedDirect(from, point.normal, glm::vec3(1.0f), random, &light);
   const glm::vec3 direction = cosineDirection(point.normal, random.uniform(), random.uniform());
   const float density = std::max(1e-6f, glm::dot(direction, point.normal) / kPi);

@@ -1,3 +1,4 @@
+// A dark room is a component of dark sample points that see each other: union-find over pairs in neighbouring cubes of the reach.
 #include "light/standing.h"
 
 #include <algorithm>

@@ -259,6 +259,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
             addDirect(transport.reflected(hits[i], mixSeed(seed, kPathStream, i)), ray_share);
             continue;
           }
+          // in 16 bits a channel, since there are as many links as rays
           Link link{other, {}};
           for (int c = 0; c < 3; ++c)
             link.reflectance[c] = static_cast<uint16_t>(std::min(65535.0f, hits[i].reflectance[c] / kReflectanceStep + 0.5f));
@@ -274,12 +275,14 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
     links_.insert(links_.end(), links.begin(), links.end());
     links = {};
   }
+  // links of a cell side by side, as the exchange reads them
   first_link_.assign(1, 0);
   for (const uint32_t count : link_count) first_link_.push_back(first_link_.back() + count);
 }
 
 void SurfaceCache::exchange(size_t group, int thread_count) {
   std::vector<glm::vec3> light(keys_.size()), next(keys_.size());
+  // begins with direct light: no bounce yet
   for (size_t cell = 0; cell < keys_.size(); ++cell) light[cell] = direct_[cell * group_count_ + group];
   constexpr uint64_t kExchangeBlock = 4096;
   std::vector<float> changes(blockCount(keys_.size(), kExchangeBlock)), mosts(changes.size());

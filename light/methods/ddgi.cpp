@@ -174,6 +174,7 @@ float Ddgi::probeWeight(const DdgiProbe& probe, const glm::dvec3& position_m, co
                         const glm::vec3& normal) const {
   const glm::vec3 to_probe(probe.position_m - position_m);
   const float distance = glm::length(to_probe);
+  // RTXGI's weight: the wrapped normal, visibility, and a cubic that crushes what is small
   const float wrap = distance > 0.0f ? (glm::dot(to_probe / distance, normal) + 1.0f) * 0.5f : 1.0f;
   float weight = wrap * wrap + 0.2f;
   weight *= std::max(kLeastVisibility, chebyshev(probe, biased_m));

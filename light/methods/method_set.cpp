@@ -68,6 +68,7 @@ MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
       probes_(
           makeProbeSet(scene.tree, scene.transport, {options.probe, options.thread_count, mixSeed(options.seed, kProbeStream)})),
       tree_bytes_(treeBytes(scene.tree)) {
+  // light at sample points is measured once for all methods that are solved for
   const double start = processorSeconds();
   GatherOptions place = options.solve.place;
   const std::unique_ptr<SurfaceCache> cache =
