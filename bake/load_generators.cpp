@@ -28,6 +28,7 @@ LoadedGenerators loadGenerators(const std::vector<std::string>& paths) {
     requireRead(path, Generator::load(path, &generator), "the weights of a generator");
     given.add(path, representationName(generator.representation()));
     const int parameters = generator.representation().thetaCount();
+    // the smallest first: larger ones run where it is not enough
     const auto after = std::find_if(loaded.generators.begin(), loaded.generators.end(),
                                     [&](const Generator& other) { return other.representation().thetaCount() > parameters; });
     loaded.paths.insert(loaded.paths.begin() + (after - loaded.generators.begin()), path);
@@ -54,6 +55,7 @@ std::vector<std::string> shippedWeights(const std::vector<std::string>& represen
     if (!findRepresentation(name, &representation)) throw UsageError("representation", representationNames(), "'" + name + "'");
     names.push_back(name + ".safetensors");
   }
+  // all from one folder, so that weights of two versions do not mix
   for (const std::string& folder : folders) {
     std::vector<std::string> found, missing;
     for (const std::string& name : names) {

@@ -147,6 +147,7 @@ class SavingsCount {
     };
     add("probes in free space", counts_.free_space, probes, times(counts_.free_space, unit_.function_s), 0,
         "no function: the bare tent, exactly. Their visibility is not counted: where no triangle is near it is next to nothing");
+    // what a probe in solid would have taken, by the mean of those that have a theta
     const std::optional<double> whole = sum(sum(unit_.visibility_s, unit_.function_s), unit_.theta_s);
     add("probes in solid", counts_.in_solid, probes, sum(times(counts_.in_solid, whole), -spent.in_solid_s),
         thetas(counts_.in_solid), "without an eye in air: no links, function or theta; less what it took to look for the eye");
@@ -178,6 +179,7 @@ class SavingsCount {
       add("functions that the smallest representation already fits", functions - larger, functions, {}, {},
           fmt::format("only the generator of {} ran for them", representationName(generators_.front().representation())));
       const Representation& largest = generators_.back().representation();
+      // the largest for every function, less what is stored
       double bytes = static_cast<double>(grid_.functionCount()) * bytesOf(largest);
       for (size_t f = 0; f < grid_.functionCount(); ++f) bytes -= bytesOf(f);
       add("theta of the largest representation", functions - chosen.back(), functions, {}, std::lround(bytes),

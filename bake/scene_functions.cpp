@@ -81,6 +81,7 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   const Progress progress("reading");
   const std::vector<LightSet> sets = lightSetsFrom(options.light_set, options.scene_light);
   SceneReading reading = options.reading;
+  // without light, images serve geometry alone
   if (options.light == "none") reading.images = ImageNeed::geometry;
   SceneSource source = loadScene(request, reading);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
@@ -96,6 +97,7 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
     for (const std::string& done : applyLight(source.scene, options.scene_light, isOpen)) source.light_notes.push_back(done);
     return source;
   }
+  // each set is lit by itself, by the level's file or by its own
   std::vector<Scene> lit;
   std::array<std::string, 2> in_lumens;  // sets whose lamps Blender's exporter multiplied by 683: left so, and divided
   for (const LightSet& set : sets) {
@@ -140,6 +142,7 @@ BakeScene::BakeScene(SceneSource lit, const BakeOptions& options, const KnownAir
       searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {
   const Clock::time_point start = Clock::now();
   AirPlaceOptions air_options = airPlaceOptions(options, full_tree.cellCount());
+  // an earlier search of the same cells says which hold no air
   if (known.searched_sha256 == searched_sha256 && options.air_only) air_options.known = known.tree;
   air = findAirPlaces(rays, full_tree, air_options, options.threads > 0 ? options.threads : machineThreadCount());
   tree = options.air_only ? treeOfAir(full_tree, air) : full_tree;
@@ -249,6 +252,7 @@ void SceneFunctions::makeFunction(const PlacedProbe& probe, ThreadState& state, 
 bool SceneFunctions::takeKnown(const PlacedProbe& probe, const KeptKey& key, ThreadState& state, ProbeBlock* block) {
   const KeptProbe* known = known_->findProbe(state.builder, key);
   if (known == nullptr) return false;
+  // what is known serves the next bake, too
   kept_[probe.number] = *known;
   ++state.times.kept_probes;
   block->outcomes.push_back(known->outcome);
@@ -259,6 +263,7 @@ bool SceneFunctions::takeKnown(const PlacedProbe& probe, const KeptKey& key, Thr
   state.samples.assign(kKeptSampleBytes, 0);
   if (known->function && !unpackSamples(known->function->packed, &state.samples))
     throw InputError("--keep", "samples of a function", "compressed samples", "other bytes");
+  // rows as a function that was generated would have them
   FunctionRows& rows = block->functions;
   const auto validity = state.samples.begin() + kSupportPointCount, sums = validity + kValidityByteCount;
   rows.phi.insert(rows.phi.end(), state.samples.begin(), validity);

@@ -312,6 +312,7 @@ KeptProbes readKept(const std::string& path, const Json& origin, const std::vect
     throw InputError(path, "kind", std::string(kExpected) + ", or a new name", "another kind of file, which is not overwritten");
   const std::string version = textOf(reader, "version");
   const Json before = Json::parse(textOf(reader, "origin"), nullptr, false);
+  // what another program, other options or other weights made may differ in any bit
   if (version != kVersion || before != origin) {
     *told = path + ": not used, " + (version != kVersion ? "of another version" : changeOf(before, origin)) +
             "; all functions are made anew";
