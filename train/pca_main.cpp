@@ -100,6 +100,7 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
     takeBasis(request.from, &wide);
     inputs["weights"] = fileSha256(request.from);
   }
+  // how much the basis keeps of functions that it has not seen
   if (!request.held_out.empty()) {
     const FunctionSet held_out = readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount);
     if (held_out.functionCount() == 0) {

@@ -86,6 +86,7 @@ BasisFile readBasisFile(const std::string& path) {
   file.mean_validity = reader.read<float>("mean_validity", {kSupportPointCount});
   file.kept_counts = reader.read<int32_t>("kept_counts", reader.shape("kept_counts"));
   file.kept_variance = reader.read<double>("kept_variance", {file.kept_counts.size()});
+  // nothing that is not finite reaches a generator
   checkFinite(path, "mean", data.mean);
   checkFinite(path, "components", data.components);
   checkFinite(path, "deviation", data.deviation);
@@ -93,6 +94,7 @@ BasisFile readBasisFile(const std::string& path) {
   checkFinite(path, "mean_validity", file.mean_validity);
   checkFinite(path, "spectrum", file.basis.spectrum);
   checkFinite(path, "kept_variance", file.kept_variance);
+  // coefficients are divided by the deviations
   const bool positive = std::all_of(data.deviation.begin(), data.deviation.end(), [](float d) { return d > 0; });
   if (!positive || data.deviation.empty())
     throw InputError(path, "dataset deviation", "positive numbers", "none, or other numbers");

@@ -167,6 +167,7 @@ std::vector<double> keptVariance(const Basis& basis, const uint8_t* phi, uint64_
     std::vector<float> classes(size_t(block) * kClassStride);
     parityTransform(phi + begin * kSupportPointCount, block, classes.data());
     int first = 0;
+    // by class, the energy that each component takes of the whole
     for (int c = 0; c < kParityClassCount; ++c) {
       Matrix rows = classRows(classes, block, c);
       rows.rowwise() -= Eigen::Map<const Eigen::RowVectorXf>(&basis.data.mean[size_t(c) * kSize], kSize).cast<double>();
@@ -180,6 +181,7 @@ std::vector<double> keptVariance(const Basis& basis, const uint8_t* phi, uint64_
       first += class_count;
     }
   }
+  // by falling variance
   std::vector<double> kept;
   for (const int count : counts) {
     double sum = 0.0;

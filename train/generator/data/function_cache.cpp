@@ -124,6 +124,7 @@ void FunctionCache::readFooter(const std::string& footer) {
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path_, "footer", "the footer of a function cache", error.what());
   }
+  // counts must agree before anything is read by them
   const int64_t block_count = (function_count_ + kBlockFunctions - 1) / kBlockFunctions;
   const size_t rmse_bytes = static_cast<size_t>(function_count_) * sizeof(float);
   if (function_count_ < 1 || coefficient_count_ < 1 || blockCount() != block_count ||

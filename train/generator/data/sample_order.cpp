@@ -1,3 +1,5 @@
+// Blocks of neighbours in the cache are drawn into windows, and functions are shuffled within a window:
+// a window is read from the disk while the one before it trains.
 #include "train/generator/data/sample_order.h"
 
 #include <algorithm>
@@ -67,6 +69,7 @@ std::vector<Sample> SampleOrder::samples(int64_t draw) {
   Random random(mixSeed(options_.seed, 2, static_cast<uint64_t>(draw)));
   const int group_count = options_.point_batch_count / options_.point_batches;
   std::vector<Sample> samples;
+  // a part of each draw comes from all functions, the rest from those that take a theta
   for (int order = 0; order < orderCount(); ++order) {
     for (int64_t position = draw * countOf(order); position < (draw + 1) * countOf(order); ++position) {
       const int64_t item = orders_[order].item(position);

@@ -138,6 +138,7 @@ void orderCodes(const TrainingData& training, const BasisData& basis, const Code
   const Vector mean = loose.codes.colwise().mean();
   const Matrix centred = loose.codes.rowwise() - mean.transpose();
   const Matrix covariance = centred.transpose() * centred / static_cast<double>(count);
+  // a ridge, where some combination of numbers moves no function
   const double ridge = kRidge * loose.equations.trace() / static_cast<double>(K);
   const Matrix lower = Eigen::LLT<Matrix>(loose.equations + ridge * Matrix::Identity(K, K)).matrixL();
   const Eigen::SelfAdjointEigenSolver<Matrix> components(lower.transpose() * covariance * lower);
@@ -146,6 +147,7 @@ void orderCodes(const TrainingData& training, const BasisData& basis, const Code
   const Matrix ordered = centred * forward.transpose();
   Vector unit = unitsOf(ordered);
   changeNumbers(unit.cwiseInverse().asDiagonal() * forward, mean, *network);
+  // deviations of the prior, in the units that numbers have by then
   const auto setDeviations = [&] {
     const Vector square = ordered.colwise().squaredNorm().transpose() / static_cast<double>(count);
     (*network)->deviations().copy_(toTensor(square.cwiseSqrt().cwiseQuotient(unit).cwiseMax(1e-3)).view({K}));

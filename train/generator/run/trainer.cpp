@@ -196,6 +196,7 @@ BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
 }
 
 double oneCycleRate(const TrainOptions& options, int64_t step) {
+  // a warm-up from .04 of the peak, then a cosine down to 1e-4 of it (math.md §6)
   const double position = static_cast<double>(step) / options.steps;
   if (position < options.warmup_share) {
     return options.learning_rate * (0.04 + 0.96 * position / options.warmup_share);
@@ -243,6 +244,7 @@ TrainStep::TrainStep(const TrainOptions& options, const Representation& represen
 TrainStep::Result TrainStep::computeGradient(TrainingState& state) {
   if (loader_) loader_->require(state.draw);
   const std::vector<Sample> batch = order_.samples(state.draw++);
+  // a process takes its share of the batch, a thread its parts of that; the gradient is over all of it
   const std::vector<Sample> share = shareOf(batch, processes_.rank(), processes_.count());
   const int sample_count = static_cast<int>(share.size());
   const int part_count = std::min(std::clamp((sample_count + kSamplesAPart - 1) / kSamplesAPart, 2, kMostParts), sample_count);
@@ -283,6 +285,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
                         options.bare_tent_rmse, options.threads);
   };
   while (state->step < options.steps) {
+    // a stopped run saves its state only if that is finite
     if (stop && stop()) {
       report.is_stopped = true;
       if (guard.keep(*state)) save();
