@@ -255,6 +255,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   const double held_out_blend_rmse = meanBlendRmse(generator, functions, options.parity_functions);
   checkParity(parity, held_out_blend_rmse, options);
 
+  // what made the weights travels in them
   const nlohmann::ordered_json origin =
       provenance("nlg-export", table.toJson(), {{"checkpoint", checkpoint.sha256()}, {"basis", basis_sha256}});
   file.metadata["training_options"] = checkpoint.identity().options_json;

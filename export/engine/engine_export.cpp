@@ -55,6 +55,7 @@ constexpr float kMostFactor = 1e6f;
 // By group. asked   NAME or NAME=FACTOR, of a group or of all groups of a light set; none: as the grid begins
 std::vector<float> groupFactors(const LightGrid& grid, const std::vector<std::string>& asked) {
   std::vector<float> factors;
+  // without a wish the grid's own start; with one, only what it names
   for (const std::array<float, 3>& colour : startingColours(grid)) factors.push_back(asked.empty() ? colour[0] : 0.0f);
   std::vector<bool> is_taken(factors.size(), false);
   for (const std::string& text : asked) {

@@ -75,6 +75,7 @@ enum class Texel : uint8_t { dark, next, has_light };
 size_t fillTexels(const std::array<uint32_t, 3>& count, std::vector<Texel>* texels, std::vector<float>* light) {
   size_t filled = 0;
   std::vector<size_t> round, next;
+  // a dark texel is queued once, by the first neighbour with light
   const auto findDark = [&](size_t texel) {
     forEachNeighbour(count, texel, [&](size_t neighbour) {
       if ((*texels)[neighbour] != Texel::dark) return;
@@ -125,6 +126,7 @@ LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options) {
   const double spacing_m = options.spacing_m > 0.0 ? options.spacing_m : kDefaultSpacing * grid.tree.frame().spacing_m;
   LightBox box;
   if (options.extent_m.empty()) {
+    // a texel around the used cells, so that filters at their border find light
     box = usedCells(grid.tree);
     for (size_t axis = 0; axis < 3; ++axis) box.low_m[axis] -= spacing_m, box.high_m[axis] += spacing_m;
   } else {
