@@ -371,6 +371,7 @@ void OptionTable::readYaml(const std::string& path) {
     }
     throwUnknownKey(place, key, known);
   };
+  // sections of other tools are known, and passed by
   file.forEachEntry(file.root(), [&](const std::string& key, const YAML::Node& value, const std::string& place) {
     const auto& known = pipelineSections();
     if (std::find(known.begin(), known.end(), key) == known.end()) throwUnknownKey(place, key, known);
