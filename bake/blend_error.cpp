@@ -209,7 +209,7 @@ float BlendTargets::diffusedShare(const StoredFunction& function, const ProbeAro
   }
   // rays for nothing otherwise
   if (std::all_of(nearest.begin(), nearest.end(), [&](const auto& near) { return function.phi[near.second] == 0; })) return 0.0f;
-  // v of errors.md: the mean of min(1, phi / tent) over nearest samples that are valid and see the point
+  // v of docs/theory/errors.md: the mean of min(1, phi / tent) over nearest samples that are valid and see the point
   float sum = 0.0f, count = 0.0f;
   for (const auto& [of_distance, sample] : nearest) {
     if (!function.isValid(sample) || !sees(scene_.rays, inSupport(scene_.tree, at.probe, points[sample]), position)) continue;

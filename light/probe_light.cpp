@@ -185,7 +185,7 @@ ProbeLight solved(std::vector<LightSample>& samples, const Means& means, float m
     parallelForBlocks(samples.size(), kBlockSamples, thread_count, [&](uint64_t first, uint64_t end, int) {
       for (size_t i = first; i < end; ++i) {
         const LightSh blend = blendOf(samples[i], result.light);
-        // u_i a_i of light.md; s is the scale of Cauchy's loss
+        // u_i a_i of docs/theory/light.md; s is the scale of Cauchy's loss
         const float unit = unitOf(samples[i], blend, least), s = outlier * unit;
         // priors weigh by 1 / unit, the solve by its square
         say[i] = importance[i] * mean / unit;

@@ -141,7 +141,7 @@ std::string addProjection(ModelBuilder& model, const BasisData& basis, const std
   for (int c = 0; c < kClasses; ++c) {
     for (int m = 0; m < kMirrorCount; ++m) signs.push_back(static_cast<float>(mirrorSign(c, m) / std::sqrt(8.0)));
   }
-  // the parity transform as one product with signs (math.md §2)
+  // the parity transform as one product with signs (docs/theory/math.md §2)
   const std::string octants = model.reshape(phi, {-1, kMirrorCount, kPoints}, "octants");
   const std::string transformed =
       model.apply("MatMul", {model.numbers("parity.signs", {kClasses, kMirrorCount}, signs), octants}, "parity");

@@ -168,7 +168,7 @@ const Dictionary::FitTables& Dictionary::fitTables() const {
     const PointOrder& order = cellOrder(resolution());
     const auto K = static_cast<size_t>(codeCount());
     const int r = resolution();
-    // b(x) at every place, the fit's rows, and the sum of tent² b b^T, its straight-through damping (representations.md §9)
+    // docs/theory/representations.md §9: b(x) by place, the rows of fits; and the sum of tent² b b^T, their damping under kappa
     fit_tables_.at_places.assign(static_cast<size_t>(order.placeCount()) * K, 0.0f);
     fit_tables_.tent_squares.assign(K * K, 0.0f);
     for (int p = 0; p < order.placeCount(); ++p) {
@@ -248,7 +248,7 @@ double evaluateCodeReference(const Dictionary& dictionary, const LocalPoint& poi
     logits.push_back(sum);
     largest = std::max(largest, std::fabs(sum));
   }
-  // the least power of two whose 127 steps hold the largest logit (representations.md §9)
+  // the least power of two whose 127 steps hold the largest logit (docs/theory/representations.md §9)
   double step = std::ldexp(1.0, kLeastStepExponent);
   while (largest > kMostLogitSteps * step) step *= 2.0;
   for (int corner = 0; corner < 8; ++corner) {

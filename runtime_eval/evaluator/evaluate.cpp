@@ -82,7 +82,7 @@ double evaluateReference(const Representation& representation, const LocalPoint&
 double evaluateNetworkReference(const NetworkKind& network, double slope, const LocalPoint& point, const double* theta) {
   const NetworkShape& shape = network.shape;
   const auto activated = [slope](double sum) { return sum > 0 ? sum : slope * sum; };
-  // h, g and y of math.md §4, in double and without vectors: what the kernels are tested against
+  // h, g and y of docs/theory/math.md §4, in double and without vectors: what the kernels are tested against
   std::vector<double> hidden(shape.first);
   for (int j = 0; j < shape.first; ++j) {
     double sum = theta[shape.b1() + j];

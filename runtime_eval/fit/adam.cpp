@@ -53,7 +53,7 @@ class AdamRun {
         return result;
       }
     }
-    // the better of the two by blend RMSE: steps of minibatches may end higher than they began (math.md §5)
+    // the better of the two by blend RMSE: steps of minibatches may end higher than they began (docs/theory/math.md §5)
     const double rmse = functionRmse(representation_, function_, work_.moving_.data());
     if (rmse < result.rmse) {
       std::copy(work_.moving_.begin(), work_.moving_.end(), theta);

@@ -95,7 +95,7 @@ void passVectors(const PassInput& in, PassOutput& out) {
   const Floats scale = hn::Set(d, static_cast<float>(order.resolution - 1)), one = hn::Set(d, 1.0f);
   const Floats dark_root = hn::Set(d, in.dark_root), kappa = hn::Set(d, in.kappa);
   const Floats wrong = hn::Set(d, kWrong), moving = hn::Set(d, in.moving), least = hn::Set(d, in.least_slope);
-  // a cell's logit is a polynomial of its centred coordinates: 7 multiply-adds a point (representations.md §8)
+  // a cell's logit is a polynomial of its centred coordinates: 7 multiply-adds a point (docs/theory/representations.md §8)
   BrickPolynomials polynomials;
   brickPolynomials(order.resolution, in.logits, polynomials);
   // lit and dark squares stay apart: one pass then gives the cost at any weight of dark points
@@ -345,7 +345,7 @@ void CodeFit::addEquations(const Pass& pass, int count, float kappa, RowsOf rows
     first += point_count;
     HWY_DYNAMIC_DISPATCH(addRowProducts)(rows_.data(), row_count, count, matrix_.data());
   }
-  // damping by the straight-through slope of all points, a constant of the dictionary (representations.md §9)
+  // damping by the straight-through slope of all points, a constant of the dictionary (docs/theory/representations.md §9)
   if (kappa == 0.0f) return;
   for (int i = 0; i < count; ++i) {
     for (int k = i; k < count; ++k) matrix_[i * count + k] += kappa * kappa * tables.tent_squares[i * K + k];

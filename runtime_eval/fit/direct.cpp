@@ -31,7 +31,7 @@ DirectResult fitDirect(const Representation& representation, const WeightingFunc
   result.adam_from_theta0 = fitAdam(representation, function, theta0, refinementAdam(representation, adam_steps));
   result.best = result.levenberg_from_theta0;
   consider(polished(result.adam_from_theta0));
-  // a converged coarse field continues on more nodes from the error it had reached (representations.md §8)
+  // a converged coarse field continues on more nodes from the error it had reached (docs/theory/representations.md §8)
   if (representation.isField()) consider(fitNested(representation, function, options.levenberg_iterations, kernel));
   // the best after each restart shows whether more of them would still gain
   result.best_by_restarts.push_back(result.best.rmse);

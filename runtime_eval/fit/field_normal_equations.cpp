@@ -99,7 +99,7 @@ double addNormalEquations(const PointOrder& order, const WeightingFunction& func
   ChunkRows rows;
   ProductSums products;
   double total = 0.0;
-  // within a cell A and B are polynomials, and J^T J gains a 16 x 16 block of its 8 nodes (representations.md §8)
+  // within a cell A and B are polynomials, and J^T J gains a 16 x 16 block of its 8 nodes (docs/theory/representations.md §8)
   for (int c = 0; c < cell_count; ++c) {
     const Cell cell = cellAt(order.resolution, c);
     CellPolynomials polynomials;

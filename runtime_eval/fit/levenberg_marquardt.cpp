@@ -69,7 +69,7 @@ class LevenbergMarquardt {
     Damping damping(options_.damping);
     double square_sum = result.rmse * result.rmse * valid_count;
     int slow_steps = 0;
-    // Nielsen's loop (math.md §5): a rejected step is tried again on the same equations with more damping
+    // Nielsen's loop (docs/theory/math.md §5): a rejected step is tried again on the same equations with more damping
     while (result.steps < options_.iterations) {
       // the tolerance is of the mean over valid points
       if (largestMagnitude(equations.gradient) < options_.gradient_tolerance * valid_count) {

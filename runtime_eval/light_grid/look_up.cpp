@@ -34,14 +34,14 @@ void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeigh
                                                       grid.functionQuads(function))
                                       : evaluateTentShare(representation, corner.local, bare, grid.functionTheta(function));
     }
-    // w = t ρ (v - r) / (1 - r) (probes.md)
+    // w = t ρ (v - r) / (1 - r) (docs/theory/probes.md)
     const float above = share - kResidue;
     const float weight = bare * corner.tent_ratio * (above * kStretch);
     if (!addWeight(corner.probe, weight, weights)) continue;
     sum += weight;
     believed += weight * above;
   }
-  // 1 where the mean of v is at least twice the residue (probes.md)
+  // 1 where the mean of v is at least twice the residue (docs/theory/probes.md)
   weights->certainty = sum > 0.0f ? std::min(1.0f, believed / (kResidue * sum)) : 0.0f;
 }
 
@@ -108,7 +108,7 @@ void addDarkest(const LightGrid& grid, const ProbesAround& around, ProbeWeights*
     }
     if (tents == 0.0f) return;
   }
-  // by tent over squared luminance; the floor keeps it continuous (probes.md)
+  // by tent over squared luminance; the floor keeps it continuous (docs/theory/probes.md)
   const float mean = light / tents + kNoLight;
   float sum = 0.0f;
   for (size_t c = 0; c < 8; ++c) {

@@ -536,7 +536,7 @@ void normalise(Buffers& b) {
   for (size_t i = 0; i < b.position_count; i += hn::Lanes(d)) {
     Floats x, y, z, unused;
     hn::LoadInterleaved4(d, b.from_low + 4 * i, x, y, z, unused);
-    // the cell's own tents, which are t ρ of probes.md whatever spacing a probe has
+    // the cell's own tents, which are t ρ of docs/theory/probes.md whatever spacing a probe has
     const Floats low_x = hn::Sub(one, x), low_y = hn::Sub(one, y), low_z = hn::Sub(one, z);
     const Floats to_x[2] = {low_x, hn::Sub(one, low_x)}, to_y[2] = {low_y, hn::Sub(one, low_y)},
                  to_z[2] = {low_z, hn::Sub(one, low_z)};
@@ -553,7 +553,7 @@ void normalise(Buffers& b) {
       sum = hn::Add(sum, weight[c]);
       believed = hn::MulAdd(weight[c], above, believed);
     }
-    // certainty as in probes.md; shares sum to 1 here, since positions that are less than certain are looked up alone
+    // certainty as in docs/theory/probes.md; shares sum to 1 here, since positions that are less than certain are looked up alone
     const Floats divisor = hn::IfThenElse(hn::Gt(sum, zero), sum, one);
     const Floats certainty = hn::Min(one, hn::Div(believed, hn::Mul(residue, divisor)));
     hn::Store(certainty, d, &b.certainty[i]);

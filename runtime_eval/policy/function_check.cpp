@@ -69,7 +69,7 @@ void compareVectors(const float* HWY_RESTRICT values, const float* HWY_RESTRICT 
         const auto root = hn::Div(unit, hn::Max(sum, floor));
         lit_weight = hn::IfThenElse(dark, unit, hn::Mul(root, root));
       }
-      // m² of math.md §4; a dark point at the border, whose tent is almost 0 too, weighs 1
+      // m² of docs/theory/math.md §4; a dark point at the border, whose tent is almost 0 too, weighs 1
       const auto weight = hn::IfThenElse(hn::And(dark, hn::Gt(tents, rim)), dark_weight, lit_weight);
       loss = hn::MulAdd(hn::Mul(weight, residual), residual, loss);
       leak = hn::Add(leak, magnitude);

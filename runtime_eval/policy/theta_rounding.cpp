@@ -50,7 +50,7 @@ bool CompensatedRounding::round(const Representation& network, const WeightingFu
   if (!factor(compensation.damping)) return false;
   const double step = stepOf(shape);
   moved_.assign(D, 0.0);
-  // Babai's nearest plane (math.md §5): each number at its optimum given those before; the last layer is not rounded here
+  // Babai's nearest plane (docs/theory/math.md §5): each number at its optimum given those before; the last layer stays exact
   for (int i = 0; i < D; ++i) {
     double best = numbers[i];
     for (int j = 0; j < i; ++j) best -= rows_[i * D + j] * moved_[j];

@@ -179,7 +179,7 @@ ProbesAround ProbeTree::aroundOf(const LatticePoint& unit, const CellPlace& plac
       const float distance = is_high ? 1.0f - place.from_low[axis] : place.from_low[axis];
       const float local = distance * cell_per_spacing;
       corner.local[axis] = is_high ? -local : local;
-      // a probe of a coarser spacing has too wide a tent for this cell: ρ (probes.md)
+      // a probe of a coarser spacing has too wide a tent for this cell: ρ (docs/theory/probes.md)
       if (cell_per_spacing < 1.0f) corner.tent_ratio *= (1.0f - distance) / (1.0f - local);
     }
   }

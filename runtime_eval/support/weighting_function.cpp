@@ -9,7 +9,7 @@ int decodeStratum(const PointOrder& order, const StoredFunction& stored, int str
   constexpr int kQuarters = kStratumPointCount / kMinibatchPointCount, kRun = kMinibatchPointCount / kMirrorCount;
   const float* tent = &order.points.tent[order.batch_begin[stratum]];
   int valid_count = 0;
-  // places as stratifiedPatternIndex orders them; a mirror image swaps whole octants (math.md §2)
+  // places as stratifiedPatternIndex orders them; a mirror image swaps whole octants (docs/theory/math.md §2)
   for (int s = 0; s < kQuarters; ++s) {
     for (int m = 0; m < kMirrorCount; ++m) {
       const int octant = (m ^ mirror) * kOctantPointCount;

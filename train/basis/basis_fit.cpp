@@ -51,7 +51,7 @@ void BasisFit::add(const uint8_t* phi, uint64_t count) {
     const int block = static_cast<int>(std::min<uint64_t>(kBlockCount, count - begin));
     std::vector<float> classes(size_t(block) * kClassStride);
     parityTransform(phi + begin * kSupportPointCount, block, classes.data());
-    // class 0 alone has a mean: shifted by that of the first block, its products lose no digits (math.md §3)
+    // class 0 alone has a mean: shifted by that of the first block, so that no digits cancel (docs/theory/math.md §3)
     if (shift_.empty()) {
       const Matrix rows = classRows(classes, block, 0);
       const Eigen::RowVectorXd mean = rows.colwise().mean();
@@ -78,7 +78,7 @@ Basis BasisFit::fit(int component_count) const {
   const Eigen::Map<const Eigen::VectorXd> sum(sum_.data(), kSize);
   std::array<Eigen::MatrixXd, kParityClassCount> vectors;
   basis.spectrum.assign(size_t{kParityClassCount} * kSize, 0.0);
-  // between classes the covariance is 0: eight blocks, each by itself (math.md §3)
+  // between classes the covariance is 0: eight blocks, each by itself (docs/theory/math.md §3)
   forEachClass([&](int c) {
     Eigen::MatrixXd covariance = scale * Eigen::Map<const Matrix>(products_[c].data(), kSize, kSize);
     if (c == 0) covariance -= (scale * sum) * (scale * sum).transpose();
@@ -161,7 +161,7 @@ std::vector<double> keptVariance(const Basis& basis, const uint8_t* phi, uint64_
   const std::vector<int> order = componentsByVariance(basis.data);
   std::vector<double> energy(component_count, 0.0);
   double total = 0.0;
-  // with the training set's mean (math.md §3)
+  // with the training set's mean (docs/theory/math.md §3)
   for (uint64_t begin = 0; begin < function_count; begin += kBlockCount) {
     const int block = static_cast<int>(std::min<uint64_t>(kBlockCount, function_count - begin));
     std::vector<float> classes(size_t(block) * kClassStride);

@@ -15,14 +15,14 @@ namespace {
 std::vector<double> coefficientsReference(const BasisData& basis, const double* phi) {
   std::vector<double> coefficients;
   for (int c = 0; c < kParityClassCount; ++c) {
-    // parity class c (math.md §2)
+    // parity class c (docs/theory/math.md §2)
     std::vector<double> parity(kOctantPointCount, 0.0);
     for (int m = 0; m < kMirrorCount; ++m) {
       for (int i = 0; i < kOctantPointCount; ++i) {
         parity[i] += mirrorSign(c, m) * phi[m * kOctantPointCount + i] / std::sqrt(8.0);
       }
     }
-    // standardised coefficients of the class (math.md §3)
+    // standardised coefficients of the class (docs/theory/math.md §3)
     for (int k = 0; k < basis.class_count[c]; ++k) {
       const size_t row = coefficients.size();
       double sum = 0.0;

@@ -20,7 +20,7 @@ double lossVectors(const PointOrder& order, const float* HWY_RESTRICT phi, const
   const int cell_count = static_cast<int>(order.cell_begin.size()) - 1;
   const Floats scale = hn::Set(d, static_cast<float>(r - 1));
   BrickPolynomials polynomials;
-  // a cell's logit is a polynomial of its centred coordinates: 7 multiply-adds a point (representations.md §8)
+  // a cell's logit is a polynomial of its centred coordinates: 7 multiply-adds a point (docs/theory/representations.md §8)
   brickPolynomials(r, logits, polynomials);
   double total = 0.0;
   for (int c = 0; c < cell_count; ++c) {

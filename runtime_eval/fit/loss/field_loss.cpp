@@ -23,7 +23,7 @@ double fieldLossAndGradientVectors(const PointOrder& order, const float* HWY_RES
   for (int c = 0; c < cell_count; ++c) {
     const Cell cell = cellAt(resolution, c);
     CellPolynomials polynomials;
-    // within a cell A and B are polynomials of its centred coordinates (representations.md §8)
+    // within a cell A and B are polynomials of its centred coordinates (docs/theory/representations.md §8)
     loadCell(resolution, cell, theta, polynomials);
     MomentSums moments;
     clearMoments(d, moments);

@@ -133,7 +133,7 @@ void orderCodes(const TrainingData& training, const BasisData& basis, const Code
   (*network)->deviations().copy_(predictedCodes(training, samples, *network).std(0, false).clamp_min(1e-3));
   const FittedCodes loose = fitAll(training, samples, codeOf(*network, basis), kLoosePrior, options, *network);
 
-  // the order of representations.md §9: mean equations the identity, covariance diagonal and falling
+  // the order of docs/theory/representations.md §9: mean equations the identity, covariance diagonal and falling
   const int64_t K = loose.codes.cols();
   const Vector mean = loose.codes.colwise().mean();
   const Matrix centred = loose.codes.rowwise() - mean.transpose();

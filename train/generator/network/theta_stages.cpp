@@ -146,7 +146,7 @@ ThetaStages runStages(GeneratorNetwork& network, const Representation& represent
   if (representation.isCode()) return {{codeMeanSquares(network, theta, data, samples, -1, {.loss = loss})}};
   const SampleTargets targets(representation, data, samples, loss);
   ThetaStages stages;
-  // each stage has its term in the loss (math.md §6)
+  // each stage has its term in the loss (docs/theory/math.md §6)
   const auto measure = [&] { stages.mean_squares.push_back(differentiable(measureTheta(theta, targets), theta)); };
   measure();
   if (network->solvesLastLayer(representation)) {

@@ -196,7 +196,7 @@ BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
 }
 
 double oneCycleRate(const TrainOptions& options, int64_t step) {
-  // a warm-up from .04 of the peak, then a cosine down to 1e-4 of it (math.md §6)
+  // a warm-up from .04 of the peak, then a cosine down to 1e-4 of it (docs/theory/math.md §6)
   const double position = static_cast<double>(step) / options.steps;
   if (position < options.warmup_share) {
     return options.learning_rate * (0.04 + 0.96 * position / options.warmup_share);
