@@ -263,7 +263,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   std::map<std::string, std::string> weights_sha256;
   for (const WeightsUsed& used : weights) weights_sha256[kWeightsRole + used.representation] = used.sha256;
 
-  // kept functions hold for the same options, weights and program alone
+  // kept functions hold for the same options but those of light, the same weights and the same program
   const int threads = threadsOf(options);
   const bool is_keeping = !request.kept.empty();
   nlohmann::ordered_json origin;

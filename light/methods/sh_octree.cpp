@@ -301,7 +301,7 @@ std::vector<ShOctree> growShOctrees(const LightTransport& transport, const std::
     octrees.push_back(grower.finished());
     octrees.back().byte_budget = budget;
     octrees.back().bake_s = processorSeconds() - start;
-    // so little of a budget is used only where nothing is left to divide
+    // little is left to divide where not half of a budget is used: larger ones get no tree
     if (grower.bytes() < budget / 2) break;
   }
   return octrees;

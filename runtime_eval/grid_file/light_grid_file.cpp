@@ -280,7 +280,7 @@ FileResult readGrid(const TensorFileReader& reader, LightGrid* grid, GridMetadat
     if (isOwnKey(key)) return refuse(FileStatus::value_out_of_range, "metadata " + key + ": expected no such key");
   }
   GridCounts counts{.representations = grid->representations, .light_groups = lightGroups(*grid, has_light)};
-  // functions say how many probes there are, and the tree which of them have light
+  // functions say how many probes there are and which have light, the tree which of them are neighbours
   result = readFunctions(reader, &counts, grid);
   if (result.ok()) result = readTree(reader, &counts, grid);
   if (result.ok() && has_light) result = readLight(reader, &counts, grid);
