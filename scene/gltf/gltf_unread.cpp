@@ -110,12 +110,14 @@ std::set<int> imagesOfLight(const tinygltf::Model& model) {
     const tinygltf::Value* texture = memberOf(extensions, extension, key);
     if (texture != nullptr && texture->Has("index")) textures.insert(texture->Get("index").GetNumberAsInt());
   };
+  // what light reads of a material, in the core and in extensions of it
   for (const tinygltf::Material& material : model.materials) {
     textures.insert(material.pbrMetallicRoughness.baseColorTexture.index);
     textures.insert(material.emissiveTexture.index);
     addOf(material.extensions, "KHR_materials_transmission", "transmissionTexture");
     addOf(material.extensions, "KHR_materials_pbrSpecularGlossiness", "diffuseTexture");
   }
+  // an extension may replace a texture's source by an image of another format
   for (const int texture : textures) {
     if (texture < 0 || static_cast<size_t>(texture) >= model.textures.size()) continue;
     const tinygltf::Texture& used = model.textures[static_cast<size_t>(texture)];
@@ -149,6 +151,7 @@ size_t otherLightGroups(const tinygltf::Model& model) {
 }  // namespace
 
 std::vector<std::string> unreadParts(const tinygltf::Model& model, const std::set<int>& used_materials) {
+  // what the format holds and light does not read
   size_t lines = 0, flat_cameras = 0, ranges = 0;
   for (const tinygltf::Mesh& mesh : model.meshes) {
     for (const tinygltf::Primitive& primitive : mesh.primitives)
@@ -161,6 +164,7 @@ std::vector<std::string> unreadParts(const tinygltf::Model& model, const std::se
   const auto note = [&](size_t count, const char* one, const char* many, const char* rest) {
     if (count > 0) notes.push_back(counted(count, one, many) + rest);
   };
+  // one line a kind, with its count: none is passed over in silence
   note(model.animations.size(), "animation is", "animations are", " not read: all stands as the nodes have it");
   note(lines, "primitive is", "primitives are", " of points or lines, which are not read");
   note(flat_cameras, "orthographic camera is", "orthographic cameras are", " not read");
@@ -168,6 +172,7 @@ std::vector<std::string> unreadParts(const tinygltf::Model& model, const std::se
   note(otherLightGroups(model), "light_group among extras is", "light_groups among extras are", " not read: no text");
   note(model.images.size() - imagesOfLight(model).size(), "image is", "images are",
        " not read: light needs none of roughness, normals and the like");
+  // extensions of the list and of materials
   std::set<std::string> all(model.extensionsUsed.begin(), model.extensionsUsed.end());
   // programs forget to say so
   for (const tinygltf::Material& material : model.materials) {

@@ -98,6 +98,7 @@ const Procedural* proceduralOf(Use use) {
 void addLibraryModel(Home& home, const Piece& piece, const Placement& placement) {
   MeshBuilder& mesh = home.level.mesh;
   const FurnitureModel& model = *piece.model;
+  // all copies of a model share its materials
   const auto found = home.first_material.find(&model);
   uint32_t first_material = found == home.first_material.end() ? 0 : found->second;
   if (found == home.first_material.end()) {
@@ -108,6 +109,7 @@ void addLibraryModel(Home& home, const Piece& piece, const Placement& placement)
     home.first_material[&model] = first_material;
   }
   mesh.beginObject(piece.name, Mobility::movable);
+  // the model's indices count from its own first vertex
   uint32_t first_vertex = 0;
   for (size_t i = 0; i < model.positions.size(); ++i) {
     const uint32_t added = mesh.addVertex(placement, model.positions[i]);
@@ -265,21 +267,25 @@ void putOnTop(Home& home, const std::optional<Stood>& stood, const std::vector<U
   if (!stood || stood->piece.top_m <= 0.0) return;
   const Stood& below = *stood;
   Random& random = home.level.random;
+  // footprints in the frame of the piece below, origin at its middle
   std::vector<Rect> taken;
   const glm::dvec3& size = below.piece.size_m;
   for (int i = 0; i < count; ++i) {
     const Use use = uses[random.below(static_cast<uint32_t>(uses.size()))];
     const std::optional<Piece> piece = drawPiece(home, use, {0.8 * size.x, 0.8 * size.z, 1.0});
+    // position as a share of what the footprint leaves free, 3 cm from every edge
     const double x = random.uniform(-0.5, 0.5), z = random.uniform(-0.5, 0.5);
     const double turn = random.chance(0.5) ? 0.0 : random.uniform(-40.0, 40.0);
     if (!piece || piece->model == nullptr) continue;
     const Rect local = footprint(*piece, {0.0, 0.0}, turn);
     const glm::dvec2 at{x * std::max(0.0, size.x - local.width() - 0.06), z * std::max(0.0, size.z - local.depth() - 0.06)};
     const Rect area = footprint(*piece, at, turn);
+    // a turned piece may still reach over the edge
     const Rect top{-0.5 * size.x, -0.5 * size.z, 0.5 * size.x, 0.5 * size.z};
     if (area.x0 < top.x0 || area.x1 > top.x1 || area.z0 < top.z0 || area.z1 > top.z1) continue;
     if (std::any_of(taken.begin(), taken.end(), [&](const Rect& other) { return other.overlaps(area); })) continue;
     taken.push_back(area);
+    // from the frame of the top to that of the home
     Placement placement = below.placement;
     placement.position = gridded(below.placement.apply({at.x, below.piece.top_m, at.y}));
     placement.turn = turnByDegrees(below.degrees + turn);

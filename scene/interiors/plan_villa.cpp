@@ -49,6 +49,7 @@ void addWing(Home& home, const Villa& villa, double x0, double x1, size_t hall, 
              const std::vector<HomeUse>& lower, const std::vector<HomeUse>& upper) {
   for (const bool is_upper : {false, true}) {
     const std::vector<HomeUse>& uses = is_upper ? upper : lower;
+    // each storey parts the wing by itself: its walls need not stand above those below
     const std::vector<double> z =
         partLength(home.level, villa.in.z0, villa.in.z1, home.inner_wall_m, std::vector<double>(uses.size(), 1.0));
     const double floor = is_upper ? villa.gallery_m : 0.0, clear = is_upper ? villa.upper_m : villa.lower();
@@ -57,11 +58,13 @@ void addWing(Home& home, const Villa& villa, double x0, double x1, size_t hall, 
       const size_t room = home.addRoom(uses[i], {x0, z[2 * i], x1, z[2 * i + 1]}, floor, clear);
       const DoorShape door{0.88, 2.05, true};
       bool is_reached = false;
+      // below, rooms open to the hall, often without a leaf; above, to whichever gallery they border
       if (!is_upper) {
         is_reached = home.connect(room, hall, {home.level.random.chance(0.4) ? 1.4 : 0.9, 2.1, home.level.random.chance(0.5)});
       } else {
         for (const size_t gallery : galleries) is_reached = is_reached || home.connect(room, gallery, door);
       }
+      // a room that borders none of them is reached through its neighbour
       if (!is_reached && i > 0) home.connect(room, before, door);
       before = room;
     }

@@ -30,10 +30,12 @@ void removeWall(Maze& maze, int x, int z, int direction) {
 void carveCorridors(Level& level, Maze& maze) {
   constexpr std::array<std::array<int, 2>, 4> kSteps = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
   std::vector<char> is_seen(maze.east.size(), 0);
+  // back-tracking with a stack of its own: a corridor may be longer than recursion is deep
   std::vector<glm::ivec2> path = {{0, 0}};
   is_seen[0] = 1;
   while (!path.empty()) {
     const glm::ivec2 p = path.back();
+    // the first direction is drawn, the other three follow in turn
     const int first = level.pickCount(0, 3);
     bool went = false;
     for (int turn = 0; turn < 4 && !went; ++turn) {
