@@ -73,6 +73,7 @@ std::string wrongLine(const tinygltf::Model& model, const std::set<int>& used_ma
       if (parts[i].extensions.count(name) > 0) wrong[what].push_back(parts[i].name.empty() ? std::to_string(i) : parts[i].name);
     }
   };
+  // of materials only those that triangles have, and of these only where the extension changes the picture
   for (const int m : used_materials) {
     if (static_cast<size_t>(m) >= model.materials.size()) continue;  // that of triangles without
     const tinygltf::Material& material = model.materials[static_cast<size_t>(m)];
@@ -82,6 +83,7 @@ std::string wrongLine(const tinygltf::Model& model, const std::set<int>& used_ma
     wrong["material"].push_back(material.name.empty() ? std::to_string(m) : material.name);
   }
   const auto hasIt = [&](const auto& part) { return part.extensions.count(name) > 0; };
+  // nodes stand for their meshes, and lamps for themselves: users know objects by name
   std::set<int> meshes;
   for (size_t i = 0; i < model.meshes.size(); ++i) {
     const tinygltf::Mesh& mesh = model.meshes[i];
@@ -96,6 +98,7 @@ std::string wrongLine(const tinygltf::Model& model, const std::set<int>& used_ma
   collect("lamp", model.lights);
   collect("texture", model.textures);
   collect("scene", model.scenes);
+  // what has it, by kind; a known extension that nothing has is passed over
   std::string line;
   for (const auto& [what, names] : wrong)
     line += (line.empty() ? "" : ", ") + counted(names.size(), what, what + "s") + " (" + listed(names) + ")";

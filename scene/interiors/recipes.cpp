@@ -338,6 +338,7 @@ void furnishBath(Home& home, HomeRoom& room) {
                  standAtWall(home, room, *bath, {side, room.floor.start(side) + room.floor.length(side), 0.4, 0.01}).has_value();
     }
   }
+  // toilet and basin in toilets and baths alike, the rest in baths
   addAtWall(home, room, Use::toilet, {{}, {}, 0.4, 0.01});
   addAtWall(home, room, Use::washbasin, {room.use == HomeUse::bath ? 1.3 : 0.65, 0.8, 2.3}, {{}, {}, 0.4, 0.01});
   if (room.use == HomeUse::bath) {
@@ -532,6 +533,7 @@ void addDeskIsland(Home& home, HomeRoom& room, const glm::dvec2& wanted, bool al
   Level& level = home.level;
   const std::optional<Piece> desk = drawPiece(home, Use::desk, {1.8, 0.95, 1.0});
   if (!desk) return;
+  // two rows of desks face each other over a partition, as one piece whose place is sought
   const double partition = level.pick(0.0, 0.05) * 0.4 + 0.02;  // 2, 3 or 4 cm
   const double height = level.pick(1.15, 1.6);
   const double degrees = along_x ? 0.0 : 90.0;
@@ -553,12 +555,14 @@ void addDeskIsland(Home& home, HomeRoom& room, const glm::dvec2& wanted, bool al
   }
   if (!is_free) return;
   const Placement frame{{middle.x, room.floor_m, middle.y}, turnByDegrees(degrees)};
+  // one island in five has no partition: rows see each other
   if (level.random.chance(0.8)) {
     room.solids.push_back({footprint(screen, middle, degrees), room.floor_m, room.floor_m + height});
     level.mesh.beginObject("partition", Mobility::movable);
     addBox(level.mesh, frame, {-0.5 * length, 0.0, -0.5 * partition}, {0.5 * length, height, 0.5 * partition},
            level.palette.cloth);
   }
+  // desks and chairs in the island's frame; a chair may stand off its desk, turned, or be missing
   for (const double row : {-1.0, 1.0}) {
     for (int i = 0; i < per_row; ++i) {
       const double along = length * ((i + 0.5) / per_row - 0.5);
