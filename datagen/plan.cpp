@@ -33,11 +33,13 @@ Sample takeSample(const ShardJob& job, uint64_t functions) {
   const FunctionPipeline pipeline = job.pipeline();
   const auto generate = pipeline.makeGenerator(0);
   const double start = threadSeconds();
+  // encoded as the writer does: these bytes are what the file would take
   const auto encode = [&](const FunctionRows& chunk) {
     if (chunk.functionCount() == 0) return;
     for (const auto& array : encodeFunctions(chunk, 0, chunk.functionCount()).arrays)
       sample.bytes += static_cast<double>(array.size());
   };
+  // in the shard's own order of probes: a prefix of it is a fair sample
   while (sample.made() < functions && sample.counts.visited_probes < kSampleProbes) {
     const std::vector<uint64_t> probes = pipeline.nextProbes();
     sample.whole = probes.empty() || collector.full();
@@ -46,6 +48,7 @@ Sample takeSample(const ShardJob& job, uint64_t functions) {
     generate(probes, &block);
     for (const FunctionRows& chunk : collector.add(block)) encode(chunk);
     sample.counts = collector.counts();
+    // functions known at half of the sample tell how fast duplicates grow
     if (sample.made() <= functions / 2) {
       sample.half_made = sample.made();
       sample.half_kept = sample.counts.functions;
@@ -110,6 +113,7 @@ ShardPlan planShard(const ShardRequest& request, const DatagenOptions& options, 
 }
 
 void printPlan(const ShardRequest& request, const ShardPlan& plan, PlanFormat format) {
+  // one line for programs, which add up shards
   if (format == PlanFormat::json) {
     const nlohmann::ordered_json line = {{"scene", request.scene},
                                          {"jitter", request.jitter},
