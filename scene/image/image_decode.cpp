@@ -183,6 +183,7 @@ bool decodePng(std::string_view* bytes, Canvas* canvas) {
     png_destroy_read_struct(&png, nullptr, nullptr);
     return false;
   }
+  // libpng leaves by longjmp, too
   if (setjmp(leave) != 0) {
     png_destroy_read_struct(&png, &info, nullptr);
     return false;
@@ -194,10 +195,12 @@ bool decodePng(std::string_view* bytes, Canvas* canvas) {
   png_read_info(png, info);
   bool is_good = canvas->open(png_get_image_width(png, info), png_get_image_height(png, info));
   if (is_good) {
+    // all kinds of PNG become 8 bits of red, green, blue and alpha
     png_set_expand(png);
     png_set_scale_16(png);
     png_set_gray_to_rgb(png);
     png_set_add_alpha(png, 255, PNG_FILLER_AFTER);
+    // interlaced images fill the same rows in several passes
     const int pass_count = png_set_interlace_handling(png);
     png_read_update_info(png, info);
     is_good = png_get_rowbytes(png, info) * static_cast<size_t>(canvas->height()) == canvas->byteCount();

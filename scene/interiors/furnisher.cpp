@@ -165,12 +165,14 @@ void settle(Home& home, HomeRoom& room, const Stood& stood) {
 }  // namespace
 
 std::optional<Piece> drawPiece(Home& home, Use use, const MostSize& most) {
+  // pieces of the catalogue that fit by their size
   std::vector<size_t> fitting;
   for (const size_t i : home.library.pieces(use)) {
     const glm::dvec3& size = home.library.entry(i).size_m;
     const Piece piece{use, size, home.library.entry(i).elevation_m, 0.0, nullptr, ""};
     if (isWithin(piece, most) && size.x < most.width_m) fitting.push_back(i);
   }
+  // a model that cannot be read, or is too fine, gives way to another
   for (int attempt = 0; attempt < 4 && !fitting.empty(); ++attempt) {
     const size_t i = fitting[home.level.random.below(static_cast<uint32_t>(fitting.size()))];
     const FurnitureModel* model = home.library.model(i);
@@ -179,6 +181,7 @@ std::optional<Piece> drawPiece(Home& home, Use use, const MostSize& most) {
     return Piece{use, entry.size_m, entry.elevation_m, entry.top_m, model, entry.name};
   }
   const double a = home.level.pick(0.0, 1.0), b = home.level.pick(0.0, 1.0);  // one draw each, whatever the use
+  // else a piece of boxes, if there is one for this use
   const Procedural* made = proceduralOf(use);
   if (made == nullptr) return std::nullopt;
   const Size size = made->size + a * made->more_a + b * made->more_b;
@@ -196,6 +199,7 @@ std::optional<Stood> standAtWall(Home& home, HomeRoom& room, const Piece& piece,
   Random& random = home.level.random;
   const double half = 0.5 * piece.size_m.x;
   for (int attempt = 0; attempt < 30; ++attempt) {
+    // each attempt draws the same numbers, used or not
     const Side drawn = kSides[random.below(4)];
     const double share = random.uniform();
     const bool to_corner = random.chance(0.35);
@@ -204,10 +208,12 @@ std::optional<Stood> standAtWall(Home& home, HomeRoom& room, const Piece& piece,
     constexpr double kHanging = 0.3;  // what is higher than this above the floor needs a wall
     if (slack < 0.0 || (piece.elevation_m > kHanging && !room.hasWall(side))) continue;
     const double free_choice = first + slack * (to_corner ? (share < 0.5 ? 0.0 : 1.0) : share);
+    // a wished place is left by 15 cm at most
     const double along =
         wish.at ? std::clamp(*wish.at + (attempt == 0 ? 0.0 : 0.3 * (share - 0.5)), first, first + slack) : free_choice;
     const Stood stood = atWall(room, piece, side, along, wish.gap_m);
     if (!room.isFree(boxOf(stood))) continue;
+    // the room before a piece is empty, and stays so
     const Box access{room.floor.strip(side, along - half, along + half, wish.gap_m + piece.size_m.z + wish.access_m),
                      stood.placement.position.y, stood.placement.position.y + std::min(1.8, piece.size_m.y)};
     if (!room.isEmpty(access)) continue;

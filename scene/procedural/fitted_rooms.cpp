@@ -159,6 +159,7 @@ void buildKitchen(Level& level) {
   carveHole(building, 0, Side::south, 0.8, in.width() - 0.8, 0.7, 2.2, 0.0);
   carveDoor(building, Side::east, 0, level.pick(0.8, 2.0), 0.9);
   building.shell.emitObject(level.mesh, "shell", Mobility::structure);
+  // units along two walls; those of the west leave the window free
   addRun(level, in, Side::north, 0.02, in.width() - 0.75, fittings, {glm::dvec3(-1.0), glm::dvec3(-1.0)});
   addRun(level, in, Side::west, 0.66, in.depth() - 0.6, fittings, {glm::dvec3(window), glm::dvec3(window + 1.2)});
   addUnit(level, onWall(in, Side::north, in.width() - 0.36, 0.03, 0.06), {0.6, 1.8, 0.58}, fittings, Doors::shut);  // the fridge

@@ -120,6 +120,7 @@ void addShell(Level& level, const Maze& maze) {
     const double z = maze.zAt(level.pickCount(0, maze.z_count - 1)) + 0.4;
     grid.carve({x, maze.height_m, z}, {x + maze.cell_m - 0.8, maze.height_m + 0.3, z + maze.cell_m - 0.8});
   }
+  // the entrance in the north, the exit in the east
   const double entry = maze.xAt(level.pickCount(0, maze.x_count - 1)) + 0.5 * maze.cell_m;
   grid.carve({entry - 0.6, 0, out.z0}, {entry + 0.6, 2.2, in.z0});
   const double exit = maze.zAt(level.pickCount(0, maze.z_count - 1)) + 0.5 * maze.cell_m;

@@ -41,6 +41,7 @@ Scene makeCornell(uint64_t) {
   const uint32_t white = addPaint(mesh, {0.725f, 0.71f, 0.68f}), red = addPaint(mesh, {0.63f, 0.065f, 0.05f}),
                  green = addPaint(mesh, {0.14f, 0.45f, 0.091f});
   const uint32_t lamp = mesh.addMaterial({glm::vec3(0.78f), glm::vec3(17.0f, 12.0f, 4.0f), false});
+  // a white block, its sides red and green, the room carved into it
   BrushGrid box;
   box.fill({-1.0 - kShell_m, -kShell_m, -1.0 - kShell_m}, {1.0 + kShell_m, 2.0 + kShell_m, 1.0}, white);
   box.fill({-1.0 - kShell_m, 0.0, -1.0}, {-1.0, 2.0, 1.0}, red);

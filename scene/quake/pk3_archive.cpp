@@ -166,6 +166,7 @@ std::string Pk3Archives::read(const std::string& name, size_t max_bytes) const {
   const auto fail = [&](const std::string& expected, const std::string& got) {
     throw InputError(archive.file, quoted(name), expected, got);
   };
+  // what an entry claims is checked before memory is reserved for it
   zip_stat_t stat;
   if (zip_stat_index(archive.zip, entry.entry_idx, 0, &stat) != 0) fail("a size", zip_strerror(archive.zip));
   if (stat.encryption_method != ZIP_EM_NONE) fail("an entry that is not encrypted", "an encrypted one");

@@ -61,6 +61,7 @@ Parts partsOf(const Scene& scene) {
   ShellFinder finder(parts.same_as);
   for (size_t o = 0; o < scene.objects.size(); ++o) {
     const SceneObject& object = scene.objects[o];
+    // faces with alpha are sheets in any case, and close no shell
     std::vector<uint32_t> kept;
     std::vector<glm::uvec3> triangles;
     for (uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
