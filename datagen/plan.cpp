@@ -73,23 +73,27 @@ void extrapolate(const Sample& sample, const CollectorLimits& limits, ShardPlan*
              kept = static_cast<double>(sample.counts.functions);
   plan->visited_probes = visited;
   plan->functions = kept;
+  // the sample was the whole shard
   if (sample.whole) return;
   plan->visited_probes = static_cast<double>(limits.visited_probes);
   if (made == 0.0) {
     plan->uncertainty = 1.0;  // nothing is known but that functions are rare
     return;
   }
+  // functions grow as a power of visited probes, since duplicates become more frequent
   const double exponent = growthExponent(sample), most = static_cast<double>(limits.functions);
   plan->functions = kept * std::pow(plan->visited_probes / visited, exponent);
   const double share = made / visited, distinct = kept / made;
   double exponent_error = std::sqrt(2.0 * (1.0 - distinct) / (distinct * made)) / std::log(2.0);
   double growth = 1.0;
+  // the limit on functions ends the shard first
   if (plan->functions > most) {
     plan->functions = most;
     plan->visited_probes = std::min(plan->visited_probes, visited * std::pow(most / kept, 1.0 / exponent));
     growth = 1.0 / exponent;
   }
   exponent_error *= growth * std::abs(std::log(plan->visited_probes / visited));
+  // two standard deviations: of the share of probes that have a function, and of the exponent
   plan->uncertainty = 2.0 * std::hypot(growth * std::sqrt((1.0 - share) / made), exponent_error);
 }
 
