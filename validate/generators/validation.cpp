@@ -73,6 +73,7 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
                   {"functions", functionsJson(counts.all, context)},
                   {"bootstrap", bootstrapJson(context)},
                   {tents.name, figuresByPopulation(tents, Scope::set, context)}};
+  // for each generator the bake's policy, long fits from its thetas, and slices of telling functions
   for (size_t i = 0; i < generators.size(); ++i) {
     const Representation& representation = generators[i].representation();
     const std::string name = representationName(representation);

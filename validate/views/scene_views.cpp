@@ -171,6 +171,7 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   const std::vector<size_t> counts = viewCounts(standing, options);
   found.rooms_left_out = static_cast<uint32_t>(std::count(counts.begin(), counts.end(), 0));
 
+  // eyes of a view stand in one part of the room; views are spread over it
   for (size_t s = 0; s < standing.size(); ++s) {
     if (counts[s] == 0) continue;
     const auto& [number, has_roof, of_room] = standing[s];

@@ -154,6 +154,7 @@ ViewSurfaces surfacesOf(const LightTransport& transport, const SceneView& view, 
   SightOptions options;
   options.width = width;
   options.height = height;
+  // one sample a pixel: each error belongs to one place
   options.samples_per_side = 1;
   options.balls = view.figure;
   options.thread_count = thread_count;
