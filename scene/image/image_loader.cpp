@@ -210,7 +210,7 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
   // decoded pixels count against the scene's budget; the error names the image that exceeded it
   pixels.take(work.taken(), path, one_too_many);
 
-  // an image that could not be read has number -1: its material keeps its colour factor
+  // an image that could not be read has number -1: grey in its place, or dark where it would shine
   for (TextureImage& image : kept) {
     loaded.image_of.push_back(image.texels.empty() ? -1 : static_cast<int32_t>(loaded.images.size()));
     if (!image.texels.empty()) loaded.images.push_back(std::move(image));

@@ -60,7 +60,7 @@ FunctionError ErrorMeter::compare(const float* values, const float* test_values,
     if (!bit(set_.validity_test, index, test_count, i)) continue;
     test.add(test_values[i] - set_.phi_test[index * test_count + i] / 255.0);
   }
-  // magnitudes keep their order for the caller, who pools them by function
+  // the quantile sorts a copy: the caller pools the magnitudes as they are
   sorted_ = leak_magnitudes_;
   return {
       loss.root(), all.root(), test.root(), occluded.root(), occluded.count > 0, mean(leak_magnitudes_), quantile(sorted_, 0.99)};
