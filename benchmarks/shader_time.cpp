@@ -87,9 +87,11 @@ LightGrid equipped(const LightGrid& grid, const Variant* variant, bool everywher
 
 // Patches a quarter of a spacing wide.
 ShaderPlaces patches(const LightGrid& grid) {
+  // the seed is fixed: all devices look up the same positions
   Random random(8);
   ShaderPlaces places;
   for (int patch = 0; patch < kPatches; ++patch) {
+    // anywhere in the support of a probe, facing one axis
     const size_t probe = random.below(static_cast<uint32_t>(grid.tree.probeCount()));
     const double spacing_m = grid.tree.probeSpacing(probe), step_m = spacing_m / (4 * kPatchEdge);
     PositionM low = grid.tree.probePosition(probe);
@@ -97,6 +99,7 @@ ShaderPlaces patches(const LightGrid& grid) {
     const size_t facing = random.below(3);
     std::array<float, 3> normal{};
     normal[facing] = 1.0f;
+    // neighbours of a patch lie in neighbouring invocations, as pixels of a surface do
     for (int i = 0; i < kPatchEdge * kPatchEdge; ++i) {
       PositionM at = low;
       const int row = i / kPatchEdge;

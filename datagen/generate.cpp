@@ -93,6 +93,7 @@ void generate(const ShardRequest& request, const std::string& out, const Datagen
   const ShardJob job(request, options, table);
   const CollectorLimits limits = job.limits();
   nlohmann::ordered_json result;
+  // the shard replaces an older one only when it is whole: a run that ends early leaves no half file
   writeAtomically(out, [&](const std::string& temporary_path) {
     ShardWriter writer(temporary_path, job.header());
     FunctionCollector collector(job.header(), limits, std::filesystem::absolute(out).parent_path().string());
@@ -100,12 +101,14 @@ void generate(const ShardRequest& request, const std::string& out, const Datagen
     FunctionPipeline pipeline = job.pipeline();
     pipeline.report = [&](const FunctionCollector& at_work) { report(progress, at_work, limits); };
     try {
+      // threads compress chunks, which are appended in order: the bytes do not depend on threads
       pipeline.makeFinisher = appendTo(writer);
       pipeline.run(options.threads, collector);
       ShardCounts counts = collector.counts();
       counts.grid_probes = job.probeCount();
       writer.finish(counts);
     } catch (const OutputError& error) {
+      // HDF5's own words say neither that the disk is full nor how much the rest needs
       throw OutputError(out, reasonOf(error) + "; " + spaceText(out, collector, writer, limits));
     }
     warn(job, collector.counts());

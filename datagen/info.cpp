@@ -72,6 +72,7 @@ Json shardJson(const ShardReader& reader, const Statistics& statistics) {
   const Shard& s = reader.header();
   const ShardCounts& c = s.counts;
   const double functions = static_cast<double>(std::max<uint64_t>(c.functions, 1));
+  // what the shard is of, then what became of its probes
   Json json = {{"schema_version", kShardVersion}, {"scene", s.scene_id}, {"family", s.family}, {"jitter", s.jitter}};
   json.update(countsJson(c));
   json.update({{"duplicate_rms", s.duplicate_rule.rms},
@@ -227,6 +228,7 @@ std::string dataCardText(const Json& card) {
       "bare tent: it is enough, and a bake stores nothing; hard: its RMSE is .01 or more; of solid: of probes in solid, seen "
       "from air; dark: "
       "points with 0.\n\nblend RMSE of the bare tent, functions:\n";
+  // histogram of the bare tent's error: its tail is what generators are for
   const double functions = std::max(1.0, all["functions"].get<double>());
   double low = 0.0;
   for (const Json& bin : all["tent_blend_rmse"]) {

@@ -33,11 +33,13 @@ Sample takeSample(const ShardJob& job, uint64_t functions) {
   const FunctionPipeline pipeline = job.pipeline();
   const auto generate = pipeline.makeGenerator(0);
   const double start = threadSeconds();
+  // encoded as the writer does: these bytes are what the file would take
   const auto encode = [&](const FunctionRows& chunk) {
     if (chunk.functionCount() == 0) return;
     for (const auto& array : encodeFunctions(chunk, 0, chunk.functionCount()).arrays)
       sample.bytes += static_cast<double>(array.size());
   };
+  // in the shard's own order of probes: a prefix of it is a fair sample
   while (sample.made() < functions && sample.counts.visited_probes < kSampleProbes) {
     const std::vector<uint64_t> probes = pipeline.nextProbes();
     sample.whole = probes.empty() || collector.full();
@@ -46,6 +48,7 @@ Sample takeSample(const ShardJob& job, uint64_t functions) {
     generate(probes, &block);
     for (const FunctionRows& chunk : collector.add(block)) encode(chunk);
     sample.counts = collector.counts();
+    // functions known at half of the sample tell how fast duplicates grow
     if (sample.made() <= functions / 2) {
       sample.half_made = sample.made();
       sample.half_kept = sample.counts.functions;
@@ -70,23 +73,27 @@ void extrapolate(const Sample& sample, const CollectorLimits& limits, ShardPlan*
              kept = static_cast<double>(sample.counts.functions);
   plan->visited_probes = visited;
   plan->functions = kept;
+  // the sample was the whole shard
   if (sample.whole) return;
   plan->visited_probes = static_cast<double>(limits.visited_probes);
   if (made == 0.0) {
     plan->uncertainty = 1.0;  // nothing is known but that functions are rare
     return;
   }
+  // functions grow as a power of visited probes, since duplicates become more frequent
   const double exponent = growthExponent(sample), most = static_cast<double>(limits.functions);
   plan->functions = kept * std::pow(plan->visited_probes / visited, exponent);
   const double share = made / visited, distinct = kept / made;
   double exponent_error = std::sqrt(2.0 * (1.0 - distinct) / (distinct * made)) / std::log(2.0);
   double growth = 1.0;
+  // the limit on functions ends the shard first
   if (plan->functions > most) {
     plan->functions = most;
     plan->visited_probes = std::min(plan->visited_probes, visited * std::pow(most / kept, 1.0 / exponent));
     growth = 1.0 / exponent;
   }
   exponent_error *= growth * std::abs(std::log(plan->visited_probes / visited));
+  // two standard deviations: of the share of probes that have a function, and of the exponent
   plan->uncertainty = 2.0 * std::hypot(growth * std::sqrt((1.0 - share) / made), exponent_error);
 }
 
@@ -110,6 +117,7 @@ ShardPlan planShard(const ShardRequest& request, const DatagenOptions& options, 
 }
 
 void printPlan(const ShardRequest& request, const ShardPlan& plan, PlanFormat format) {
+  // one line for programs, which add up shards
   if (format == PlanFormat::json) {
     const nlohmann::ordered_json line = {{"scene", request.scene},
                                          {"jitter", request.jitter},

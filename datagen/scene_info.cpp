@@ -83,10 +83,12 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
   for (const uint32_t m : std::set<uint32_t>(scene.triangle_material.begin(), scene.triangle_material.end()))
     used.push_back(scene.materials[m]);
   const auto count = [&](const auto& holds) { return std::count_if(used.begin(), used.end(), holds); };
+  // emission of materials that triangles have: a library's others light nothing
   std::vector<glm::vec3> shining;
   for (const Material& material : used) {
     if (material.emissive != glm::vec3(0.0f)) shining.push_back(material.emissive);
   }
+  // what a user compares with the modelling program, in metres and in the file's units of light
   Json json = {{"scene", request},
                {"triangles", scene.triangles.size()},
                {"triangles_without_area", scene.dropped_triangle_count},
@@ -109,6 +111,7 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
                {"baked_light", !scene.light.baked.empty()},
                {"viewpoints", scene.viewpoints.size()},
                {"sha256", source.sha256.empty() ? sceneSha256(scene) : source.sha256}};
+  // what was changed, skipped or guessed on reading
   Json notes = Json::array();
   for (const std::string& note : source.notes) notes.push_back(note);
   for (const std::string& note : source.light_notes) notes.push_back(note);
@@ -128,10 +131,12 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
 std::string sceneText(const Json& scene) {
   std::string text = printable(scene["scene"].get<std::string>()) + "\n";
   std::string title;
+  // a title stands once, before its first line
   const auto line = [&](const char* name, const std::string& words) {
     text += fmt::format("  {:<12}{}\n", title == name ? "" : name, words);
     title = name;
   };
+  // plural and unit are the text's, JSON keeps plain numbers
   const auto counted = [&](const char* key, const char* what) {
     const auto count = scene[key].get<uint64_t>();
     return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
@@ -151,6 +156,7 @@ std::string sceneText(const Json& scene) {
     line("triangles", fmt::format("{} more without area, left out", scene["triangles_without_area"].get<uint64_t>()));
   line("size",
        fmt::format("{} m at {:g} m a unit, its middle at {}", three("size_m", " x "), number("unit_m"), three("middle_m", " ")));
+  // shares of area by kind: they show at a glance what bounds solid
   std::string surfaces;
   for (const auto& [kind, share] : scene["surfaces"].items()) {
     if (share.get<double>() == 0.0) continue;
@@ -162,6 +168,7 @@ std::string sceneText(const Json& scene) {
   line("materials", fmt::format("{}, {} of them with an image{}", number("materials"), number("materials_with_image"),
                                 scene["vertex_colours"].get<bool>() ? "; vertices have colours" : ""));
   line("images", fmt::format("{}, kept in {:.1f} MB", number("images"), number("image_bytes") / 1e6));
+  // by source, each in its own unit: a factor of 683 too much shows here
   if (number("materials_that_shine") > 0.0)
     line("light", fmt::format("{} of the materials {}, {}", number("materials_that_shine"),
                               number("materials_that_shine") == 1.0 ? "shines" : "shine", range("shine_cd_per_m2", "cd/m²")));

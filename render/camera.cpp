@@ -27,19 +27,25 @@ double judge(const LightTransport& transport, const Camera& camera, double aspec
   std::set<std::pair<uint32_t, int>> sides;
   int lit = 0;
   for (int i = 0; i < kColumns * kRows; ++i) {
+    // a coarse grid of rays is enough to judge a view
     const glm::vec3 direction = camera.direction((i % kColumns + 0.5) / kColumns, (i / kColumns + 0.5) / kRows, aspect);
     const glm::vec3 eye(camera.eye_m);
     const LightHit hit = transport.rays().lightHit(eye, direction);
     if (hit.kind != LightHit::Kind::surface) continue;
     const Scene& scene = transport.scene();
     const uint32_t material = scene.triangle_material[hit.triangle];
+    // a one-sided face seen from behind: the eye is in solid, or the level is open there
     if (!hit.is_front && !scene.materials[material].double_sided) return kWorst;
     depths.push_back(std::log(std::max<double>(hit.distance, near_m) / near_m));
+    // surfaces by material and side, normals rounded to 27 ways: a wall counts once, however many triangles it has
     const glm::vec3 octant = glm::sign(glm::round(2.0f * hit.normal));
     sides.emplace(material, static_cast<int>(octant.x + 3.0f * octant.y + 9.0f * octant.z));
+    // two bounces tell lit from dark
     lit += luminanceOf(transport.radianceAlong(eye, direction, 2, mixSeed(kViewStream, i))) > 0.0;
   }
+  // mostly sky or nothing: not a view of the level
   if (depths.size() < kColumns * kRows / 2) return kWorst;
+  // logarithms of depth: the mean for distance, the spread for variety
   double mean = 0.0, square = 0.0;
   for (const double depth : depths) mean += depth / static_cast<double>(depths.size());
   for (const double depth : depths) square += (depth - mean) * (depth - mean) / static_cast<double>(depths.size());

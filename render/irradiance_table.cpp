@@ -40,6 +40,7 @@ std::string quoted(std::string_view text) { return fmt::format("'{}'", text.subs
 }  // namespace
 
 std::vector<Receiver> receiversFromCsv(const std::string& path, const std::string& text, const glm::dvec3& origin_m) {
+  // the header names columns and units; another order would swap positions and normals in silence
   std::string_view rest = text;
   if (const std::string_view header = takeLine(&rest); header != kHeader)
     throw InputError(path, "line 1", std::string(kHeader), quoted(header));
@@ -49,15 +50,18 @@ std::vector<Receiver> receiversFromCsv(const std::string& path, const std::strin
     const auto refuse = [&](const std::string& expected) {
       return InputError(path, fmt::format("line {}", line_number), expected, quoted(line));
     };
+    // columns are counted before numbers are read: the error then says what is wrong
     if (std::count(line.begin(), line.end(), ',') != 5) throw refuse("six numbers with commas between them");
     std::string_view left = line;
     double numbers[6];
+    // from_chars takes no locale; NaN fails the comparison
     for (double& number : numbers) {
       const std::string_view word = takeUntil(',', &left);
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
       if (error != std::errc() || end != word.data() + word.size() || !(std::fabs(number) <= kFarthest))
         throw refuse("numbers from -1e7 to 1e7");
     }
+    // normals need not be of length 1, positions become relative to the scene's origin
     const glm::dvec3 normal(numbers[3], numbers[4], numbers[5]);
     if (!(glm::length(normal) > 1e-6)) throw refuse("a normal that is not 0");
     receivers.push_back({glm::dvec3(numbers[0], numbers[1], numbers[2]) - origin_m, glm::vec3(glm::normalize(normal))});
@@ -66,6 +70,7 @@ std::vector<Receiver> receiversFromCsv(const std::string& path, const std::strin
 }
 
 void writeIrradianceTable(const IrradianceRequest& request, const BakeOptions& options) {
+  // nothing that is read may be overwritten
   refuseToReplaceInputs(request.out, {request.scene, request.places});
   requireOutputFile(request.out);
   const std::string places = readFile(request.places, size_t{1} << 26);
@@ -73,18 +78,21 @@ void writeIrradianceTable(const IrradianceRequest& request, const BakeOptions& o
   tellNotes("nlg-render", source);
   const glm::dvec3& origin_m = source.scene.origin_m;
   const std::vector<Receiver> receivers = receiversFromCsv(request.places, places, origin_m);
+  // path tracing at each point, with the number of rays that was asked for
   const RayScene rays(source.scene);
   const LightTransport transport(source.scene, rays);
   GatherOptions gather;
   gather.rays = request.rays;
   gather.direct = directLightFromName(options.light_direct);
 
+  // a seed by point: neither threads nor other lines change a row
   std::vector<GatheredIrradiance> gathered(receivers.size());
   parallelFor(receivers.size(), options.threads > 0 ? options.threads : machineThreadCount(), [&](uint64_t i, int) {
     gathered[i] =
         transport.gatherIrradiance(receivers[i].position_m, receivers[i].normal, gather, mixSeed(options.seed, kTableStream, i));
   });
 
+  // back to world coordinates, as the points came in
   std::string table = fmt::format("{},r,g,b,dr,dg,db\n", kHeader);
   for (size_t i = 0; i < receivers.size(); ++i) {
     const glm::dvec3 place = origin_m + receivers[i].position_m;

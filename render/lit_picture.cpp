@@ -65,6 +65,7 @@ LitPicture pictureOf(const Sights& sights, const std::string& method, const std:
   picture.width = sights.width;
   picture.height = sights.height;
   uint64_t receivers = 0, unlit = 0;
+  // samples of a pixel become means: radiance over all samples, irradiance over those that receive light
   for (size_t first = 0; first < sights.samples.size(); first += sights.samples_per_pixel) {
     glm::vec3 radiance(0.0f), irradiance(0.0f), variance(0.0f);
     int count = 0, solid = 0;
@@ -73,8 +74,10 @@ LitPicture pictureOf(const Sights& sights, const std::string& method, const std:
       radiance += sight.shine;
       solid += sight.kind == Sight::Kind::solid;
       if (sight.kind != Sight::Kind::receiver) continue;
+      // diffuse: radiance is albedo times irradiance over pi
       radiance += sight.albedo * received[i].irradiance / kPi;
       irradiance += received[i].irradiance;
+      // samples are independent: variances add
       variance += received[i].deviation * received[i].deviation;
       unlit += !received[i].is_lit;
       ++count;
@@ -86,6 +89,7 @@ LitPicture pictureOf(const Sights& sights, const std::string& method, const std:
     picture.irradiance.push_back(irradiance * of_receivers);
     picture.deviation.push_back(glm::sqrt(variance) * of_receivers);
     picture.receiver_share.push_back(static_cast<float>(count) * of_samples);
+    // a pixel shows solid only if all of its samples do
     picture.in_solid.push_back(solid == sights.samples_per_pixel);
   }
   if (receivers > 0) picture.unlit_share = static_cast<double>(unlit) / static_cast<double>(receivers);

@@ -55,12 +55,14 @@ Image withShareBar(const Image& map, const std::string& title) {
 Image drawPanel(const std::vector<PanelColumn>& columns, const PanelText& text) {
   const int width = columns.front().picture.width(), height = columns.front().picture.height();
   const auto count = static_cast<int>(columns.size());
+  // all columns take the caption height of the longest
   size_t caption_lines = 0;
   int pitch = width;  // of columns: captions of small pictures need more than these
   for (const PanelColumn& column : columns) {
     caption_lines = std::max(caption_lines, column.captions.size());
     for (const std::string& caption : column.captions) pitch = std::max(pitch, textWidth(caption));
   }
+  // a second row for errors only if a column has one
   const bool has_errors = std::any_of(columns.begin(), columns.end(), [](const PanelColumn& c) { return c.error.has_value(); });
   const int captions = kGap / 2 + static_cast<int>(caption_lines) * kLine;
   const int row = kTitleLine + height + captions;
@@ -68,11 +70,13 @@ Image drawPanel(const std::vector<PanelColumn>& columns, const PanelText& text) 
   for (size_t i = 0; i < text.heading.size(); ++i) widest = std::max(widest, textWidth(text.heading[i], i == 0 ? 2 : 1));
   const int total_width = 2 * kMargin + widest;
   const int total_height = 2 * kMargin + headingHeight(text) + row + (has_errors ? height + kGap + kBarHeight : 0);
+  // headings above, the first twice as large
   Image panel(total_width, total_height, kPaper);
   for (size_t i = 0; i < text.heading.size(); ++i) {
     const int y = i == 0 ? kMargin : kMargin + kTitleLine + static_cast<int>(i - 1) * kLine;
     drawText(panel, kMargin, y, text.heading[i], kInk, i == 0 ? 2 : 1);
   }
+  // column by column: title, picture, captions, error with its bar
   for (int c = 0; c < count; ++c) {
     const PanelColumn& column = columns[c];
     const int x = kMargin + c * (pitch + kGap);

@@ -110,20 +110,24 @@ PlaceView viewOfPlace(const LightTransport& transport, const Receiver& place) {
 
 Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, const Lighting& lighting,
                 const PlacePictureOptions& options) {
+  // a ball at the sample point, seen from the side that it measures
   const PlaceView view = viewOfPlace(transport, place.at);
   SightOptions sight;
   sight.width = options.width;
   sight.height = options.height;
+  // four samples a pixel smooth the ball's rim, if enough rays are left for each
   sight.samples_per_side = options.truth_rays >= 4 * kLeastRays ? 2 : 1;
   sight.balls = {view.ball};
   sight.thread_count = options.thread_count;
   const Sights sights = sightsOf(transport, view.camera, sight);
+  // truth and answer on the same samples, with one exposure: what differs is light
   GatherOptions gather;
   gather.rays = options.truth_rays / sights.samples_per_pixel;
   const LitPicture truth = lightPicture(sights, truthLighting(transport, gather, options.seed), options.thread_count);
   const LitPicture answer = lightPicture(sights, lighting, options.thread_count);
   const double exposure = exposureOf(truth, place, leastAdapted(transport.scene())), range = nextScale(place.error);
 
+  // truth, answer, and their signed difference
   std::vector<PanelColumn> columns = {
       {"truth", {rgbText(place.truth), fmt::format("exposure {:.3g}", exposure)}, toneMapped(truth, exposure), std::nullopt},
       {lighting.name, {rgbText(place.answer)}, toneMapped(answer, exposure), std::nullopt},
@@ -131,6 +135,7 @@ Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, con
        {"red: too bright", "blue: too dark", fmt::format("full at {:g} of RMS", range)},
        errorMapUpTo(range * place.scale, answer, truth, ErrorKind::with_sign),
        std::nullopt}};
+  // the needle shows the normal at which light was measured
   for (PanelColumn& column : columns) drawNeedle(column.picture, view, place.at.normal);
   return drawPanel(columns, {});
 }

@@ -67,6 +67,7 @@ Sight surfaceSight(const LightTransport& transport, const Seen& seen, const glm:
 // chance   in [0, 1), of this sample: whether it sees a transmissive surface or what is behind it
 Sight sightAlong(const LightTransport& transport, const Camera& camera, const glm::vec3& direction, const SightOptions& options,
                  float chance) {
+  // the nearest of scene and balls ends the ray
   const glm::vec3 eye(camera.eye_m);
   const LightHit hit = transport.rays().lightHit(eye, direction);
   double nearest = hit.kind == LightHit::Kind::nothing ? INFINITY : hit.distance;
@@ -75,10 +76,12 @@ Sight sightAlong(const LightTransport& transport, const Camera& camera, const gl
     const std::optional<double> entry = entryOf(ball, camera.eye_m, glm::dvec3(direction));
     if (entry && *entry < nearest) nearest = *entry, met = &ball;
   }
+  // transmissive surfaces before this end come first: by chance one of them is what is seen
   const Seen seen = seenAlong(transport, eye, direction, chance, static_cast<float>(nearest));
   const bool is_transmissive = seen.hit.kind == LightHit::Kind::surface && seen.hit.distance < nearest;
   if (is_transmissive || (met == nullptr && seen.hit.kind == LightHit::Kind::surface))
     return surfaceSight(transport, seen, eye + direction * seen.hit.distance, options.offset_m);
+  // a ball is lit by the light at its centre, as a moving object would be
   Sight sight;
   if (met != nullptr) {
     sight.kind = Sight::Kind::receiver;
@@ -87,6 +90,7 @@ Sight sightAlong(const LightTransport& transport, const Camera& camera, const gl
     sight.albedo = glm::vec3(kBallAlbedo) * seen.through;
     return sight;
   }
+  // a sky face of a level may have a colour of its own
   const SceneLight& light = transport.scene().light;
   const glm::vec3 sky = hit.kind == LightHit::Kind::sky ? light.sky_faces.radiance(hit.triangle, direction, light.sky)
                                                         : light.sky.radiance(direction);

@@ -48,6 +48,7 @@ double errorOf(const LitPicture& picture, const LitPicture& truth, size_t pixel,
 
 double leastAdapted(const Scene& scene) {
   const SceneLight& light = scene.light;
+  // irradiance that each source gives alone: sky and surfaces over a hemisphere, the sun facing it, a lamp a metre away
   double most = kPi * max(luminance(light.sky.zenith), luminance(light.sky.horizon));
   for (const Sun& sun : light.suns) most = max<double>(most, luminance(sun.irradiance));
   for (const Lamp& lamp : light.lamps) most = max<double>(most, luminance(lamp.intensity));

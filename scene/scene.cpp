@@ -36,6 +36,7 @@ void dropFlatTriangles(Scene& scene) {
   std::vector<SceneObject> objects;
   std::vector<int32_t>& pages = scene.light.baked.triangle_page;
   uint32_t kept = 0;
+  // what is kept moves forward in place: an object's triangles stay one range
   for (SceneObject object : scene.objects) {
     const uint32_t end = object.first_triangle + object.triangle_count;
     const uint32_t first_kept = kept;
@@ -48,6 +49,7 @@ void dropFlatTriangles(Scene& scene) {
     }
     object.first_triangle = first_kept;
     object.triangle_count = kept - first_kept;
+    // an object that loses all of its triangles is no object
     if (object.triangle_count > 0) objects.push_back(object);
   }
   scene.dropped_triangle_count = static_cast<uint32_t>(scene.triangles.size()) - kept;
@@ -236,9 +238,11 @@ std::string geometryDifference(const Scene& scene, const Scene& other) {
   const auto counted = [](size_t count, const char* what, size_t not_count) {
     return fmt::format("{} {}, not {}", count, what, not_count);
   };
+  // counts first: they name the cause; the first corner that differs may lie far behind it
   if (other.triangles.size() != scene.triangles.size())
     return counted(other.triangles.size(), "triangles", scene.triangles.size());
   if (other.objects.size() != scene.objects.size()) return counted(other.objects.size(), "objects", scene.objects.size());
+  // corners in world coordinates: each scene has its own origin
   const auto cornerAt = [](const Scene& of, size_t triangle, int corner) {
     return of.origin_m + glm::dvec3(of.positions[of.triangles[triangle][corner]]);
   };
@@ -253,6 +257,7 @@ std::string geometryDifference(const Scene& scene, const Scene& other) {
           return fmt::format("a corner of '{}' at {:.6g}, {:.6g}, {:.6g}, not at {:.6g}, {:.6g}, {:.6g}", b.name, there.x,
                              there.y, there.z, here.x, here.y, here.z);
       }
+      // of materials only what visibility reads: sides decide what is solid, transmission what blocks
       const Material &of_a = scene.materials[scene.triangle_material[t]], &of_b = other.materials[other.triangle_material[t]];
       if (of_a.double_sided != of_b.double_sided)
         return fmt::format("'{}' with {}", b.name, of_b.double_sided ? "two sides" : "one side");
@@ -260,8 +265,10 @@ std::string geometryDifference(const Scene& scene, const Scene& other) {
         return fmt::format("'{}' with a material that lets other light through", b.name);
     }
   }
+  // sky faces end rays of the vote (docs/theory/visibility.md, What is solid)
   const SkyFaces &sky = scene.light.sky_faces, &other_sky = other.light.sky_faces;
   if (sky.positions != other_sky.positions || sky.triangles != other_sky.triangles) return "other faces of sky";
+  // the hash also reads what no corner shows: the order of vertices, and the box
   return sceneSha256(scene) == sceneSha256(other) ? "" : "vertices in another order, or another box nlg_extent";
 }
 

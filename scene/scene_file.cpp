@@ -119,8 +119,10 @@ FileBeside findBeside(const std::string& scene_path, const std::string& address)
     return {{}, "is no name of a file", {}};
   const std::string plain = withSlashes(decoded);
   const bool is_elsewhere = !isInside(plain);
+  // as written, percent-decoded, and with slashes for backslashes
   std::vector<std::string> names;  // to try
   if (!is_elsewhere) names = {address, decoded, withSlashes(address), plain};
+  // a path of another machine: its tails, longest first, are looked for beside the scene
   for (size_t at = plain.find('/'); is_elsewhere && at != std::string::npos; at = plain.find('/', at + 1))
     names.push_back(plain.substr(at + 1));
   std::string tried;
@@ -130,6 +132,7 @@ FileBeside findBeside(const std::string& scene_path, const std::string& address)
     const std::string there = nameOnDisk(folder, names[i]);
     const std::string problem = there.empty() ? "" : openProblem(folder, there);
     if (!problem.empty()) return {{}, problem, {}};
+    // a file under another name than the scene gives is reported
     const bool is_guess = is_elsewhere || there != fs::path(names[i]).lexically_normal().string();
     if (!there.empty()) return {folder + "/" + there, {}, is_guess ? there : ""};
     tried += (tried.empty() ? "" : ", ") + names[i];

@@ -174,6 +174,7 @@ std::optional<ExtentBox> reachBeyondBounds(const Scene& scene, double margin_m) 
   const Bounds bounds = sceneBounds(scene);
   glm::vec3 low = bounds.min, high = bounds.max;
   const float longest = longestSide(scene);
+  // lamps outside the geometry count, unless they are further away than it is long
   for (const Lamp& lamp : scene.light.lamps) {
     const glm::vec3 away = glm::max(glm::max(bounds.min - lamp.position, lamp.position - bounds.max), glm::vec3(0.0f));
     if (glm::length(away) > longest) continue;
@@ -191,6 +192,7 @@ std::optional<ExtentBox> reachBeyondBounds(const Scene& scene, double margin_m) 
     std::nth_element(heights.begin(), heights.begin() + (kNotable - 1), heights.end(), std::greater<>());
     return heights[kNotable - 1];
   };
+  // headroom above the highest open ground, the margin above other tops
   high.y = std::max({high.y, notableTop(ground) + kHeadroom, notableTop(other) + static_cast<float>(margin_m)});
   if (low == bounds.min && high == bounds.max) return std::nullopt;
   return ExtentBox{scene.origin_m + glm::dvec3(low), scene.origin_m + glm::dvec3(high)};

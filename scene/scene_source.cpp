@@ -157,13 +157,16 @@ void refuseOtherFormats(const std::string& request, const std::string& extension
 SceneSource readScene(const std::string& request, const SceneReading& reading) {
   const std::string extension = extensionOf(request);
   refuseOtherFormats(request, extension);
+  // an option that only the glTF reader knows is refused elsewhere, not ignored
   const bool is_other = extension == ".obj" || extension == ".bsp" || archiveColon(request) != std::string::npos;
   if (is_other && !(reading.gltf.scene_name.empty() && reading.gltf.leave_out.empty()))
     throw UsageError(reading.gltf.scene_name.empty() ? "--leave-out" : "--scene-name", "a glTF file", request);
   if (extension == ".obj") return readObjFile(request, reading);
   if (extension == ".glb" || extension == ".gltf") return readGltfFile(request, reading);
+  // procedural scenes are in metres, levels of games in a unit that their reader knows
   if (reading.unit_m != 1.0)
     throw UsageError("--unit", "1 for any scene but a glTF or .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
+  // names of generated scenes come before files of the same name
   uint64_t seed = 0;
   for (const std::string& family : proceduralFamilies()) {
     if (readSeed(request, family, false, &seed)) return sourceOf(family, seed, makeProceduralScene(family, seed));
@@ -173,11 +176,13 @@ SceneSource readScene(const std::string& request, const SceneReading& reading) {
   }
   InteriorRequest interior;
   if (readInterior(request, &interior)) return readInterior(interior);
+  // ARCHIVES:LEVEL, a level within .pk3 files
   const size_t colon = archiveColon(request);
   if (colon != std::string::npos)
     return sourceOf(
         readBspFromArchives(request.substr(0, colon), request.substr(colon + 1), reading.transmissive_cover, reading.images));
   if (extension == ".bsp") return sourceOf(readBsp(request));
+  // what is no known form must be a file; the reader of glTF words all other problems of files
   std::error_code error;
   if (!fs::exists(request, error) && !error)
     throw InputError(request, "scene", sceneForms(), "a name that is none of these, and no file");

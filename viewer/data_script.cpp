@@ -155,6 +155,7 @@ DataScript probesScript(const LightGrid& grid, const std::vector<uint8_t>& is_in
   std::vector<float> positions, cells;
   std::vector<uint8_t> kinds;
   std::array<uint64_t, 4> counts{};
+  // kinds of probes, as the page tells them apart; a probe in solid has the function of its eye
   for (size_t p = 0; p < grid.probe_function.size(); ++p) {
     const PositionM at = grid.tree.probePosition(p);
     append(&positions, glm::vec3(at[0], at[1], at[2]));
@@ -166,6 +167,7 @@ DataScript probesScript(const LightGrid& grid, const std::vector<uint8_t>& is_in
     kinds.push_back(static_cast<uint8_t>(kind));
     ++counts[static_cast<size_t>(kind)];
   }
+  // cells as low corner and side, in world coordinates
   const ProbeTreeFrame& frame = grid.tree.frame();
   grid.tree.forEachCell([&](const ProbeCell& cell) {
     for (size_t axis = 0; axis < 3; ++axis)

@@ -393,8 +393,10 @@ void describe(ViewRequest& r, CLI::App& app) {
 }
 
 Json makeView(ViewRequest request, BakeOptions options) {
+  // the scene's name is the folder's, unless --out says another
   if (request.out.empty()) request.out = folderOfView(request.scene);
   requireOutputFolder(request.out);
+  // options are checked before the bake, which takes longest
   if (request.baselines == std::vector<std::string>{"none"}) request.baselines.clear();
   for (const std::string& name : request.baselines) {
     if (std::count(request.baselines.begin(), request.baselines.end(), name) > 1)
@@ -404,6 +406,7 @@ Json makeView(ViewRequest request, BakeOptions options) {
   }
   if (request.places > 0 && request.places < kFewestPlaces)
     throw UsageError("--truth-samples", fmt::format("0, or {} or more", kFewestPlaces), std::to_string(request.places));
+  // pages of this tool are replaced, other files never
   std::vector<std::string> inputs = {request.scene, request.grid};
   inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
   for (const PageFile& file : pageFiles()) refuseToReplaceInputs((fs::path(request.out) / file.name).string(), inputs);
@@ -421,6 +424,7 @@ Json makeView(ViewRequest request, BakeOptions options) {
       throw UsageError("spacing_m", fmt::format("{:g}, as in --grid", spacing_m), fmt::format("{:g}", options.spacing_m));
     options.spacing_m = spacing_m;
   }
+  // the page's methods are drawn by the renderer: it gets the same request
   RenderRequest render;
   render.program = "nlg-view";
   render.panel_flag = "--baselines";

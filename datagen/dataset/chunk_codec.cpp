@@ -33,6 +33,7 @@ uint32_t fletcher32(const uint8_t* bytes, size_t count) {
   constexpr size_t kRun = 360;
   uint32_t sum1 = 0, sum2 = 0;
   const auto fold = [](uint32_t sum) { return (sum & 0xffff) + (sum >> 16); };
+  // sums are folded, not divided: adding the carry back keeps them modulo 65535
   for (size_t words = count / 2; words > 0;) {
     const size_t run = std::min(words, kRun);
     words -= run;
@@ -43,6 +44,7 @@ uint32_t fletcher32(const uint8_t* bytes, size_t count) {
     sum1 = fold(sum1);
     sum2 = fold(sum2);
   }
+  // an odd last byte counts as the high half of a word
   if (count % 2 != 0) {
     sum1 += static_cast<uint32_t>(*bytes) << 8;
     sum2 += sum1;

@@ -130,18 +130,21 @@ bool DuplicateIndex::mayMatch(const Sketch& a, const Sketch& b) const {
 template <class Visit>
 void DuplicateIndex::forEachNear(const Sketch& sketch, const Visit& visit) const {
   const Features place = features(sketch);
+  // cells that bounds on duplicates reach: along counts of valid points, by octant and in all, and the sum of samples
   Features home{}, low{}, high{};
   for (size_t i = 0; i < kFeatureCount; ++i) {
     home[i] = place[i] / cell_width_[i];
     low[i] = std::max<int64_t>(0, place[i] - reach_[i]) / cell_width_[i];
     high[i] = (place[i] + reach_[i]) / cell_width_[i];
   }
+  // the sketch tells most apart before samples are fetched
   const auto visitCell = [&](const Features& cell) {
     const auto found = cells_.find(cellKey(cell));
     if (found == cells_.end()) return false;
     return std::any_of(found->second.begin(), found->second.end(),
                        [&](const Entry& other) { return mayMatch(sketch, other) && visit(other); });
   };
+  // the own cell first: most duplicates lie in it. Then the others, counted like an odometer
   bool done = visitCell(home);
   for (Features cell = low; !done;) {
     if (cell != home) done = visitCell(cell);

@@ -70,10 +70,12 @@ std::vector<uint64_t> datasetShape(hid_t dataset, const Place& place) {
 
 // Refuses storage that a writer of ours never makes: other files, plug-in filters, chunks that would not fit in memory.
 void requireOurLayout(hid_t dataset, const Place& place, uint64_t element_bytes) {
+  // virtual and external data would make the digest of this file say nothing of what is read
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
   place.require(properties.ok(), "a storage layout");
   const H5D_layout_t layout = H5Pget_layout(properties);
   if (H5Pget_external_count(properties) != 0 || layout == H5D_VIRTUAL) place.refuse("data in this file", "data in another file");
+  // a filter of HDF5 may be a plug-in: code loaded because a file names it
   const int filter_count = H5Pget_nfilters(properties);
   for (int i = 0; i < filter_count; ++i) {
     unsigned flags = 0;
@@ -83,6 +85,7 @@ void requireOurLayout(hid_t dataset, const Place& place, uint64_t element_bytes)
       place.refuse("filters deflate and fletcher32", fmt::format("filter {}", filter));
     }
   }
+  // one chunk is unpacked at a time, into memory of its size
   if (layout != H5D_CHUNKED) return;
   hsize_t dims[kMaxDimensions] = {};
   uint64_t chunk_bytes = element_bytes;

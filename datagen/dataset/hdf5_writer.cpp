@@ -71,8 +71,10 @@ void Hdf5Writer::write(const std::string& name, const std::vector<uint64_t>& sha
   uint64_t bytes = 0;
   NLG_CHECK(arrayBytes(shape, sizeof(T), &bytes), ==, true);
   const std::string what = "dataset " + name;
+  // no times: the same data gives the same bytes
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(properties, false);
+  // only chunked data takes filters; higher levels of deflate save little (docs/lab/measurements.md)
   if (bytes > 0) {
     H5Pset_chunk(properties, static_cast<int>(shape.size()), chunkShape(shape, sizeof(T)).data());
     H5Pset_deflate(properties, 1);
@@ -83,6 +85,7 @@ void Hdf5Writer::write(const std::string& name, const std::vector<uint64_t>& sha
   const Handle dataset(H5Dcreate2(file_, name.c_str(), elementType(T{}).file, space, H5P_DEFAULT, properties, H5P_DEFAULT),
                        H5Dclose);
   requireWritten(dataset.ok(), path_, what);
+  // an array of no elements has a shape, and nothing to write
   if (bytes == 0) return;
   requireWritten(H5Dwrite(dataset, elementType(T{}).memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path_, what);
   requireWritten(H5Dflush(dataset) >= 0, path_, what);
@@ -157,6 +160,7 @@ void Hdf5Writer::closeWithDigest() {
   haddr_t offset = HADDR_UNDEF;
   {
     silenceHdf5();
+    // the digest's place first, with zeros: allocated early, so that its offset is known
     const std::vector<uint8_t> zeros(kDigestBytes, 0);
     const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     H5Pset_obj_track_times(properties, false);
@@ -169,6 +173,7 @@ void Hdf5Writer::closeWithDigest() {
     offset = H5Dget_offset(dataset);
     requireWritten(offset != HADDR_UNDEF, path_, what);
   }
+  // then the digest of the closed file, with zeros in this place, is written there past HDF5
   close();
   const std::vector<uint8_t> digest = fileSha256Bytes(path_, {offset, kDigestBytes});
   std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);

@@ -21,6 +21,7 @@ void requirePattern(const std::string& path, uint64_t expected, uint64_t got) {
 }
 
 Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t pattern_hash, int expected_point_count) {
+  // kind and version before anything else: a file of another version has other attributes
   const std::string kind = file.readTextAttribute("kind");
   if (kind != kShardKind) throw InputError(path, "attribute kind", kShardKind, kind);
   const uint64_t version = file.readIntegerAttribute("schema_version");
@@ -31,9 +32,11 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   shard.scene_id = file.readTextAttribute("scene_id");
   shard.family = file.readTextAttribute("family");
   shard.jitter = file.readIntegerAttribute("jitter");
+  // functions are meaningless on another pattern: its hash must be the reader's
   shard.pattern_hash = file.readIntegerAttribute("pattern_hash");
   requirePattern(path, pattern_hash, shard.pattern_hash);
   shard.test_pattern_hash = file.readIntegerAttribute("test_pattern_hash");
+  // refused before anything of their size is allocated
   const uint64_t point_count = file.readIntegerAttribute("point_count");
   const uint64_t test_point_count = file.readIntegerAttribute("test_point_count");
   refuse(path, pointCountFault(point_count, test_point_count));
@@ -43,9 +46,11 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   shard.point_count = static_cast<int>(point_count);
   shard.test_point_count = static_cast<int>(test_point_count);
   shard.provenance_json = file.readTextAttribute("provenance_json");
+  // readers check duplicates by the rule that the writer used
   shard.duplicate_rule.rms = file.readRealAttribute("duplicate_rms");
   shard.duplicate_rule.validity_points = file.readIntegerAttribute("duplicate_validity_points");
   refuse(path, duplicateRuleFault(shard.duplicate_rule));
+  // a count that older files lack stays 0
   forEachCount(shard.counts, [&](const char* name, uint64_t& count) {
     if (std::string_view(name) != kCountOutside || file.hasAttribute(name)) count = file.readIntegerAttribute(name);
   });
@@ -151,11 +156,13 @@ EncodedFunctions encodeFunctions(const FunctionRows& rows, uint64_t first, uint6
 }
 
 ShardWriter::ShardWriter(const std::string& path, const Shard& header) : file_(path), shape_(emptyLike(header)) {
+  // a header that readers refuse is our bug
   NLG_CHECK(header.point_count, >=, 0);
   NLG_CHECK(header.test_point_count, >=, 0);
   const Fault fault = pointCountFault(static_cast<uint64_t>(header.point_count), static_cast<uint64_t>(header.test_point_count));
   NLG_CHECK(fault.place, ==, "");
   NLG_CHECK(duplicateRuleFault(header.duplicate_rule).place, ==, "");
+  // attributes hold what must be known before any array: of which scene, sampled where, made how
   file_.writeAttribute("kind", std::string(kShardKind));
   file_.writeAttribute("schema_version", kShardVersion);
   file_.writeAttribute("scene_id", header.scene_id);
@@ -173,6 +180,7 @@ ShardWriter::ShardWriter(const std::string& path, const Shard& header) : file_(p
   if (header.pattern_hash == supportPattern().hash) writePoints("points", supportPattern().points, &file_);
   const std::vector<LocalPoint> test = testPoints(header.test_point_count);
   if (header.test_pattern_hash == hashPoints(test)) writePoints("points_test", test, &file_);
+  // arrays grow a chunk at a time; those without columns are left out
   forEachArray(
       [&](const char* name, const std::vector<uint64_t>& columns, const auto& values) {
         if (!isEmptyRow(columns)) file_.makeGrowing<ElementOf<decltype(values)>>(name, columns, kChunkFunctions);

@@ -41,6 +41,7 @@ NearbyTriangles::NearbyTriangles(const Scene& scene) : scene_(scene) {
 // Halves by count, along the longest side of the boxes' centres.
 void NearbyTriangles::split(const Range& range, std::vector<Range>& open) {
   const auto first = order_.begin() + range.first;
+  // box of the triangles, and box of their centres: the second says where they can be parted
   Bounds bounds = triangleBounds(scene_, scene_.triangles[*first]);
   const auto centre2 = [&](uint32_t t) {
     const Bounds b = triangleBounds(scene_, scene_.triangles[t]);
@@ -54,12 +55,14 @@ void NearbyTriangles::split(const Range& range, std::vector<Range>& open) {
     high = glm::max(high, centre2(*t));
   }
   nodes_[range.node_idx] = {bounds, range.first, range.count};
+  // halves by count: depth stays logarithmic however triangles cluster
   if (range.count <= kLeafSize) return;
   const glm::dvec3 side = high - low;
   const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
   const uint32_t half = range.count / 2;
   std::nth_element(first, first + half, first + range.count,
                    [&](uint32_t a, uint32_t b) { return centre2(a)[axis] < centre2(b)[axis]; });
+  // an inner node has no triangles: first is then its first child, the second follows
   const auto child = static_cast<uint32_t>(nodes_.size());
   nodes_[range.node_idx].first = child;
   nodes_[range.node_idx].count = 0;
@@ -93,6 +96,7 @@ bool NearbyTriangles::anyCloser(const glm::dvec3& low_m, const glm::dvec3& high_
 // its edges with the box's (the separating axes of the two; the box's own are in boxDistance2).
 bool NearbyTriangles::isCloser(const glm::uvec3& triangle, const glm::dvec3& centre, const glm::dvec3& half,
                                double distance_m) const {
+  // everything relative to the box: its own reach along a line is half . |line|
   const glm::dvec3 corners[3] = {glm::dvec3(scene_.positions[triangle.x]) - centre,
                                  glm::dvec3(scene_.positions[triangle.y]) - centre,
                                  glm::dvec3(scene_.positions[triangle.z]) - centre};
@@ -102,8 +106,10 @@ bool NearbyTriangles::isCloser(const glm::uvec3& triangle, const glm::dvec3& cen
     const double gap = std::max(std::min({a, b, c}) - reach, -std::max({a, b, c}) - reach);
     return gap > 0.0 && gap * gap >= distance_m * distance_m * dot(line, line);
   };
+  // the triangle's plane
   const glm::dvec3 edges[3] = {corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]};
   if (isApart(glm::cross(edges[0], edges[1]))) return false;
+  // its edges with the axes of the box
   for (const glm::dvec3& edge : edges) {
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 unit(0.0);

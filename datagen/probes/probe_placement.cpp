@@ -149,10 +149,13 @@ double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double gr
     for (int axis = 0; axis < 3; ++axis)
       unit[axis] = lattice.first[axis] + static_cast<int32_t>(at[axis] * (lattice.last[axis] - lattice.first[axis] + 1));
     const int32_t side = cellSideAt(unit, density);
+    // the low corner of a cell: sides are powers of two
     for (int axis = 0; axis < 3; ++axis) unit[axis] &= -side;
     cells.push_back({unit, side});
+    // places meet a cell in proportion to its volume: the inverse counts every cell once
     shares.push_back(share += 1.0 / (static_cast<double>(side) * side * side));
   }
+  // a sample of probes takes cells by number, not by volume
   for (size_t n = 0; sample != nullptr && n < kSampledProbes; ++n) {
     const double at = share * (static_cast<double>(n) + 0.5) / static_cast<double>(kSampledProbes);
     const ProbeCell& cell = cells[static_cast<size_t>(std::lower_bound(shares.begin(), shares.end() - 1, at) - shares.begin())];
@@ -330,15 +333,18 @@ ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options) {
     const auto lattice = latticeOver(extentToCover(scene, options, spacing_m), spacing_m, glm::dvec3(0.5), false);
     return lattice ? probesOn(*lattice, nearby, options.density_growth) : HUGE_VAL;
   };
+  // half a metre, or an eighth of a small scene
   const double finest = largest > 0.0 ? std::min(kRoomSpacing, largest / kCellsOfSmall) : kOrdinary;
   const auto spacingAt = [&](int step) { return finest * std::exp2(0.5 * step); };
   int step = 0;
   double probes = probesAt(finest);
+  // coarser by the root of two until the number of probes is affordable; beyond a metre more of them are
   while (probes > (spacingAt(step) < kOrdinary ? kManyProbes : kMostChosenProbes)) {
     // only its author knows what so large a scene is for: it is refused at a metre, with a hint
     if (spacingAt(step) > largest) return chosen;
     probes = probesAt(spacingAt(++step));
   }
+  // the steps beside it, for the user to compare
   chosen.spacing_m = spacingAt(step), chosen.probes = probes;
   chosen.finer_m = spacingAt(step - 1), chosen.probes_of_finer = probesAt(chosen.finer_m);
   chosen.coarser_m = spacingAt(step + 1), chosen.probes_of_coarser = probesAt(chosen.coarser_m);

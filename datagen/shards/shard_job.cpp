@@ -163,20 +163,25 @@ void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& 
   block->functions.point_count = header_.point_count;
   block->functions.test_point_count = header_.test_point_count;
   GeneratedFunction function;
+  // probes in the given order: the shard's bytes follow from it
   for (const uint64_t index : probes) {
     const auto [x, y, z] = tree_.probePosition(index);
     const glm::dvec3 position(x, y, z);
     const float spacing_m = tree_.probeSpacing(index);
+    // drawn from the probe's own number: threads and limits do not change which probes are tried
     const bool by_eye = Random(mixSeed(seed_, kInSolidStream, index)).chance(options_.in_solid);
     const InSolid in_solid = by_eye ? InSolid::by_eye : InSolid::left_out;
+    // cheap outcomes first: open air and solid are settled without visibility
     const std::optional<ProbeOutcome> settled = builder.begin(position, spacing_m, in_solid, &eyes_);
     ProbeOutcome outcome = settled ? *settled : builder.look();
     if (outcome == ProbeOutcome::function) outcome = builder.generate(&function);
+    // validity decides which points count for the hull: it is known only now
     if (outcome == ProbeOutcome::function && isOutside(position, spacing_m, function)) outcome = ProbeOutcome::outside;
     block->outcomes.push_back(outcome);
     if (outcome != ProbeOutcome::function) continue;
     FunctionRows& rows = block->functions;
     appendFunction(function, scene_.origin_m + position, spacing_m, &rows);
+    // S needs the eyes of the probes around; eyes_ finds each once
     builder.sumBlend(function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
   }
 }

@@ -94,6 +94,7 @@ std::string proceduralRequest(const ShardHeader& shard) {
 
 Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path, const std::string& request) {
   const ShardOptions options(shard, shard_path);
+  // the jitter that the shard was made with, as its provenance has it
   JitterOptions jitter;
   jitter.move_m = options.real("move_m", 1e4);
   jitter.turn_degrees = options.real("turn_degrees", 180.0);
@@ -104,13 +105,16 @@ Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path,
   reading.unit_m = options.real("unit", 1e6);
   const SceneSource source = loadScene(request, reading);
   const std::string wanted = options.sceneSha256();
+  // a file that has changed since has other walls than the functions
   if (source.sha256 != wanted) {
     throw InputError(shard_path, "scene " + shard.scene_id, wanted.empty() ? "a procedural scene" : "a file of SHA-256 " + wanted,
                      request + (source.sha256.empty() ? "" : " of SHA-256 " + source.sha256));
   }
+  // procedural scenes have no file: their name and seed say which
   if (wanted.empty() && source.id != shard.scene_id) {
     throw InputError(shard_path, "scene", "'" + shard.scene_id + "'", "'" + source.id + "'");
   }
+  // the seed of one scene and variant: the same as when the shard was made
   const uint64_t seed = shardSeed(options.integer("seed"), shard.scene_id, shard.jitter);
   return shardScene(source.scene, jitter, seed, shard.jitter);
 }

@@ -50,9 +50,11 @@ void drawCell(Image& image, const ViewedShard& viewed, uint64_t idx, int size, i
 void viewAtlas(const std::string& shard_path, const ViewOptions& options, const std::string& out_path) {
   if (options.cell_px < 64 || options.cell_px > 1024) throw UsageError("cell_px", "64 to 1024", std::to_string(options.cell_px));
   const ViewedShard viewed = loadViewedShard(shard_path, {.scene = options.scene});
+  // a sample by seed: another seed shows others
   const std::vector<uint64_t> chosen = randomFunctions(viewed.shard.functionCount(), options.seed);
   const int row_count = static_cast<int>((chosen.size() + kColumns - 1) / kColumns);
   const int step_x = options.cell_px + kGap, step_y = options.cell_px + kLabelHeight + kGap;
+  // as wide as its text at least
   Image image(std::max(kColumns * step_x - kGap, 1560) + 2 * kMargin, kHeaderHeight + row_count * step_y + kLegendHeight, kPaper);
   drawText(image, kMargin, 22, viewed.title(), kInk, 2);
   drawText(image, kMargin, 66,

@@ -120,6 +120,7 @@ void drawScaleBar(Image& image, int x, int y, double px_per_m, int max_px) {
 }
 
 void drawSliceLegend(Image& image, int x, int y, bool with_cut, bool with_points) {
+  // 0 has a colour of its own: leaks are measured where the function is 0
   drawColourBar(image, x, y, 360, "weighting function φ (black: exactly 0)", {"0", "0.25", "0.5", "0.75", "1"},
                 [](double value) { return value < 0.012 ? kBlack : phiColour(value); });
   const int first = x + 440;
@@ -127,6 +128,7 @@ void drawSliceLegend(Image& image, int x, int y, bool with_cut, bool with_points
   int at = drawKey(image, first, y, "solid (invalid)", fillHatch);
   at = drawLineKey(image, at, y, "border of what the probe sees", ground,
                    [](Image& box, const auto& a, const auto& b) { drawLine(box, a, b, 1.6, kSeenBorder); });
+  // what only a cut through geometry has
   if (with_cut) {
     drawKey(image, at, y, "no support point in sight", [](Image& box) { fillRect(box, 0, 0, kKeyWidth, kKeyHeight, kUnknown); });
     at = first;
@@ -139,6 +141,7 @@ void drawSliceLegend(Image& image, int x, int y, bool with_cut, bool with_points
     }
   }
   if (!with_points) return;
+  // what only pictures of a single probe have room for
   at = first;
   const std::pair<PixelKind, const char*> kinds[] = {{PixelKind::seen, "support point, seen"},
                                                      {PixelKind::diffused, "not seen: φ from diffusion"},

@@ -35,12 +35,15 @@ bool ownsEdge(const glm::dvec2& a, const glm::dvec2& b) { return b.y > a.y || (b
 
 void rasterise(const ViewTriangle& triangle, const LevelMap& map, double cut_m, Samples& samples) {
   const auto& [a, b, c] = triangle.corners;
+  // vertical faces have no area from above; what lies above the cut is taken off
   const glm::dvec3 normal = glm::cross(b - a, c - a);
   if (normal.y == 0.0 || std::min({a.y, b.y, c.y}) > cut_m) return;
   const bool is_back = normal.y < 0.0 && !triangle.double_sided;
+  // cosine to the vertical, for shading
   const auto upward = static_cast<float>(std::fabs(normal.y) / glm::length(normal));
   glm::dvec2 p[3];
   for (int i = 0; i < 3; ++i) p[i] = map.pixelOf(triangle.corners[i]) * double(kOversampling);
+  // one winding for all, so that signed areas are positive inside
   double corner_m[3] = {a.y, b.y, c.y};
   if (edgeSide(p[0], p[1], p[2]) < 0.0) std::swap(p[1], p[2]), std::swap(corner_m[1], corner_m[2]);
   const double area = edgeSide(p[0], p[1], p[2]);
@@ -53,6 +56,7 @@ void rasterise(const ViewTriangle& triangle, const LevelMap& map, double cut_m, 
       const glm::dvec2 centre(x + 0.5, y + 0.5);
       double height_m = 0.0;
       bool is_inside = area > 0.0;
+      // barycentric: sides over the area are weights of the corners. A sample on a shared edge belongs to one triangle
       for (int i = 0; i < 3 && is_inside; ++i) {
         const glm::dvec2 &from = p[(i + 1) % 3], &to = p[(i + 2) % 3];
         const double side = edgeSide(from, to, centre);
@@ -63,6 +67,7 @@ void rasterise(const ViewTriangle& triangle, const LevelMap& map, double cut_m, 
       if (height_m > cut_m) continue;
       const size_t at = samples.at(x, y);
       float& top = is_back ? samples.back_m[at] : samples.top_m[at];
+      // below the cut a back begins a solid that reaches up to it, and a front ends one
       if (!triangle.double_sided) samples.enclosing[at] = static_cast<int16_t>(samples.enclosing[at] + (is_back ? 1 : -1));
       if (static_cast<float>(height_m) <= top) continue;
       top = static_cast<float>(height_m);
@@ -117,6 +122,7 @@ Image drawLevel(const std::vector<ViewTriangle>& triangles, const LevelMap& map,
 
 double mostTellingHeight(const std::vector<ViewTriangle>& triangles, const LevelMap& map, double low_m, double high_m) {
   constexpr int kCandidates = 25, kCoarseSide = 64;
+  // tried on a small map: 25 heights in the middle half of the scene
   LevelMap coarse = map;
   const double shrink = static_cast<double>(kCoarseSide) / std::max(map.width, map.height);
   coarse.px_per_m *= shrink;
@@ -125,6 +131,7 @@ double mostTellingHeight(const std::vector<ViewTriangle>& triangles, const Level
   std::vector<double> heights_m, scores;
   for (int i = 0; i < kCandidates; ++i) {
     const double height_m = low_m + (high_m - low_m) * (0.25 + 0.5 * (i + 0.5) / kCandidates);
+    // long cuts show walls, open floor shows rooms: the product prefers heights with both
     double length_m = 0.0;
     for (const CutSegment& segment : cutTriangles(triangles, 1, height_m)) length_m += glm::length(segment.b - segment.a);
     Samples samples(coarse.width * kOversampling, coarse.height * kOversampling);

@@ -89,10 +89,12 @@ void drawTree(Image& image, const ViewedShard& viewed, const Level& level, const
   const ProbeTreeFrame& frame = viewed.tree->frame();
   const glm::dvec3 first = viewed.scene->origin_m + glm::dvec3(frame.first_m[0], frame.first_m[1], frame.first_m[2]);
   const auto world = [&](const LatticePoint& p) { return first + frame.spacing_m * glm::dvec3(p[0], p[1], p[2]); };
+  // half-open: of two cells one above another a cut between them goes through one
   const auto isCut = [&](const LatticePoint& low, int side) {
     const double bottom = world(low).y;
     return bottom <= level.cut_m && level.cut_m < bottom + side * frame.spacing_m;
   };
+  // cells on a layer of their own, blended once: lines of neighbours fall together
   Image lines = image;
   viewed.tree->forEachCell([&](const ProbeCell& cell) {
     if (isCut(cell.low, cell.side)) drawSquare(lines, map, world(cell.low), cell.side * frame.spacing_m, 1.0, kCellInk);
@@ -100,6 +102,7 @@ void drawTree(Image& image, const ViewedShard& viewed, const Level& level, const
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) image.blend(x, y, lines.at(x, y), kCellShare);
   }
+  // nodes with a brick, since others hold no probe
   std::vector<ProbeNode> nodes;
   viewed.tree->forEachNode([&](const ProbeNode& node) {
     if (node.brick_side > 0 && isCut(node.low, node.side)) nodes.push_back(node);

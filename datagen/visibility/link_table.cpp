@@ -45,6 +45,7 @@ void findNearest(LinkTable& table) {
     table.nearest[size_t(point) * kLinkCount + k] = {neighbour, 0};
     table.distance[size_t(point) * kLinkCount + k] = std::sqrt(squared_distance);
   };
+  // exclusive or by the mirror takes each neighbour into the mirrored octant (docs/theory/math.md, section 2)
   for (uint32_t i = 0; i < kOctantPointCount; ++i) {
     const std::vector<Neighbour> neighbours = neighboursOf(table.points[i], i);
     for (uint32_t mirror = 0; mirror < kMirrorCount; ++mirror) {
@@ -54,6 +55,7 @@ void findNearest(LinkTable& table) {
       }
     }
   }
+  // test points have no mirror images: each is searched for itself
   for (uint32_t i = kSupportPointCount; i < table.points.size(); ++i) {
     const std::vector<Neighbour> neighbours = neighboursOf(table.points[i], i);
     for (int k = 0; k < kLinkCount; ++k) set(i, k, neighbours[k].point, neighbours[k].squared_distance);
@@ -100,10 +102,12 @@ void indexLinks(LinkTable& table) {
 
 // Lists the links that carry validity at both their ends; edges that lead to support points come first.
 void listEdges(LinkTable& table) {
+  // a link carries if it is among the 16 nearest of either end
   std::vector<uint8_t> carries(table.links.size(), 0);
   for (size_t entry = 0; entry < table.nearest.size(); ++entry) {
     if (entry % kLinkCount < kCarryingLinkCount) carries[table.nearest[entry].link] = 1;
   }
+  // counts by point become the first edge of each: lists without gaps, no allocation a point
   table.first_edge.assign(table.points.size() + 1, 0);
   for (uint32_t l = 0; l < table.links.size(); ++l) {
     table.first_edge[table.links[l].a + 1] += carries[l];
@@ -117,6 +121,7 @@ void listEdges(LinkTable& table) {
     table.edge_point[next[from]] = static_cast<uint16_t>(to);
     table.edge_link[next[from]++] = link;
   };
+  // support points first: what reads them alone stops at first_test_edge
   for (const bool to_support : {true, false}) {
     for (uint32_t l = 0; l < table.links.size(); ++l) {
       if (!carries[l]) continue;

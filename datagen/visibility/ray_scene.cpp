@@ -182,6 +182,7 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   impl_->cavity_m = scene.cavity_m;
   impl_->triangles = scene.triangles;
   impl_->double_sided.reserve(scene.triangles.size());
+  // three choices of triangles: what blocks functions, what blocks light, and what light passes in part
   std::array<std::vector<uint32_t>, 3> of_kind;  // none, thin, dense
   for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
     const Material& material = scene.materials[scene.triangle_material[t]];
@@ -195,13 +196,16 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
     std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(choice.ids));
     return choice;
   };
+  // thin surfaces are air for functions; light meets both kinds point by point
   if (!thin.empty()) impl_->walls = joined(none, dense);
   if (thin.size() + dense.size() > 0) impl_->opaque = joined(none, {});
   impl_->transmissive = joined(thin, dense);
 
+  // a choice that equals another has no tree of its own
   impl_->scene = impl_->newScene(impl_->walls);
   if (!dense.empty()) impl_->opaque_scene = impl_->newScene(impl_->opaque);
   if (!impl_->transmissive.ids.empty()) impl_->transmissive_scene = impl_->newScene(impl_->transmissive);
+  // faces of sky end rays of light, but block no function: they lie in a tree of their own
   if (!sky.triangles.empty()) {
     impl_->light_scene = impl_->newScene(impl_->opaque);
     impl_->attach(impl_->light_scene, kSky, sky.positions, sky.triangles);
@@ -211,6 +215,7 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   for (const RTCScene made : {impl_->scene, impl_->opaque_scene, impl_->light_scene, impl_->transmissive_scene}) {
     if (made != nullptr) rtcCommitScene(made);
   }
+  // Embree keeps its first error until it is asked
   if (const RTCError error = rtcGetDeviceError(embree()); error != RTC_ERROR_NONE) {
     if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();  // of the machine, not of the file
     throw InputError(scene.id, "acceleration structure", "Embree to build it", "Embree error " + std::to_string(error));
@@ -222,6 +227,7 @@ RayScene::~RayScene() = default;
 uint32_t RayScene::occluded(const SegmentPacket& segments, int count) const {
   alignas(64) RTCRay16 rays;
   alignas(64) int active[kPacketSize];
+  // tnear 0 and tfar 1 in units of the direction: the segment with both its ends
   for (int i = 0; i < kPacketSize; ++i) {
     active[i] = i < count ? -1 : 0;
     rays.org_x[i] = segments.origin_x[i];
@@ -237,6 +243,7 @@ uint32_t RayScene::occluded(const SegmentPacket& segments, int count) const {
     rays.id[i] = i;
     rays.flags[i] = 0;
   }
+  // Embree sets tfar to minus infinity where anything is met
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded16(active, impl_->scene, &context, &rays);

@@ -140,6 +140,7 @@ uint64_t blockLinksVectors(const LinkPackets& links, const std::vector<LocalTria
                            uint16_t* HWY_RESTRICT blocked) {
   const PacketTree& tree = links.tree;
   std::fill(blocked, blocked + tree.packetCount(), uint16_t{0});
+  // triangles descend the tree once; leaves then run over theirs, so that a leaf's packets stay in cache
   sortIntoLeaves(tree, triangles, &scratch->triangles_of_leaf);
   const size_t lanes = hn::Lanes(Tag());
   uint64_t test_count = 0;
@@ -149,11 +150,13 @@ uint64_t blockLinksVectors(const LinkPackets& links, const std::vector<LocalTria
     const uint32_t first = tree.first_packet[leaf], end = tree.first_packet[leaf + 1];
     for (const uint32_t t : list) {
       const WideTriangle triangle(triangles[t]);
+      // boxes of packets, a vector of them at a time; lanes past the leaf's end are of other leaves
       for (uint32_t begin = first; begin < end; begin += static_cast<uint32_t>(lanes)) {
         uint32_t touched = triangle.touches(tree.packets, begin);
         if (end - begin < lanes) touched &= (1u << (end - begin)) - 1;
         forEachBit(touched, [&](uint32_t i) {
           const uint32_t packet = begin + i;
+          // a packet whose 16 links are all blocked has nothing left to learn
           if (blocked[packet] == kAllLanes) return;
           uint32_t met = 0;
           for (size_t k = 0; k < kPacketLanes; k += lanes) {
@@ -227,12 +230,14 @@ void blockRaysVectors(const PointPackets& points, const std::vector<LocalTriangl
   const Vectors from = broadcast(eye.data());
   std::fill(blocked, blocked + tree.packetCount(), uint16_t{0});
   const size_t lanes = hn::Lanes(Tag());
+  // a subtree wholly in the shadow is blocked without a test
   const auto blockAll = [&](uint32_t first_leaf, uint32_t leaf_count) {
     std::fill(blocked + tree.first_packet[first_leaf], blocked + tree.first_packet[first_leaf + leaf_count], uint16_t{kAllLanes});
   };
   for (const LocalTriangle& local : triangles) {
     const WideTriangle triangle(local);
     const Shadow shadow(local, eye);
+    // children in the shadow as a whole, and those that reach into it
     const auto judgeChildren = [&](size_t first, uint32_t* some, uint32_t* all) {
       *some = *all = 0;
       for (size_t i = 0; i < kTreeWidth; i += lanes) {
@@ -254,6 +259,7 @@ void blockRaysVectors(const PointPackets& points, const std::vector<LocalTriangl
         blocked[packet] |= static_cast<uint16_t>(met);
       }
     };
+    // three levels by hand: 64 leaves below a child of the root, 8 below its children
     uint32_t some, all;
     judgeChildren(0, &some, &all);
     forEachBit(all, [&](uint32_t i) { blockAll(64 * i, 64); });
@@ -285,6 +291,7 @@ void blockOctantVectors(const OctantPackets& points, const std::vector<LocalTria
   const Vectors from = broadcast(eye.data());
   std::fill(blocked, blocked + kPackets, uint16_t{0});
   const auto lanes = static_cast<uint32_t>(hn::Lanes(Tag()));
+  // as blockRaysVectors, but for the points of one octant: so few that their packets need no tree
   for (const uint32_t t : some) {
     const WideTriangle triangle(triangles[t]);
     const Shadow shadow(triangles[t], eye);

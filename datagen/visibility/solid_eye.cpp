@@ -137,6 +137,7 @@ double SolidEye::onenessOf(const Candidates& candidates, Set set) const {
 // tent.
 std::vector<SolidEye::Promise> SolidEye::promising(const Candidates& candidates, const SupportVisibility& visibility) const {
   const Set air = candidates.inAir(visibility);
+  // the tents of what a candidate sees, times how much of it is one
   std::vector<Promise> promises;
   forEachMember(air, [&](int candidate) {
     const Set set = candidates.visible[candidate] & air;
@@ -147,6 +148,7 @@ std::vector<SolidEye::Promise> SolidEye::promising(const Candidates& candidates,
   });
   std::stable_sort(promises.begin(), promises.end(),
                    [](const Promise& a, const Promise& b) { return a.seen != b.seen ? a.seen > b.seen : a.own > b.own; });
+  // different views only: tracing the same one twice would tell nothing
   std::vector<Promise> eyes;
   std::vector<Set> seen_sets;
   for (const Promise& promise : promises) {

@@ -105,21 +105,25 @@ void BlendSum::addNeighbour(int mirror, int away, const LocalPoint& eye, bool in
 }
 
 void BlendSum::compute(const std::vector<LocalTriangle>& triangles, const NeighbourEyes& eyes, const float* phi, uint8_t* sums) {
+  // an octant is one cell of the probe: triangles are sorted by the octants that they touch
   all_.resize(triangles.size());
   std::iota(all_.begin(), all_.end(), 0u);
   for (std::vector<uint32_t>& near : near_) near.clear();
   sortIntoOctants(triangles, &near_);
+  // 255 stands for 1 or more, which weighs a point least; where phi is 0 the sum is not read
   for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
     const float* own = phi + mirror * kOctantPointCount;
     uint8_t* to = sums + mirror * kOctantPointCount;
     std::fill_n(to, kOctantPointCount, uint8_t{255});
     if (std::all_of(own, own + kOctantPointCount, [](float value) { return value == 0.0f; })) continue;
+    // no triangle touches the cell, and all neighbours look from their own places: the tents sum to 1
     const auto offsetTo = [mirror](int away) { return indexOf(offsetOf(mirror, away)); };
     const auto isInPlace = [](const std::optional<LocalPoint>& eye) { return eye && *eye == LocalPoint{}; };
     bool all_see_all = near_[mirror].empty();
     for (int away = 1; away < kMirrorCount && all_see_all; ++away) all_see_all = isInPlace(eyes[offsetTo(away)]);
     if (all_see_all) continue;
     std::copy_n(own, kOctantPointCount, sum_.begin());
+    // the seven other probes of the cell
     for (int away = 1; away < kMirrorCount; ++away) {
       const std::array<int, 3> offset = offsetOf(mirror, away);
       const std::optional<LocalPoint>& theirs = eyes[offsetTo(away)];
@@ -129,6 +133,7 @@ void BlendSum::compute(const std::vector<LocalTriangle>& triangles, const Neighb
       addNeighbour(mirror, away, eye, isInPlace(theirs), triangles);
     }
     for (int i = 0; i < kOctantPointCount; ++i) {
+      // more than 1 counts as 1 (docs/theory/math.md, section 4)
       if (own[i] > 0.0f) to[i] = static_cast<uint8_t>(255.0f * std::min(1.0f, sum_[i]) + 0.5f);
     }
   }

@@ -49,16 +49,19 @@ Rows<float> generate(const Generator& generator, const py::object& phi) {
 }
 
 py::tuple makeTheta(const Generator& generator, const py::object& phi, const py::object& validity, const py::object& blend_sum) {
+  // shapes and types are checked, never converted: a copy of large arrays would go unnoticed
   const Rows<uint8_t> samples = rowsOf<uint8_t>("phi", phi, {kAnyLength, kSupportPointCount});
   const py::ssize_t function_count = samples.shape(0);
   const Rows<uint8_t> valid = rowsOf<uint8_t>("validity", validity, {function_count, kValidityByteCount});
   const uint8_t *const phi_from = samples.data(), *const valid_from = valid.data();
+  // without sums S counts as 1 everywhere
   const uint8_t* sums_from = nullptr;
   Rows<uint8_t> sums;
   if (!blend_sum.is_none()) {
     sums = rowsOf<uint8_t>("blend_sum", blend_sum, {function_count, kSupportPointCount});
     sums_from = sums.data();
   }
+  // functions for which the bare tent is enough keep zeros
   Rows<float> theta({function_count, thetaCount(generator)});
   Rows<bool> has_theta(function_count);
   Rows<double> rmse(function_count);
@@ -66,6 +69,7 @@ py::tuple makeTheta(const Generator& generator, const py::object& phi, const py:
   bool* const has_theta_to = has_theta.mutable_data();
   double* const rmse_to = rmse.mutable_data();
   std::fill_n(theta_to, theta.size(), 0.0f);
+  // in pieces, each without Python's lock: other threads run, and Ctrl-C is heard between them
   ThetaPolicy policy({&generator}, PolicyOptions{});
   inPieces(function_count, [&](py::ssize_t first, int count) {
     std::vector<StoredFunction> functions;
@@ -74,6 +78,7 @@ py::tuple makeTheta(const Generator& generator, const py::object& phi, const py:
       functions.push_back({phi_from + i * kSupportPointCount, valid_from + i * kValidityByteCount, nullptr,
                            sums_from != nullptr ? sums_from + i * kSupportPointCount : nullptr});
     }
+    // a piece is one batch of the policy, as in a bake
     policy.bake(functions.data(), count, made.data());
     for (int i = 0; i < count; ++i) {
       std::copy(made[i].theta.begin(), made[i].theta.end(), theta_to + (first + i) * generator.representation().thetaCount());

@@ -26,11 +26,13 @@ PYBIND11_MODULE(nlg, module) {
   if (const SimdStatus status = forceSimdTargetFromEnvironment(); status != SimdStatus::ok) {
     throw py::import_error(simdRefusal(std::getenv("NLG_SIMD"), status));
   }
+  // docstrings have signatures of their own, with shapes and types
   py::options options;
   options.disable_function_signatures();
   module.doc() = R"(Neural light grids: light at positions (LightGrid), and theta of weighting functions (Generator).
 
 Arrays are taken as the docstrings say and never converted: another dtype or shape raises ValueError.)";
+  // names for the library's numbers, so that scripts need no literals
   module.attr("FREE_SPACE") = -1;
   module.attr("NO_WEIGHT") = -2;
   module.attr("LIT") = static_cast<int>(LightStatus::lit);

@@ -35,16 +35,19 @@ GlbChunks chunksOf(const std::string& path, const Bytes& bytes, Oddities* odd) {
   const auto require = [&](bool holds, const std::string& place, const std::string& expected, uint64_t got) {
     if (!holds) throw InputError(path, place, expected, std::to_string(got));
   };
+  // a .glb has 12 bytes of header and 8 before each chunk: magic, version, length; length, kind
   require(bytes.size() >= 20, "header", "20 bytes or more", bytes.size());
   require(wordAt(bytes, 4) == 2, "header", "version 2", wordAt(bytes, 4));
   constexpr uint32_t kJson = 0x4E4F534A;
   constexpr uint32_t kBin = 0x004E4942;
   require(wordAt(bytes, 16) == kJson, "first chunk", "JSON", wordAt(bytes, 16));
+  // the header's length is not believed: the file's is what can be read
   const uint64_t length = wordAt(bytes, 8);
   if (length != bytes.size())
     odd->add("passed by", fmt::format("a header that says {} bytes of a file of {}", length, bytes.size()));
   GlbChunks chunks;
   size_t others = 0, at = 12;
+  // JSON first, one BIN after it at most; others must be skipped (glTF 2.0, 4.4.3)
   for (uint64_t size = 0; at + 8 <= bytes.size(); at += 8 + size) {
     size = wordAt(bytes, at);
     const uint32_t kind = wordAt(bytes, at + 4);
@@ -57,8 +60,10 @@ GlbChunks chunksOf(const std::string& path, const Bytes& bytes, Oddities* odd) {
     if (is_bin) chunks.bin = chunk;
     if (!is_text && !is_bin) ++others;
   }
+  // what is skipped is reported: it may hold what the user misses
   if (others > 0) odd->add("passed by", counted(others, "chunk", "chunks") + " of an unknown kind");
   if (at < bytes.size()) odd->add("passed by", counted(bytes.size() - at, "byte", "bytes") + " behind the last chunk");
+  // a plain file goes to tinygltf as it is, without a copy
   chunks.is_plain =
       length == bytes.size() && others == 0 && at == bytes.size() && chunks.text.size() % 4 == 0 && !chunks.bin.empty();
   return chunks;
@@ -144,11 +149,13 @@ tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left, O
   Bytes bytes = readSceneFile(path, "file", bytes_left);
   if (bytes.empty()) throw InputError(path, "file", "glTF", "an empty file");
   GlbChunks chunks;
+  // both containers end as a JSON text and one chunk of bytes
   if (isBinary(bytes))
     chunks = chunksOf(path, bytes, odd);
   else
     chunks.text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   const bool is_binary = !chunks.bin.empty();
+  // what tinygltf would refuse or trip over is repaired in a plain text that stands in the file's place
   GltfJson json = readGltfJson(path, chunks.text, is_binary, odd);
   BufferFiles files = findBuffers(path, json.buffer_files, bytes_left, odd);
   if (json.plain_text.empty() && (is_binary ? !chunks.is_plain : chunks.text.size() < bytes.size()))
@@ -156,6 +163,7 @@ tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left, O
   if (is_binary && !json.plain_text.empty()) bytes = binaryOf(path, std::move(json.plain_text), chunks.bin);
   if (!is_binary && !json.plain_text.empty()) bytes.assign(json.plain_text.begin(), json.plain_text.end());
 
+  // images stay packed and buffers come from files already checked: tinygltf opens nothing itself
   const std::string folder = folderOf(path);
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keepPacked, nullptr);
@@ -175,6 +183,7 @@ tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left, O
     error = exception.what();  // of the JSON library and of containers
   }
   if (!is_loaded) throw InputError(path, "file", "glTF 2.0", oneLine(error));
+  // compressed buffers are unpacked before anything reads an accessor
   unpackMeshopt(path, model, bytes_left, odd);
   unpackDraco(path, model, bytes_left, odd);
   return model;

@@ -392,6 +392,7 @@ Json parse(const std::string& path, std::string_view text) {
 bool makePlain(Json& root, bool has_bin) {
   bool is_changed = false;
   Json none = Json::array();
+  // tinygltf demands an address and bytes of every buffer: those that need none get one byte
   for (Json& buffer : root.contains("buffers") ? root["buffers"] : none) {
     if (buffer.contains("uri") || (has_bin && &buffer == &root["buffers"][0] && !isFallback(buffer))) continue;
     buffer["byteLength"] = 1;
@@ -404,6 +405,7 @@ bool makePlain(Json& root, bool has_bin) {
     root["animations"] = Json(count, Json{{"channels", none}, {"samplers", none}});
     is_changed = true;
   }
+  // Draco's indices may have no buffer view, which tinygltf refuses
   for (Json& mesh : root.contains("meshes") ? root["meshes"] : none) {
     if (!mesh.contains("primitives")) continue;
     for (Json& primitive : mesh["primitives"]) {

@@ -159,7 +159,9 @@ bool isOfBlender(const tinygltf::Model& model) { return model.asset.generator.fi
 
 LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {
   using Kind = LightUnit::Kind;
+  // a file of another program is in the units of glTF
   if (!isOfBlender(model)) return {};
+  // the version decides, else the numbers, else what would be too faint (docs/theory/light.md, Units)
   const int version = versionOfBlender(model);
   if (version > 0 && version < kFirstInUnits) return {Kind::raw, "exporters before 3.4.40 know no other"};
   // by unit: standard, unitless, raw
@@ -169,6 +171,7 @@ LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLigh
     if (light.is_left_out || !(light.intensity > 0.0)) continue;
     double& most = light.is_sun ? most_sun : most_lamp;
     most = std::max(most, light.intensity);
+    // power in watts as an artist would have typed it, under each unit; numbers with many digits do not vote
     const double power = light.is_sun ? light.intensity : light.intensity * kFourPi;
     const std::array<int, 3> digits = {digitsOf(power / kLumensPerWatt), digitsOf(power), digitsOf(light.intensity)};
     const int least = *std::min_element(digits.begin(), digits.end());
@@ -177,9 +180,11 @@ LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLigh
   }
   if (watts == 0.0) return {};
   const auto sign = [&](double shown) { return fmt::format("that makes watts of few digits, {:.4g}", shown); };
+  // a unit ahead of the others decides; the text says what power it gives
   if (votes[0] > std::max(votes[1], votes[2])) return {Kind::standard, sign(watts / kLumensPerWatt)};
   if (votes[1] > votes[0] && votes[1] >= votes[2]) return {Kind::same, sign(watts)};
   if (votes[2] > votes[0]) return {Kind::raw, sign(std::max(most_sun, most_lamp))};
+  // no unit is in front: the default, unless lights would be too faint in it
   const bool is_bright = most_sun > 0.0 ? most_sun >= kLeastSun : most_lamp >= kLeastLamp;
   return is_bright ? LightUnit{Kind::standard, "the exporter's default"}
                    : LightUnit{Kind::same, "in the exporter's default they would be too faint"};

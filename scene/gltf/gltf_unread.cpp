@@ -73,6 +73,7 @@ std::string wrongLine(const tinygltf::Model& model, const std::set<int>& used_ma
       if (parts[i].extensions.count(name) > 0) wrong[what].push_back(parts[i].name.empty() ? std::to_string(i) : parts[i].name);
     }
   };
+  // of materials only those that triangles have, and of these only where the extension changes the picture
   for (const int m : used_materials) {
     if (static_cast<size_t>(m) >= model.materials.size()) continue;  // that of triangles without
     const tinygltf::Material& material = model.materials[static_cast<size_t>(m)];
@@ -82,6 +83,7 @@ std::string wrongLine(const tinygltf::Model& model, const std::set<int>& used_ma
     wrong["material"].push_back(material.name.empty() ? std::to_string(m) : material.name);
   }
   const auto hasIt = [&](const auto& part) { return part.extensions.count(name) > 0; };
+  // nodes stand for their meshes, and lamps for themselves: users know objects by name
   std::set<int> meshes;
   for (size_t i = 0; i < model.meshes.size(); ++i) {
     const tinygltf::Mesh& mesh = model.meshes[i];
@@ -96,6 +98,7 @@ std::string wrongLine(const tinygltf::Model& model, const std::set<int>& used_ma
   collect("lamp", model.lights);
   collect("texture", model.textures);
   collect("scene", model.scenes);
+  // what has it, by kind; a known extension that nothing has is passed over
   std::string line;
   for (const auto& [what, names] : wrong)
     line += (line.empty() ? "" : ", ") + counted(names.size(), what, what + "s") + " (" + listed(names) + ")";
@@ -110,12 +113,14 @@ std::set<int> imagesOfLight(const tinygltf::Model& model) {
     const tinygltf::Value* texture = memberOf(extensions, extension, key);
     if (texture != nullptr && texture->Has("index")) textures.insert(texture->Get("index").GetNumberAsInt());
   };
+  // what light reads of a material, in the core and in extensions of it
   for (const tinygltf::Material& material : model.materials) {
     textures.insert(material.pbrMetallicRoughness.baseColorTexture.index);
     textures.insert(material.emissiveTexture.index);
     addOf(material.extensions, "KHR_materials_transmission", "transmissionTexture");
     addOf(material.extensions, "KHR_materials_pbrSpecularGlossiness", "diffuseTexture");
   }
+  // an extension may replace a texture's source by an image of another format
   for (const int texture : textures) {
     if (texture < 0 || static_cast<size_t>(texture) >= model.textures.size()) continue;
     const tinygltf::Texture& used = model.textures[static_cast<size_t>(texture)];
@@ -149,6 +154,7 @@ size_t otherLightGroups(const tinygltf::Model& model) {
 }  // namespace
 
 std::vector<std::string> unreadParts(const tinygltf::Model& model, const std::set<int>& used_materials) {
+  // what the format holds and light does not read
   size_t lines = 0, flat_cameras = 0, ranges = 0;
   for (const tinygltf::Mesh& mesh : model.meshes) {
     for (const tinygltf::Primitive& primitive : mesh.primitives)
@@ -161,6 +167,7 @@ std::vector<std::string> unreadParts(const tinygltf::Model& model, const std::se
   const auto note = [&](size_t count, const char* one, const char* many, const char* rest) {
     if (count > 0) notes.push_back(counted(count, one, many) + rest);
   };
+  // one line a kind, with its count: none is passed over in silence
   note(model.animations.size(), "animation is", "animations are", " not read: all stands as the nodes have it");
   note(lines, "primitive is", "primitives are", " of points or lines, which are not read");
   note(flat_cameras, "orthographic camera is", "orthographic cameras are", " not read");
@@ -168,6 +175,7 @@ std::vector<std::string> unreadParts(const tinygltf::Model& model, const std::se
   note(otherLightGroups(model), "light_group among extras is", "light_groups among extras are", " not read: no text");
   note(model.images.size() - imagesOfLight(model).size(), "image is", "images are",
        " not read: light needs none of roughness, normals and the like");
+  // extensions of the list and of materials
   std::set<std::string> all(model.extensionsUsed.begin(), model.extensionsUsed.end());
   // programs forget to say so
   for (const tinygltf::Material& material : model.materials) {

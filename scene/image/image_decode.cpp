@@ -112,6 +112,7 @@ bool decodeJpeg(std::string_view bytes, int enough_side, JSAMPLE* row, Canvas* c
   JpegErrors errors;
   jpeg_decompress_struct info;
   JpegProgress progress;
+  // libjpeg leaves by longjmp, which runs no destructor: nothing here may own memory
   info.err = jpeg_std_error(&errors.base);
   errors.base.error_exit = leaveJpeg;
   errors.base.emit_message = countDamage;
@@ -126,10 +127,12 @@ bool decodeJpeg(std::string_view bytes, int enough_side, JSAMPLE* row, Canvas* c
   info.mem->max_memory_to_use = 512L << 20;  // a progressive image of the largest size
   jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   jpeg_read_header(&info, TRUE);
+  // libjpeg does not convert ink to RGB: CMYK and YCCK are read as ink
   const bool is_cmyk = info.jpeg_color_space == JCS_CMYK || info.jpeg_color_space == JCS_YCCK;
   bool is_good = is_cmyk || info.jpeg_color_space == JCS_YCbCr || info.jpeg_color_space == JCS_GRAYSCALE ||
                  info.jpeg_color_space == JCS_RGB || canvas->refuse(kOtherJpeg);
   info.out_color_space = is_cmyk ? JCS_CMYK : JCS_RGB;
+  // scaled within the DCT by 2, 4 or 8, while the shorter side keeps enough texels: reads large files fast
   const bool is_large = info.image_width > kMostPixelsOfSide || info.image_height > kMostPixelsOfSide;
   while (!is_large && info.scale_denom < 8 &&
          std::min(info.image_width, info.image_height) / (2 * info.scale_denom) >= static_cast<unsigned>(enough_side))
@@ -137,6 +140,7 @@ bool decodeJpeg(std::string_view bytes, int enough_side, JSAMPLE* row, Canvas* c
   if (is_good) jpeg_calc_output_dimensions(&info);
   is_good = is_good && canvas->open(info.output_width, info.output_height, kLeastScanPixels);
   if (is_good) {
+    // counts the scans of progressive files: each costs a pass over all coefficients
     std::memset(&progress.base, 0, sizeof progress.base);
     progress.base.progress_monitor = countScans;
     progress.canvas = canvas;
@@ -179,6 +183,7 @@ bool decodePng(std::string_view* bytes, Canvas* canvas) {
     png_destroy_read_struct(&png, nullptr, nullptr);
     return false;
   }
+  // libpng leaves by longjmp, too
   if (setjmp(leave) != 0) {
     png_destroy_read_struct(&png, &info, nullptr);
     return false;
@@ -190,10 +195,12 @@ bool decodePng(std::string_view* bytes, Canvas* canvas) {
   png_read_info(png, info);
   bool is_good = canvas->open(png_get_image_width(png, info), png_get_image_height(png, info));
   if (is_good) {
+    // all kinds of PNG become 8 bits of red, green, blue and alpha
     png_set_expand(png);
     png_set_scale_16(png);
     png_set_gray_to_rgb(png);
     png_set_add_alpha(png, 255, PNG_FILLER_AFTER);
+    // interlaced images fill the same rows in several passes
     const int pass_count = png_set_interlace_handling(png);
     png_read_update_info(png, info);
     is_good = png_get_rowbytes(png, info) * static_cast<size_t>(canvas->height()) == canvas->byteCount();

@@ -167,6 +167,7 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
   }
   LoadedImages loaded;
   loaded.left_out_count = left_out_.size();
+  // all images give up resolution together: none is left out for its place in the file
   while (wanted_.size() * size_t(loaded.most_side) * loaded.most_side > kMaxTexels && loaded.most_side > 1) loaded.most_side /= 2;
 
   std::vector<TextureImage> kept(wanted_.size());
@@ -194,6 +195,7 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
   const auto keep = [&](uint64_t job, int) {
     DecodedImage image;
     if (!decode(jobs[job].first, &image)) return;
+    // one decoding serves all the ways in which an image is kept
     for (const auto& [way, number] : jobs[job].second) {
       TextureImage& result = kept[static_cast<size_t>(number)];
       result = reducedImage(image, way, loaded.most_side);
@@ -202,10 +204,13 @@ LoadedImages ImageLoader::load(const std::function<ImageBytes(const std::string&
       takeOpacity(reducedImage(other, {KeptAs::Colour::white, KeptAs::Opacity::brightness, 0, {}}, loaded.most_side), &result);
     }
   };
+  // each thread holds a decoded image: memory bounds their number, too
   const int thread_count = std::clamp(static_cast<int>(std::min<size_t>(jobs.size(), kMostThreads)), 1, machineThreadCount());
   parallelFor(jobs.size(), thread_count, keep);
+  // decoded pixels count against the scene's budget; the error names the image that exceeded it
   pixels.take(work.taken(), path, one_too_many);
 
+  // an image that could not be read has number -1: grey in its place, or dark where it would shine
   for (TextureImage& image : kept) {
     loaded.image_of.push_back(image.texels.empty() ? -1 : static_cast<int32_t>(loaded.images.size()));
     if (!image.texels.empty()) loaded.images.push_back(std::move(image));
@@ -219,6 +224,7 @@ std::vector<std::string> unreadImageNotes(const LoadedImages& loaded) {
   std::string others;
   for (const auto& [name, problem] : loaded.unread) by_problem[problem].push_back(name.substr(0, 80));
   std::vector<std::string> notes;
+  // one note a problem, with three names: a folder that was moved breaks all images at once
   for (const auto& [problem, names] : by_problem) {
     std::string some;
     for (size_t i = 0; i < std::min(names.size(), kMostNames); ++i) some += (i > 0 ? ", \"" : "\"") + names[i] + "\"";
@@ -229,6 +235,7 @@ std::vector<std::string> unreadImageNotes(const LoadedImages& loaded) {
   }
   if (loaded.left_out_count > 0)
     notes.push_back(fmt::format("{} images are not read: no light is asked for", loaded.left_out_count));
+  // an image found under another name is used, and reported
   for (const auto& [address, name] : loaded.guessed) {
     if (loaded.unread.count(address) == 0)
       others += fmt::format("{}\"{}\" from {}", others.empty() ? "" : ", ", address.substr(0, 80), name);

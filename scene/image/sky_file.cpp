@@ -300,6 +300,7 @@ std::vector<const char*> exrChannels(const std::string& path, const Imf::Header&
 
 SkyFile readExr(const std::string& path, double turn) {
   constexpr int kRowsAtOnce = 32;
+  // what is larger OpenEXR refuses before it takes memory
   Imf::Header::setMaxImageSize(kMaxSkyFileColumns, kMaxSkyFileColumns);
   Imf::Header::setMaxTileSize(4096, 4096);
   ExrStream stream(path);
@@ -317,6 +318,7 @@ SkyFile readExr(const std::string& path, double turn) {
   SkyReduction reduction(static_cast<int>(width), static_cast<int>(height), turn);
   std::vector<float> rows(3 * static_cast<size_t>(width) * kRowsAtOnce);
   const size_t pixel_bytes = 3 * sizeof(float), row_bytes = pixel_bytes * static_cast<size_t>(width);
+  // a block of rows at a time: the image is never whole in memory
   for (int y = 0; y < height; y += kRowsAtOnce) {
     const int first = window.min.y + y, count = std::min<int>(kRowsAtOnce, static_cast<int>(height) - y);
     Imf::FrameBuffer buffer;
@@ -328,6 +330,7 @@ SkyFile readExr(const std::string& path, double turn) {
       buffer.insert(names[channel], Imf::Slice(Imf::FLOAT, origin + channel * sizeof(float), pixel_bytes, row_bytes));
     part.setFrameBuffer(buffer);
     part.readPixels(first, first + count - 1);
+    // a grey image has one channel, which stands for all three
     for (size_t pixel = 0; is_grey && pixel < static_cast<size_t>(width) * count; ++pixel)
       rows[3 * pixel + 1] = rows[3 * pixel + 2] = rows[3 * pixel];
     for (int row = 0; row < count; ++row) reduction.addRow(y + row, &rows[3 * static_cast<size_t>(width) * row]);

@@ -78,6 +78,7 @@ std::optional<Sun> takeSun(SkyImage* image) {
     const size_t row = texel / image->width, column = texel % image->width;
     return glm::dvec3(skyDirection((column + 0.5) / image->width, (row + 0.5) / image->height));
   };
+  // radiance around the brightest texel: the patch that may hold the sun, and a ring that tells the sky beside it
   const glm::dvec3 middle = directionOf(brightest);
   glm::dvec3 around(0.0);
   double ring = 0.0, all = 0.0;
@@ -95,6 +96,7 @@ std::optional<Sun> takeSun(SkyImage* image) {
   }
   // of an image so small that the patch has no ring: who would say what stands out of it
   if (ring == 0.0) return std::nullopt;
+  // flux is what exceeds the ring, over solid angle: irradiance of a plane that faces the sun
   const glm::vec3 surrounding(around / ring);
   glm::dvec3 flux(0.0), to_sun(0.0);
   for (const size_t texel : patch) {
@@ -103,7 +105,9 @@ std::optional<Sun> takeSun(SkyImage* image) {
     flux += solid_angle * excess;
     to_sun += solid_angle * luminance(glm::vec3(excess)) * directionOf(texel);
   }
+  // a bright cloud is no sun: it holds too small a share of all light
   if (!(luminance(glm::vec3(flux)) >= kSunShare * all) || all == 0.0) return std::nullopt;
+  // the patch falls to its surroundings, so that the sun counts once; its spread gives the disc
   const glm::dvec3 centre = glm::normalize(to_sun);
   double spread = 0.0;
   for (const size_t texel : patch) {
@@ -128,6 +132,7 @@ SkyReduction::SkyReduction(int width, int height, double turn) : width_(width), 
 }
 
 void SkyReduction::addRow(int row, const float* rgb) {
+  // box filter along the row: the turn shifts columns by a fraction of a texel
   line_.assign(image_.width, glm::dvec3(0.0));
   const double columns = static_cast<double>(image_.width) / width_;
   const double shift = (turn_ - std::floor(turn_)) * image_.width;
@@ -135,6 +140,7 @@ void SkyReduction::addRow(int row, const float* rgb) {
     glm::dvec3 radiance;
     for (int channel = 0; channel < 3; ++channel) {
       const double value = rgb[3 * static_cast<size_t>(x) + channel];
+      // negative, infinite and NaN values count as 0, and are reported
       const bool is_radiance = value >= 0.0 && value <= kBrightest;
       radiance[channel] = is_radiance ? value : 0.0;
       mended_ += !is_radiance;
@@ -142,6 +148,7 @@ void SkyReduction::addRow(int row, const float* rgb) {
     forEachOverlap(shift + x * columns, shift + (x + 1) * columns, image_.width,
                    [&](int column, double share) { line_[column] += share * radiance; });
   }
+  // rows share by solid angle, which is in proportion to the height of their band: the flux of the sky is kept
   const double rows = static_cast<double>(image_.height) / height_;
   const double top = row * rows, bottom = (row + 1) * rows;
   for (int to = static_cast<int>(top); to < std::min<double>(bottom, image_.height); ++to) {

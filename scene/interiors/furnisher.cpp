@@ -98,6 +98,7 @@ const Procedural* proceduralOf(Use use) {
 void addLibraryModel(Home& home, const Piece& piece, const Placement& placement) {
   MeshBuilder& mesh = home.level.mesh;
   const FurnitureModel& model = *piece.model;
+  // all copies of a model share its materials
   const auto found = home.first_material.find(&model);
   uint32_t first_material = found == home.first_material.end() ? 0 : found->second;
   if (found == home.first_material.end()) {
@@ -108,6 +109,7 @@ void addLibraryModel(Home& home, const Piece& piece, const Placement& placement)
     home.first_material[&model] = first_material;
   }
   mesh.beginObject(piece.name, Mobility::movable);
+  // the model's indices count from its own first vertex
   uint32_t first_vertex = 0;
   for (size_t i = 0; i < model.positions.size(); ++i) {
     const uint32_t added = mesh.addVertex(placement, model.positions[i]);
@@ -163,12 +165,14 @@ void settle(Home& home, HomeRoom& room, const Stood& stood) {
 }  // namespace
 
 std::optional<Piece> drawPiece(Home& home, Use use, const MostSize& most) {
+  // pieces of the catalogue that fit by their size
   std::vector<size_t> fitting;
   for (const size_t i : home.library.pieces(use)) {
     const glm::dvec3& size = home.library.entry(i).size_m;
     const Piece piece{use, size, home.library.entry(i).elevation_m, 0.0, nullptr, ""};
     if (isWithin(piece, most) && size.x < most.width_m) fitting.push_back(i);
   }
+  // a model that cannot be read, or is too fine, gives way to another
   for (int attempt = 0; attempt < 4 && !fitting.empty(); ++attempt) {
     const size_t i = fitting[home.level.random.below(static_cast<uint32_t>(fitting.size()))];
     const FurnitureModel* model = home.library.model(i);
@@ -177,6 +181,7 @@ std::optional<Piece> drawPiece(Home& home, Use use, const MostSize& most) {
     return Piece{use, entry.size_m, entry.elevation_m, entry.top_m, model, entry.name};
   }
   const double a = home.level.pick(0.0, 1.0), b = home.level.pick(0.0, 1.0);  // one draw each, whatever the use
+  // else a piece of boxes, if there is one for this use
   const Procedural* made = proceduralOf(use);
   if (made == nullptr) return std::nullopt;
   const Size size = made->size + a * made->more_a + b * made->more_b;
@@ -194,6 +199,7 @@ std::optional<Stood> standAtWall(Home& home, HomeRoom& room, const Piece& piece,
   Random& random = home.level.random;
   const double half = 0.5 * piece.size_m.x;
   for (int attempt = 0; attempt < 30; ++attempt) {
+    // each attempt draws the same numbers, used or not
     const Side drawn = kSides[random.below(4)];
     const double share = random.uniform();
     const bool to_corner = random.chance(0.35);
@@ -202,10 +208,12 @@ std::optional<Stood> standAtWall(Home& home, HomeRoom& room, const Piece& piece,
     constexpr double kHanging = 0.3;  // what is higher than this above the floor needs a wall
     if (slack < 0.0 || (piece.elevation_m > kHanging && !room.hasWall(side))) continue;
     const double free_choice = first + slack * (to_corner ? (share < 0.5 ? 0.0 : 1.0) : share);
+    // a wished place is left by 15 cm at most
     const double along =
         wish.at ? std::clamp(*wish.at + (attempt == 0 ? 0.0 : 0.3 * (share - 0.5)), first, first + slack) : free_choice;
     const Stood stood = atWall(room, piece, side, along, wish.gap_m);
     if (!room.isFree(boxOf(stood))) continue;
+    // the room before a piece is empty, and stays so
     const Box access{room.floor.strip(side, along - half, along + half, wish.gap_m + piece.size_m.z + wish.access_m),
                      stood.placement.position.y, stood.placement.position.y + std::min(1.8, piece.size_m.y)};
     if (!room.isEmpty(access)) continue;
@@ -265,21 +273,25 @@ void putOnTop(Home& home, const std::optional<Stood>& stood, const std::vector<U
   if (!stood || stood->piece.top_m <= 0.0) return;
   const Stood& below = *stood;
   Random& random = home.level.random;
+  // footprints in the frame of the piece below, origin at its middle
   std::vector<Rect> taken;
   const glm::dvec3& size = below.piece.size_m;
   for (int i = 0; i < count; ++i) {
     const Use use = uses[random.below(static_cast<uint32_t>(uses.size()))];
     const std::optional<Piece> piece = drawPiece(home, use, {0.8 * size.x, 0.8 * size.z, 1.0});
+    // position as a share of what the footprint leaves free, 3 cm from every edge
     const double x = random.uniform(-0.5, 0.5), z = random.uniform(-0.5, 0.5);
     const double turn = random.chance(0.5) ? 0.0 : random.uniform(-40.0, 40.0);
     if (!piece || piece->model == nullptr) continue;
     const Rect local = footprint(*piece, {0.0, 0.0}, turn);
     const glm::dvec2 at{x * std::max(0.0, size.x - local.width() - 0.06), z * std::max(0.0, size.z - local.depth() - 0.06)};
     const Rect area = footprint(*piece, at, turn);
+    // a turned piece may still reach over the edge
     const Rect top{-0.5 * size.x, -0.5 * size.z, 0.5 * size.x, 0.5 * size.z};
     if (area.x0 < top.x0 || area.x1 > top.x1 || area.z0 < top.z0 || area.z1 > top.z1) continue;
     if (std::any_of(taken.begin(), taken.end(), [&](const Rect& other) { return other.overlaps(area); })) continue;
     taken.push_back(area);
+    // from the frame of the top to that of the home
     Placement placement = below.placement;
     placement.position = gridded(below.placement.apply({at.x, below.piece.top_m, at.y}));
     placement.turn = turnByDegrees(below.degrees + turn);

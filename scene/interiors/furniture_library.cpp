@@ -54,6 +54,7 @@ struct Mesh {
 // Merges the vertices of each cell at their mean; triangles without area and those that are there already are left out.
 Mesh merged(const Mesh& fine, double cell_m) {
   Mesh mesh;
+  // vertex clustering (Rossignac and Borrel 1993): it needs no connectivity of the model
   std::map<Cell, uint32_t> cells;
   std::vector<uint32_t> cell_of(fine.positions.size());
   std::vector<uint32_t> member_count;
@@ -69,10 +70,12 @@ Mesh merged(const Mesh& fine, double cell_m) {
     mesh.positions[entry->second] += fine.positions[i];
     ++member_count[entry->second];
   }
+  // the grid of 1/1024 m is exact in float, so that joined edges stay bit-identical
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis)
       mesh.positions[i][axis] = snapped(mesh.positions[i][axis] / member_count[i], kVerticesPerMetre);
   }
+  // the least index comes first: equal faces have one key, and the two sides of a sheet have two
   std::set<std::tuple<uint32_t, uint32_t, uint32_t>> known;
   for (size_t i = 0; i < fine.triangles.size(); ++i) {
     glm::uvec3 t(cell_of[fine.triangles[i].x], cell_of[fine.triangles[i].y], cell_of[fine.triangles[i].z]);
@@ -187,6 +190,7 @@ FurnitureModel FurnitureLibrary::read(const Piece& piece) {
   const Pk3Archives& archive = *archives_[piece.archive_idx];
   if (extensionOf(name) != ".obj" || archive.sizeOf(name) > kMaxModelBytes) return {};
   const std::string text = archive.read(name, kMaxModelBytes);
+  // an .obj names its materials and images relative to itself, in the same archive
   const auto library = [&](const std::string& library_name) {
     ObjLibraryFile file;
     file.key = (fs::path(name).parent_path() / library_name).lexically_normal().string();

@@ -27,6 +27,7 @@ struct Rule {
 };
 
 const std::vector<Rule>& rules() {
+  // the last rule of a category matches all that is left, mostly to keep it out
   static const std::vector<Rule> table = {
       // what no room of these houses holds
       {"vehicles", "", "", Use::none},
@@ -58,6 +59,7 @@ const std::vector<Rule>& rules() {
       {"lights", "ceiling hanging pendant", "", Use::ceiling_lamp, {0.0, 0.2}},
       {"lights", "hanging pendant", "", Use::hanging_lamp, {0.2, 1.3, 0.0, 1.4}},
       {"lights", "", "japanese desk little", Use::hanging_lamp, {0.5, 0.8, 0.5, 0.6}},
+      // size tells apart what words do not: a floor lamp from a table lamp
       {"lights", "lamp", "", Use::floor_lamp, {1.0, 2.2}},
       {"lights", "lamp lantern", "", Use::table_lamp, {0.2, 0.85}},
       {"lights", "", "", Use::none},

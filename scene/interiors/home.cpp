@@ -106,6 +106,7 @@ size_t Home::addRoom(HomeUse use, const Rect& floor, double floor_m, double clea
 
 bool Home::connect(size_t a_idx, size_t b_idx, const DoorShape& shape) {
   HomeRoom &a = rooms[a_idx], &b = rooms[b_idx];
+  // the stretch of wall that both rooms share, less what the caller keeps free of doors
   std::optional<Facing> found = facing(a.floor, b.floor);
   if (!found) return false;
   found->from = std::max(found->from, shape.from);
@@ -118,12 +119,15 @@ bool Home::connect(size_t a_idx, size_t b_idx, const DoorShape& shape) {
     const double share = draw < 0.35 ? 0.0 : draw < 0.7 ? 1.0 : level.random.uniform();
     const double from = found->from + kJamb + slack * (attempt < 8 ? share : level.random.uniform());
     const double to = from + shape.width_m;
+    // the lintel is at least 10 cm high in the lower of both rooms
     const double high = a.floor_m + std::min(shape.height_m, std::min(a.clear_m, b.clear_m) - 0.1);
+    // an earlier opening keeps its place; the next attempt draws another
     if (!isClear(a, found->a, from, to, a.floor_m, high) || !isClear(b, found->b, from, to, b.floor_m, high)) continue;
     carveHole(*this, found->a, from, to, a.floor.edge(found->a), b.floor.edge(found->b), a.floor_m, high);
     const auto kind = shape.has_leaf ? RoomOpening::Kind::door : RoomOpening::Kind::passage;
     a.openings.push_back({kind, found->a, from, to, a.floor_m, high});
     b.openings.push_back({kind, found->b, from, to, b.floor_m, high});
+    // leaves swing out of halls into rooms, else to either side
     const bool into_b = level.random.chance(b.use == HomeUse::hall ? 0.0 : a.use == HomeUse::hall ? 1.0 : 0.5);
     const double swing = shape.has_leaf ? shape.width_m + 0.05 : kBeforeDoor;
     keepFree(a, a.openings.back(), into_b ? kBeforeDoor : swing);
@@ -146,10 +150,12 @@ bool Home::isOutside(size_t room, Side side) const {
 
 void Home::doorOutside(size_t room_idx, Side side, double at, const DoorShape& shape, bool is_front_door) {
   HomeRoom& room = rooms[room_idx];
+  // a front door of the catalogue sets the size of its hole
   DoorShape fitted = shape;
   std::optional<Piece> piece;
   if (is_front_door) piece = drawPiece(*this, FurnitureUse::front_door, {1.2, 0.6, room.clear_m - 0.1});
   if (piece) fitted = {piece->size_m.x, piece->size_m.y, false};
+  // a jamb of wall stays on either side
   const double from = std::clamp(
       room.floor.start(side) + at, room.floor.start(side) + kJamb,
       std::max(room.floor.start(side) + kJamb, room.floor.start(side) + room.floor.length(side) - kJamb - fitted.width_m));
@@ -162,6 +168,7 @@ void Home::doorOutside(size_t room_idx, Side side, double at, const DoorShape& s
   openOutside(*this, room, opening, fitted.width_m + 0.05);
   if (fitted.has_leaf) addLeaf(*this, room, opening);
   if (!piece) return;
+  // the door stands in the middle of the outer wall's thickness
   const double middle = 0.5 * (opening.from + opening.to), across = room.floor.edge(side) + 0.5 * outwards(*this, side);
   const glm::dvec3 foot = alongX(side) ? glm::dvec3(middle, opening.low, across) : glm::dvec3(across, opening.low, middle);
   emitPiece(*this, *piece, {foot, turnByDegrees(degreesAt(side))});

@@ -64,6 +64,7 @@ void addBalcony(Home& home, size_t living, const Rect& outer) {
 }  // namespace
 
 void buildFlat(Home& home) {
+  // outer walls and slabs, on the ground or 3 m above it
   Level& level = home.level;
   home.outer_wall_m = pickFine(level, 0.15, 0.3);
   home.inner_wall_m = pickFine(level, 0.07, 0.12);
@@ -74,6 +75,7 @@ void buildFlat(Home& home) {
   home.shell.fill({outer.x0, -0.25, outer.z0}, {outer.x1, clear + 0.25, outer.z1}, level.roomFaces());
   addGroundPlate(home, outer.grown(level.pick(1.5, 3.0)), level.random.chance(0.5) ? -0.25 : -3.0);
 
+  // a corridor from the front door to the living room, and a row of rooms on either side
   const double wall = home.inner_wall_m;
   const double corridor = level.pick(1.15, 1.6), living = level.pick(3.8, 5.2);
   const double rows = in.depth() - corridor - 2.0 * wall;
@@ -81,6 +83,7 @@ void buildFlat(Home& home) {
   const double end = in.x1 - living - wall;
   const double z0 = in.z0 + north + wall, z1 = z0 + corridor;
   const size_t hall = home.addRoom(HomeUse::hall, {in.x0, z0, end, z1}, 0.0, clear);
+  // one of the two rows has the kitchen
   const bool kitchen_north = level.random.chance(0.5);
   const std::vector<HomeUse> north_uses = drawRow(level, end - in.x0, kitchen_north);
   const std::vector<HomeUse> south_uses = drawRow(level, end - in.x0, !kitchen_north);
@@ -89,17 +92,21 @@ void buildFlat(Home& home) {
   rooms.insert(rooms.end(), south_rooms.begin(), south_rooms.end());
   const size_t last = home.addRoom(HomeUse::living, {end + wall, in.z0, in.x1, in.z1}, 0.0, clear);
 
+  // doors after rooms: a door needs both of its rooms
   home.doorOutside(hall, Side::west, 0.1, {0.95, 2.05, true}, true);
   for (const size_t room : rooms) {
     const double door = home.rooms[room].use == HomeUse::toilet ? 0.75 : 0.85;
     home.connect(room, hall, {door, 2.03, true});
   }
+  // a wide opening has no leaf: light of the living room reaches the corridor
   const bool is_wide = level.random.chance(0.4) && corridor > 1.3;
   home.connect(last, hall, {is_wide ? 1.05 : 0.88, is_wide ? 2.2 : 2.03, !is_wide});
+  // an open kitchen: a passage to the living room besides the corridor's door
   for (const size_t room : rooms) {
     if (home.rooms[room].use == HomeUse::kitchen && level.random.chance(0.6)) home.connect(room, last, {1.2, 2.1, false});
   }
   if (level.random.chance(0.7)) addBalcony(home, last, outer);
+  // windows and furniture last, when all doors are in place
   addWindows(home, clear);
   for (HomeRoom& room : home.rooms) furnish(home, room);
 }

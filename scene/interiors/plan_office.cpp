@@ -31,6 +31,7 @@ void addColumns(Home& home, HomeRoom& room) {
 
 void buildOffice(Home& home) {
   Level& level = home.level;
+  // outer walls and slabs; partitions of the boxes are panes of 2 to 4 cm
   home.outer_wall_m = pickFine(level, 0.2, 0.3);
   home.inner_wall_m = pickFine(level, 0.08, 0.12);
   const double glass = 0.01 * level.pickCount(2, 4);
@@ -50,6 +51,7 @@ void buildOffice(Home& home) {
                                           HomeUse::pantry,
                                           level.random.chance(0.5) ? HomeUse::meeting : HomeUse::study,
                                           HomeUse::meeting};
+  // shares of the length: toilets and store get the least
   const std::vector<double> x = partLength(level, in.x0, in.x1, wall, {0.5, 0.5, 0.7, 1.2, 1.2, 1.3});
   std::vector<size_t> core_rooms;
   for (size_t i = 0; i < core_uses.size(); ++i)
@@ -76,13 +78,16 @@ void buildOffice(Home& home) {
       boxes.push_back(home.addRoom(use, {x0, z[2 * i], x1, z[2 * i + 1]}, 0.0, clear));
     }
   }
+  // boxes open to the open floor
   for (const size_t room : boxes) home.connect(room, open, {0.9, 2.1, level.random.chance(0.8)});
+  // what does not border the open floor is reached through a box, else through a neighbour
   for (const size_t room : core_rooms) {
     bool is_reached = home.connect(room, open, {0.85, 2.03, true});
     for (const size_t other : boxes) is_reached = is_reached || home.connect(room, other, {0.85, 2.03, true});
     for (const size_t other : core_rooms)
       is_reached = is_reached || (other != room && home.connect(room, other, {0.85, 2.03, true}));
   }
+  // entrance, then windows for all but toilets and store
   home.doorOutside(open, Side::south, level.random.uniform(0.5, 6.0), {level.pick(1.2, 2.0), 2.2, false}, false);
   const double head = clear - level.pick(0.2, 0.5), sill = level.pick(0.3, 0.9);
   for (size_t i = 0; i < home.rooms.size(); ++i) {

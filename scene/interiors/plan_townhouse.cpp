@@ -116,18 +116,21 @@ void buildTownhouse(Home& home) {
   const Rect &outer = house.outer, &in = house.in;
   const double wall = home.inner_wall_m, attic = house.floor_m[2];
   home.outsides = {outer};
+  // two storeys as one block; at the eaves the attic's walls reach up to the roof
   addGroundPlate(home, outer.grown(level.pick(2.0, 4.0)), -0.1);
   const double knee_top = attic + house.under(0.5 * outer.width()) + 0.04;
   home.shell.fill({outer.x0, -0.5, outer.z0}, {outer.x1, attic, outer.z1}, level.roomFaces());
   home.shell.fill({outer.x0, attic, outer.z0}, {outer.x0 + home.outer_wall_m, knee_top, outer.z1}, level.palette.wall);
   home.shell.fill({outer.x1 - home.outer_wall_m, attic, outer.z0}, {outer.x1, knee_top, outer.z1}, level.palette.wall);
 
+  // below: hall, living room, kitchen. Above: landing, bedrooms, bath. Both halls lie along the same flights
   const double hall_z1 = in.z0 + house.hall_m, x1 = house.hall_x1;
   std::vector<size_t> halls;
   for (int storey = 0; storey < 2; ++storey) {
     const double floor = house.floor_m[storey], clear = house.clear_m[storey];
     const size_t hall = home.addRoom(HomeUse::hall, {in.x0, in.z0, x1, hall_z1}, floor, clear);
     halls.push_back(hall);
+    // the foot of the flight needs the wall beside it
     const DoorShape beside_stairs{0.82, 2.03, true, in.z0 + house.flight_m + 0.1, hall_z1};
     if (storey == 0) {
       const size_t living = home.addRoom(HomeUse::living, {in.x0, hall_z1 + wall, x1, in.z1}, floor, clear);
@@ -150,16 +153,19 @@ void buildTownhouse(Home& home) {
       home.connect(study, child, {0.82, 2.03, true});
     }
   }
+  // the stairwell through both upper floors, slab included
   for (const double floor : {house.floor_m[1], attic}) {
     const Rect well = house.well();
     home.shell.carve({well.x0, floor - 0.31, well.z0}, {well.x1, floor, well.z1});
   }
+  // sills by use: 1.05 m above worktops, 1.3 m in bathrooms; the hall has no window
   const double head = level.pick(2.0, 2.2), sill = level.pick(0.75, 0.95);
   for (size_t i = 0; i < home.rooms.size(); ++i) {
     const HomeUse use = home.rooms[i].use;
     if (use != HomeUse::hall) home.windows(i, 0.8, use == HomeUse::bath ? 1.3 : use == HomeUse::kitchen ? 1.05 : sill, head);
   }
   addFlights(home, house, halls[0], halls[1]);
+  // the attic's room ends at the slopes of the roof
   addRoof(home, house);
   addAttic(home, house);
   for (HomeRoom& room : home.rooms) furnish(home, room);

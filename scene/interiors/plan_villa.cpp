@@ -49,6 +49,7 @@ void addWing(Home& home, const Villa& villa, double x0, double x1, size_t hall, 
              const std::vector<HomeUse>& lower, const std::vector<HomeUse>& upper) {
   for (const bool is_upper : {false, true}) {
     const std::vector<HomeUse>& uses = is_upper ? upper : lower;
+    // each storey parts the wing by itself: its walls need not stand above those below
     const std::vector<double> z =
         partLength(home.level, villa.in.z0, villa.in.z1, home.inner_wall_m, std::vector<double>(uses.size(), 1.0));
     const double floor = is_upper ? villa.gallery_m : 0.0, clear = is_upper ? villa.upper_m : villa.lower();
@@ -57,11 +58,13 @@ void addWing(Home& home, const Villa& villa, double x0, double x1, size_t hall, 
       const size_t room = home.addRoom(uses[i], {x0, z[2 * i], x1, z[2 * i + 1]}, floor, clear);
       const DoorShape door{0.88, 2.05, true};
       bool is_reached = false;
+      // below, rooms open to the hall, often without a leaf; above, to whichever gallery they border
       if (!is_upper) {
         is_reached = home.connect(room, hall, {home.level.random.chance(0.4) ? 1.4 : 0.9, 2.1, home.level.random.chance(0.5)});
       } else {
         for (const size_t gallery : galleries) is_reached = is_reached || home.connect(room, gallery, door);
       }
+      // a room that borders none of them is reached through its neighbour
       if (!is_reached && i > 0) home.connect(room, before, door);
       before = room;
     }
@@ -124,6 +127,7 @@ void buildVilla(Home& home) {
   const double roof = villa.gallery_m + villa.upper_m;
   home.outsides = {villa.outer};
   home.shell.fill({villa.outer.x0, -0.5, villa.outer.z0}, {villa.outer.x1, roof + 0.3, villa.outer.z1}, level.roomFaces());
+  // the hall reaches up to the roof, galleries and columns stand within it
   const size_t hall = home.addRoom(HomeUse::salon, h, 0.0, villa.lower());
   home.shell.carve({h.x0, villa.lower(), h.z0}, {h.x1, roof, h.z1});  // up to the roof; the galleries stand in it
   const auto gallery = [&](const Rect& floor) { return home.addRoom(HomeUse::gallery, floor, villa.gallery_m, villa.upper_m); };
@@ -131,10 +135,12 @@ void buildVilla(Home& home) {
   const std::vector<size_t> galleries = {gallery({h.x0, h.z0, h.x1, villa.naveZ0() - 0.12}),
                                          gallery({h.x0, villa.naveZ1() + 0.12, h.x1, h.z1}),
                                          gallery({h.x0, villa.naveZ0(), villa.west() - 0.12, villa.naveZ1()})};
+  // sides of a gallery that are open to the hall
   home.rooms[galleries[0]].open_sides = {Side::south};
   home.rooms[galleries[1]].open_sides = {Side::north};
   home.rooms[galleries[2]].open_sides = {Side::north, Side::east, Side::south};
   const double wall = home.inner_wall_m;
+  // wings with two to three rooms a storey, reached from the hall and from the galleries
   addWing(home, villa, villa.in.x0, h.x0 - wall, hall, galleries, {HomeUse::kitchen, HomeUse::dining},
           {HomeUse::bedroom, HomeUse::bath, HomeUse::bedroom});
   addWing(home, villa, h.x1 + wall, villa.in.x1, hall, galleries, {HomeUse::study, HomeUse::toilet, HomeUse::living},
@@ -151,6 +157,7 @@ void buildVilla(Home& home) {
   const double sill = level.pick(0.6, 0.9);
   for (size_t i = 0; i < home.rooms.size(); ++i) home.windows(i, 0.75, home.rooms[i].use == HomeUse::kitchen ? 1.05 : sill, 2.15);
 
+  // columns below the galleries' edges; nothing is put where they stand
   addGalleries(home, villa);
   for (const double z : {villa.naveZ0() + 0.25, villa.naveZ1() - 0.25}) {
     addColumnRow(level, villa.columns, {{villa.west(), 0.0, z}, {}}, bays, villa.lower(), true);

@@ -54,6 +54,7 @@ void addSeats(Home& home, HomeRoom& room, const Stood& table, Use use) {
   if (!chair) return;
   Level& level = home.level;
   const glm::dvec3& size = table.piece.size_m;
+  // long sides take as many chairs as fit, 12 cm apart; the ends one each, or none
   struct Edge {
     double degrees, length, reach;
   };
@@ -62,9 +63,11 @@ void addSeats(Home& home, HomeRoom& room, const Stood& table, Use use) {
     if (is_end && !level.random.chance(0.6)) continue;
     const int count = is_end ? 1 : std::max(1, static_cast<int>(edge.length / (chair->size_m.x + 0.12)));
     for (int i = 0; i < count; ++i) {
+      // as people leave chairs: pulled out, turned, one in eight missing
       const double pull = level.random.chance(0.7) ? level.random.uniform(0.01, 0.08) : level.random.uniform(0.08, 0.4);
       const double turn = level.random.chance(0.5) ? 0.0 : level.random.uniform(-15.0, 15.0);
       if (level.random.chance(0.12)) continue;
+      // in the table's own frame, so that seats turn with it
       const double along = edge.length * ((i + 0.5) / count - 0.5);
       const double out = 0.5 * edge.reach + 0.5 * chair->size_m.z + pull;
       Placement frame = table.placement;
@@ -95,6 +98,7 @@ void furnishBedroom(Home& home, HomeRoom& room) {
   Level& level = home.level;
   const bool is_child = room.use == HomeUse::child;
   addCurtainsOf(home, room, 0.7);
+  // the bed first: what stands beside it, and what must not stand before it, follows from its place
   const std::optional<Stood> bed = addAtWall(home, room, is_child ? Use::child_bed : Use::bed, {{}, {}, 0.5, 0.03});
   if (bed) {
     const std::optional<Piece> bedside = drawPiece(home, Use::bedside, {0.7, 0.6, 0.9});
@@ -108,6 +112,7 @@ void furnishBedroom(Home& home, HomeRoom& room) {
     }
     addRug(home, room, middle + glm::dvec2(0.4, 0.3), bed->degrees);
   }
+  // large pieces before small ones: later pieces take the wall that is left
   addAtWall(home, room, Use::wardrobe, {{}, {}, 0.6, 0.02});
   if (level.random.chance(is_child ? 0.8 : 0.4)) addDesk(home, room, 2);
   for (int i = level.pickCount(1, 2); i > 0; --i)
@@ -117,6 +122,7 @@ void furnishBedroom(Home& home, HomeRoom& room) {
   if (level.random.chance(0.3)) addAtWall(home, room, Use::floor_lamp, {{}, {}, 0.0, 0.05});
   for (int i = 0; i < 2 && is_child; ++i) addAnywhere(home, room, Use::toy, {}, 0.1);
   if (!is_child && level.random.chance(0.3)) addAtWall(home, room, Use::armchair, {{}, {}, 0.4, 0.08});
+  // last what has a place of its own: radiators below windows, the lamp in the middle of the ceiling
   addRadiators(home, room);
   addFinish(home, room, level.pickCount(0, 2));
   hangLamp(home, room, room.floor.middle());
@@ -170,6 +176,7 @@ void addSeatingGroup(Home& home, HomeRoom& room) {
   const std::optional<Piece> large = level.random.chance(0.3) ? drawPiece(home, Use::corner_sofa, {3.2, 2.0, 1.4}) : std::nullopt;
   const std::optional<Piece> found = large ? large : drawPiece(home, Use::sofa, {3.0, 1.3, 1.4});
   if (!found) return;
+  // the sofa looks at a screen across the room; where no wall allows that, it stands at a wall alone
   const std::optional<Facing> facing = drawFacing(home, room, *found);
   std::optional<Stood> seat;
   if (facing) {
@@ -189,6 +196,7 @@ void addSeatingGroup(Home& home, HomeRoom& room) {
     putOnTop(home, standFree(home, room, *table, {at.x, at.z}, seat->degrees),
              {Use::small_thing, Use::small_plant, Use::kitchen_thing}, 2);
   }
+  // armchairs at the ends of the table, facing each other
   const std::optional<Piece> armchair = drawPiece(home, Use::armchair, {1.2, 1.2, 1.3});
   for (const double sign : {-1.0, 1.0}) {
     if (!armchair || !level.random.chance(0.6)) continue;
@@ -196,6 +204,7 @@ void addSeatingGroup(Home& home, HomeRoom& room) {
     const glm::dvec3 at = before.apply({sign * (0.5 * found->size_m.x + 0.55), 0.0, 0.5 * found->size_m.z + 0.75});
     standFree(home, room, *armchair, {at.x, at.z}, seat->degrees - sign * 90.0 + turn, 0.1);
   }
+  // a side table with a lamp, or a floor lamp, at one arm
   const std::optional<Piece> side =
       drawPiece(home, level.random.chance(0.5) ? Use::side_table : Use::floor_lamp, {0.7, 0.7, 2.0});
   if (!side) return;
@@ -239,6 +248,7 @@ void furnishDining(Home& home, HomeRoom& room) {
 void addKitchenRow(Home& home, HomeRoom& room, Side side, const std::vector<Use>& row) {
   constexpr double kStep = 0.08, kGap = 0.01;
   Level& level = home.level;
+  // one model for all base units of a row, one for those above
   const std::optional<Piece> base = drawPiece(home, Use::kitchen_base, {1.2, 0.8, 1.2});
   const std::optional<Piece> above = drawPiece(home, Use::kitchen_wall, {1.2, 0.6, room.clear_m});
   const bool has_above = level.random.chance(0.85);
@@ -248,6 +258,7 @@ void addKitchenRow(Home& home, HomeRoom& room, Side side, const std::vector<Use>
     const std::optional<Piece> piece = use == Use::kitchen_base ? base : drawPiece(home, use, {1.2, 1.0, room.clear_m});
     if (!piece) continue;
     std::optional<Stood> stood;
+    // slides along the wall past doors and windows, 8 cm a step, until the unit fits
     for (; !stood && at + piece->size_m.x <= end; at += stood ? piece->size_m.x + 0.002 : kStep) {
       const double middle = at + 0.5 * piece->size_m.x;
       const Rect area = room.floor.strip(side, at, at + piece->size_m.x, piece->size_m.z + kGap);
@@ -255,13 +266,17 @@ void addKitchenRow(Home& home, HomeRoom& room, Side side, const std::vector<Use>
       stood = standAtWall(home, room, *piece, {side, middle, 0.0, kGap});
       if (!stood) break;
     }
+    // the wall is full: the row ends
     if (!stood) return;
     const double middle = at - 0.002 - 0.5 * piece->size_m.x;
+    // 90 cm before a unit stay free, to stand at it
     room.kept.push_back(
         {room.floor.strip(side, middle - 0.5 * piece->size_m.x, middle + 0.5 * piece->size_m.x, piece->size_m.z + 0.9),
          room.floor_m, room.floor_m + 1.2});
+    // a tall unit takes the place of those above
     if (piece->size_m.y > 1.1) continue;
     if (use == Use::kitchen_base) putOnTop(home, stood, {Use::kitchen_thing}, level.pickCount(0, 2));
+    // the lower edge of a hood is 1.55 m above the floor
     const std::optional<Piece> hood = use == Use::cooker ? drawPiece(home, Use::hood, {1.2, 0.6, 0.6}) : std::nullopt;
     if (hood) {
       Piece raised = *hood;
@@ -287,12 +302,15 @@ void furnishKitchen(Home& home, HomeRoom& room) {
     };
     return cost(a) < cost(b);
   });
+  // cold, wash, cook: the order of a kitchen's work, with worktop between
   addKitchenRow(home, room, sides[0],
                 {Use::fridge, Use::kitchen_base, Use::kitchen_sink, Use::kitchen_base, Use::cooker, Use::kitchen_base,
                  Use::kitchen_base, Use::kitchen_base});
+  // a second row along the wall with the next most room
   if (level.random.chance(0.5))
     addKitchenRow(home, room, sides[1], {Use::kitchen_base, Use::laundry, Use::kitchen_base, Use::kitchen_base});
   const double area = room.floor.width() * room.floor.depth();
+  // an island only in large kitchens: the way around it takes .8 m
   if (area > 16.0 && level.random.chance(0.5)) {
     const std::optional<Piece> island = drawPiece(home, Use::island, {1.6, 1.3, 1.2});
     const std::optional<Stood> stood = island ? standFree(home, room, *island, room.floor.middle(), 0.0, 0.8) : std::nullopt;
@@ -320,6 +338,7 @@ void furnishBath(Home& home, HomeRoom& room) {
                  standAtWall(home, room, *bath, {side, room.floor.start(side) + room.floor.length(side), 0.4, 0.01}).has_value();
     }
   }
+  // toilet and basin in toilets and baths alike, the rest in baths
   addAtWall(home, room, Use::toilet, {{}, {}, 0.4, 0.01});
   addAtWall(home, room, Use::washbasin, {room.use == HomeUse::bath ? 1.3 : 0.65, 0.8, 2.3}, {{}, {}, 0.4, 0.01});
   if (room.use == HomeUse::bath) {
@@ -405,6 +424,7 @@ void furnishLounge(Home& home, HomeRoom& room) {
 
 void furnishOpenOffice(Home& home, HomeRoom& room) {
   Level& level = home.level;
+  // a grid of desk islands, the way between rows included in its step; one in twelve stays empty
   const bool along_x = level.random.chance(0.5);
   const int per_row = level.pickCount(2, 3);
   const double along = 1.7 * per_row + level.pick(1.4, 2.2), across = level.pick(4.4, 5.4);
@@ -414,6 +434,7 @@ void furnishOpenOffice(Home& home, HomeRoom& room) {
       if (!level.random.chance(0.08)) addDeskIsland(home, room, {x, z}, along_x, per_row);
     }
   }
+  // storage and plants along the walls
   for (int i = level.pickCount(3, 6); i > 0; --i) addAtWall(home, room, Use::bookcase, {{}, {}, 0.7, 0.02});
   for (int i = level.pickCount(2, 5); i > 0; --i) addAtWall(home, room, Use::filing, {{}, {}, 0.6, 0.02});
   for (int i = level.pickCount(3, 7); i > 0; --i) addAtWall(home, room, Use::plant, {{}, {}, 0.0, 0.05});
@@ -421,6 +442,7 @@ void furnishOpenOffice(Home& home, HomeRoom& room) {
   addAtWall(home, room, Use::board, {{}, {}, 0.5, 0.05});
   addRadiators(home, room);
   for (int i = level.pickCount(1, 4); i > 0; --i) addPicture(home, room);
+  // lamps on a grid of 3.5 m, whatever stands below
   for (double x = room.floor.x0 + 2.0; x < room.floor.x1 - 1.0; x += 3.5) {
     for (double z = room.floor.z0 + 2.0; z < room.floor.z1 - 1.0; z += 3.5) hangLamp(home, room, {x, z});
   }
@@ -484,6 +506,7 @@ bool addTableGroup(Home& home, HomeRoom& room, double most_length_m) {
   Level& level = home.level;
   const std::optional<Piece> table = drawPiece(home, Use::dining_table, {most_length_m, 1.4, 1.0});
   if (!table) return false;
+  // the middle of the room first, then anywhere that leaves seats their room
   for (int attempt = 0; attempt < 24; ++attempt) {
     const double x_share = level.random.uniform(), z_share = level.random.uniform();
     const bool is_turned = level.random.chance(0.5);
@@ -510,6 +533,7 @@ void addDeskIsland(Home& home, HomeRoom& room, const glm::dvec2& wanted, bool al
   Level& level = home.level;
   const std::optional<Piece> desk = drawPiece(home, Use::desk, {1.8, 0.95, 1.0});
   if (!desk) return;
+  // two rows of desks face each other over a partition, as one piece whose place is sought
   const double partition = level.pick(0.0, 0.05) * 0.4 + 0.02;  // 2, 3 or 4 cm
   const double height = level.pick(1.15, 1.6);
   const double degrees = along_x ? 0.0 : 90.0;
@@ -531,12 +555,14 @@ void addDeskIsland(Home& home, HomeRoom& room, const glm::dvec2& wanted, bool al
   }
   if (!is_free) return;
   const Placement frame{{middle.x, room.floor_m, middle.y}, turnByDegrees(degrees)};
+  // one island in five has no partition: rows see each other
   if (level.random.chance(0.8)) {
     room.solids.push_back({footprint(screen, middle, degrees), room.floor_m, room.floor_m + height});
     level.mesh.beginObject("partition", Mobility::movable);
     addBox(level.mesh, frame, {-0.5 * length, 0.0, -0.5 * partition}, {0.5 * length, height, 0.5 * partition},
            level.palette.cloth);
   }
+  // desks and chairs in the island's frame; a chair may stand off its desk, turned, or be missing
   for (const double row : {-1.0, 1.0}) {
     for (int i = 0; i < per_row; ++i) {
       const double along = length * ((i + 0.5) / per_row - 0.5);

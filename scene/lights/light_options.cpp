@@ -245,13 +245,16 @@ Sun defaultSun() { return sunAt(120.0, 50.0, {5.0f, 4.7f, 4.1f}); }
 std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, const std::function<bool(const Scene&)>& isOpen,
                                     bool* is_divided) {
   std::vector<std::string> done;
+  // the default is for scenes that nothing lights, or that nothing lights from outside though they are open
   const bool is_given = !options.sky.empty() || !options.sun.empty();
   const bool is_dark = !hasLight(scene);
   const bool takes_default = !is_given && (is_dark || (isOpen && !hasLightFromOutside(scene) && isOpen(scene)));
+  // lamps and suns in emission's unit, if there is any emission (docs/theory/light.md, Units)
   const auto [factors, words] = unitOf(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f);
   if (is_divided != nullptr) *is_divided = factors.lamps != 1.0;
   scaleLampsAndSuns(&scene.light, factors.lamps, factors.suns);
   if (!words.empty()) done.push_back(words);
+  // a sky replaces the scene's; the sun of its image is added to the scene's
   if (!options.sky.empty()) {
     GivenSky given = skyFrom(options.sky);
     scene.light.sky = std::move(given.sky);
@@ -261,6 +264,7 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
       done.push_back("the sun of the image is a sun of its own: " + sunText(*given.sun) +
                      (options.sun.empty() ? "" : "; --sun stands in its place"));
       scene.light.suns.push_back(*given.sun);
+      // labels name the suns of the file; one of them has no name now
       scene.light.sun_labels.clear();
     }
   }
@@ -279,6 +283,7 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
                        : "the scene is open, and no light comes from outside: a clear sky and a sun by default (--sky, --sun; "
                          "--sky 0 keeps the night)");
   }
+  // after everything else: the factor is on all light, defaults included
   if (options.intensity != 1.0) {
     scaleAll(&scene, static_cast<float>(options.intensity));
     done.push_back(fmt::format("all light times {:g} (--intensity)", options.intensity));

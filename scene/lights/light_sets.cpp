@@ -98,11 +98,13 @@ size_t lastSetting(const std::string& text, const std::vector<std::string>& name
 LightSet setFrom(const std::string& text, const LightOptions& of_all) {
   const std::string place = "--light-set";
   LightSet set{{}, {}, of_all};
+  // sets may differ in options of light alone
   OptionTable table("bake");
   describe(set.options, table);
   std::vector<std::string> names;
   for (const auto& option : table.describeAsJson()) names.push_back(option.at("name").get<std::string>());
   std::string rest = text;
+  // from the end backwards: a scene's path may hold blanks
   std::vector<std::pair<std::string, std::string>> settings;  // from the last to the first
   for (size_t blank = lastSetting(rest, names); blank != std::string::npos; blank = lastSetting(rest, names)) {
     const size_t equals = rest.find('=', blank);
@@ -120,6 +122,7 @@ LightSet setFrom(const std::string& text, const LightOptions& of_all) {
     return c <= ' ' || c == ',' || c == '/' || c == 0x7f;
   });
   if (!is_named || (equals != std::string::npos && set.scene.empty())) throw UsageError(place, kForm, "'" + text + "'");
+  // in the order given, as on a command line
   std::for_each(settings.rbegin(), settings.rend(), [&](const auto& setting) {
     table.set(setting.first, setting.second, place + " " + set.name + ": " + setting.first);
   });

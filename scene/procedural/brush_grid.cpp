@@ -89,6 +89,7 @@ void BrushGrid::emitObject(MeshBuilder& mesh, const std::string& name, Mobility 
 
 void BrushGrid::emit(MeshBuilder& mesh, const Placement& placement) const {
   if (operations_.empty()) return;
+  // the planes of all boxes cut space into cells, each wholly solid or air: no booleans of meshes
   Cells cells;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double>& planes = cells.planes[axis];
@@ -98,8 +99,10 @@ void BrushGrid::emit(MeshBuilder& mesh, const Placement& placement) const {
   }
   cells.materials_idx.assign(static_cast<size_t>(cells.count(0)) * cells.count(1) * cells.count(2), -1);
   cells.vertices.assign(cells.corner({cells.count(0), cells.count(1), cells.count(2)}) + 1, kNoVertex);
+  // in the order of operations: a later one overwrites an earlier one
   for (const Operation& operation : operations_) paint(cells, operation.min, operation.max, operation.materials_idx);
 
+  // faces between solid and air alone: nothing within walls, and shared corners without cracks
   for (int z = 0; z < cells.count(2); ++z) {
     for (int y = 0; y < cells.count(1); ++y) {
       for (int x = 0; x < cells.count(0); ++x) {

@@ -125,6 +125,7 @@ size_t floodAir(const ScalarGrid& grid, const glm::ivec3& start, int label, std:
 
 // Turns every air point that is not connected with the largest body of air into solid.
 void keepLargestAir(ScalarGrid& grid) {
+  // labels of the bodies of air, by flood fill
   std::vector<int> labels(grid.values.size(), 0);
   int last_label = 0;
   int largest_label = 0;
@@ -142,6 +143,7 @@ void keepLargestAir(ScalarGrid& grid) {
       }
     }
   }
+  // the sign turns, the magnitude stays: a pocket becomes rock
   for (size_t i = 0; i < labels.size(); ++i) {
     if (labels[i] != largest_label && grid.values[i] > 0.0) grid.values[i] = -grid.values[i];
   }
@@ -250,13 +252,16 @@ void addDripstone(Level& level, const glm::dvec3& foot, double height, bool hang
 }
 
 void addThing(Level& level, const Cave& cave, const Chamber& chamber) {
+  // not at the rim of the chamber, and well off the rock
   const glm::dvec3 inside =
       chamber.centre + chamber.radii * glm::dvec3{level.random.uniform(-0.65, 0.65), 0.0, level.random.uniform(-0.65, 0.65)};
   if (airField(cave, inside) <= 0.3) return;
+  // floor and roof in steps of 5 cm
   const glm::dvec3 floor(inside.x, endOfAir(cave, inside, -0.05), inside.z);
   const glm::dvec3 roof(inside.x, endOfAir(cave, inside, 0.05), inside.z);
   const double draw = level.random.uniform();
   const Placement placement{floor, turnByDegrees(level.random.uniform(0.0, 360.0))};
+  // feet reach into the rock, which is uneven: nothing floats
   if (draw < 0.4) {
     const double size = level.random.uniform(0.25, 0.9);
     level.mesh.beginObject("rock", Mobility::movable);

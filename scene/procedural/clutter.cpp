@@ -101,6 +101,7 @@ void furnish(Level& level, Room& room, Style style) {
 }  // namespace
 
 void buildClutter(Level& level) {
+  // warehouse and workshop are high, with gates instead of doors
   const Style style = static_cast<Style>(level.pickCount(0, 3));
   const bool is_tall = style == Style::warehouse || style == Style::workshop;
   Building building;
@@ -116,6 +117,7 @@ void buildClutter(Level& level) {
   if (level.random.chance(0.5)) carveDoor(building, Side::east, 0, level.random.uniform(0.5, depth - 2.0), 0.9);
   building.shell.emitObject(level.mesh, "shell", Mobility::structure);
 
+  // halls stay whole or in few rooms, offices keep some large ones, the others part down to small rooms
   PlanOptions options;
   options.min_side_m = is_tall ? 4.0 : level.pick(2.8, 3.6);
   options.stop_chance = is_tall ? 0.8 : style == Style::office ? 0.5 : 0.15;
@@ -124,6 +126,7 @@ void buildClutter(Level& level) {
                                 ? std::vector<Room>{{area, building.ground_m, building.clear_m[0], building.openingsOf(0)}}
                                 : partStorey(level, building, 0, area, options, {});
   for (Room& room : rooms) furnish(level, room, style);
+  // what fills the height of a hall: pillars, pipes, a gallery
   if (is_tall) addPillars(level, building);
   if (is_tall || level.random.chance(0.4)) addPipes(level, building);
   if (style == Style::warehouse && rooms.size() == 1) addGallery(level, building);

@@ -40,15 +40,18 @@ void addBasilicaShell(Level& level, const Hall& hall, double nave_m) {
   const double z = 0.5 * hall.depth();
   const double nave_z = 0.5 * hall.nave;
   const double w = hall.wall_m;
+  // solid blocks first, then air: what is left between them are walls and roofs
   BrushGrid grid;
   grid.fill({-x - w, -0.5, -z - w}, {x + w, hall.aisleHeight() + 0.3, z + w}, level.roomFaces());
   grid.fill({-x - w, -0.5, -nave_z - 0.2}, {x + w, nave_m + 0.3, nave_z + 0.2}, level.roomFaces());
+  // roofs have a material of their own
   const BrushMaterials roof = level.roofFaces();
   grid.fill({-x - w, hall.aisleHeight(), -z - w}, {x + w, hall.aisleHeight() + 0.3, -nave_z - 0.2}, roof);
   grid.fill({-x - w, hall.aisleHeight(), nave_z + 0.2}, {x + w, hall.aisleHeight() + 0.3, z + w}, roof);
   grid.fill({-x - w, nave_m, -nave_z - 0.2}, {x + w, nave_m + 0.3, nave_z + 0.2}, roof);
   grid.carve({-x, 0, -z}, {x, hall.aisleHeight(), z});
   grid.carve({-x, 0, -nave_z + 0.2}, {x, nave_m, nave_z - 0.2});
+  // a window in most bays of the aisles, and one in every bay of the upper wall on both sides
   const int bay_count = static_cast<int>(hall.length / hall.bay + 0.5);
   const double sill = level.pick(0.9, 1.6);
   for (int bay = 0; bay < bay_count; ++bay) {
@@ -57,6 +60,7 @@ void addBasilicaShell(Level& level, const Hall& hall, double nave_m) {
     if (level.random.chance(0.7)) grid.carve({at - 0.5, sill, z}, {at + 0.5, hall.column_m, z + w});
     grid.carve({at - 0.4, hall.aisleHeight() + 0.6, -nave_z - 0.2}, {at + 0.4, nave_m - 0.4, nave_z + 0.2});
   }
+  // the portal in the west, an east window by chance
   grid.carve({-x - w, 0, -1.1}, {-x, 3.0, 1.1});
   if (level.random.chance(0.6)) grid.carve({x, sill + 1.0, -0.8}, {x + w, nave_m - 0.8, 0.8});
   grid.emitObject(level.mesh, "shell", Mobility::structure);
@@ -104,6 +108,7 @@ void buildCloister(Level& level, const Hall& hall) {
   const double top = hall.aisleHeight();
   const double w = hall.wall_m;
   const Rect in{-x - hall.aisle, -z - hall.aisle, x + hall.aisle, z + hall.aisle};
+  // a block with roof, the walk carved into it, then the court, open to the sky and 15 cm deeper
   BrushGrid grid;
   grid.fill({in.x0 - w, -0.5, in.z0 - w}, {in.x1 + w, top + 0.3, in.z1 + w}, level.roomFaces());
   const BrushMaterials roof = level.roofFaces();
@@ -111,6 +116,7 @@ void buildCloister(Level& level, const Hall& hall) {
   grid.carve({in.x0, 0, in.z0}, {in.x1, top, in.z1});
   grid.carve({-x, top, -z}, {x, top + 0.3, z});
   grid.carve({-x + 0.4, -0.15, -z + 0.4}, {x - 0.4, 0, z - 0.4});
+  // the entrance, windows to the south, by chance a door in the east
   grid.carve({in.x0 - w, 0, -0.6}, {in.x0, 2.1, 0.6});
   for (int i = 0; i < 3; ++i) {
     const double at = level.random.uniform(in.x0 + 0.5, in.x1 - 1.5);
@@ -118,6 +124,7 @@ void buildCloister(Level& level, const Hall& hall) {
   }
   if (level.random.chance(0.5)) grid.carve({in.x1, 0, -0.7}, {in.x1 + w, 2.3, 0.7});
   grid.emitObject(level.mesh, "shell", Mobility::structure);
+  // four rows of columns between walk and court
   addColumnRow(level, hall, {{-x, 0, -z}, {}}, x_bays, top, true);
   addColumnRow(level, hall, {{-x, 0, z}, {}}, x_bays, top, true);
   addColumnRow(level, hall, {{-x, 0, z}, turnByDegrees(90.0)}, z_bays, top, false);
@@ -136,6 +143,7 @@ void buildHypostyle(Level& level, const Hall& hall) {
   const double z = 0.5 * z_bays * hall.bay;
   const double top = hall.aisleHeight();
   const double w = hall.wall_m;
+  // a block, the hall carved into it, and a lantern above its middle rows
   BrushGrid grid;
   grid.fill({-x - w, -0.5, -z - w}, {x + w, top + 0.3, z + w}, level.roomFaces());
   const BrushMaterials roof = level.roofFaces();
@@ -143,6 +151,7 @@ void buildHypostyle(Level& level, const Hall& hall) {
   grid.fill({-0.6 * x, top, -0.5 * z}, {0.6 * x, top + 1.5, 0.5 * z}, roof);
   grid.carve({-x, 0, -z}, {x, top, z});
   grid.carve({-0.6 * x + 0.3, top, -0.5 * z + 0.3}, {0.6 * x - 0.3, top + 1.2, 0.5 * z - 0.3});
+  // doors to the south, windows to the north, and the lantern's windows on both sides
   for (int bay = 0; bay < x_bays; ++bay) {
     const double at = -x + (bay + 0.5) * hall.bay;
     if (level.random.chance(0.6)) grid.carve({at - 0.6, 0, z}, {at + 0.6, 2.4, z + w});
@@ -151,6 +160,7 @@ void buildHypostyle(Level& level, const Hall& hall) {
   }
   grid.emitObject(level.mesh, "shell", Mobility::structure);
   for (int row = 1; row < z_bays; ++row) addColumnRow(level, hall, {{-x, 0, -z + row * hall.bay}, {}}, x_bays, top, false);
+  // piles of crates in the middle of bays
   for (int i = level.pickCount(4, 9); i > 0; --i) {
     const int column = level.pickCount(0, x_bays - 1);
     const int row = level.pickCount(0, z_bays - 1);

@@ -159,6 +159,7 @@ void buildKitchen(Level& level) {
   carveHole(building, 0, Side::south, 0.8, in.width() - 0.8, 0.7, 2.2, 0.0);
   carveDoor(building, Side::east, 0, level.pick(0.8, 2.0), 0.9);
   building.shell.emitObject(level.mesh, "shell", Mobility::structure);
+  // units along two walls; those of the west leave the window free
   addRun(level, in, Side::north, 0.02, in.width() - 0.75, fittings, {glm::dvec3(-1.0), glm::dvec3(-1.0)});
   addRun(level, in, Side::west, 0.66, in.depth() - 0.6, fittings, {glm::dvec3(window), glm::dvec3(window + 1.2)});
   addUnit(level, onWall(in, Side::north, in.width() - 0.36, 0.03, 0.06), {0.6, 1.8, 0.58}, fittings, Doors::shut);  // the fridge
@@ -225,15 +226,18 @@ void buildMeeting(Level& level) {
   carveHole(building, 0, Side::south, 0.5, in.width() - 0.5, 0.8, clear - 0.2, 0.0);
   carveDoor(building, Side::east, 0, 0.6, 0.9);
   building.shell.emitObject(level.mesh, "shell", Mobility::structure);
+  // a blind of 8 mm slats before the window: sheets far thinner than any probe spacing
   std::vector<Box> slats;
   const double pitch = level.random.uniform(0.08, 0.16);
   for (double y = level.pick(0.9, 1.6); y < clear - 0.15; y += pitch)
     slats.push_back({{0.4, y, 0.05}, {in.width() - 0.4, y + 0.008, 0.1}});
   addPlates(level, "blind", {{in.x1, 0.0, in.z1}, turnByDegrees(180.0)}, slats, fittings.panel, fittings.plates);
+  // panels on two walls, a row of units below those of the west
   hangPanels(level, in, Side::north, 1.6, fittings, 0.2, clear - 0.15);
   hangPanels(level, in, Side::west, 2.2, fittings, 0.85, clear - 0.2);
   for (double along = 0.8; along + 0.5 < in.depth(); along += 0.9)
     addUnit(level, onWall(in, Side::west, along, 0.05, 0.03), {0.88, 0.7, 0.42}, fittings, Doors::shut);
+  // table and chairs of thin boards
   const double half = 0.5 * std::min(level.pick(1.8, 3.0), in.width() - 2.4), t = 0.5 * kBoard_m;
   const Placement middle{{in.middle().x + 0.3, 0.0, in.middle().y}, {}};
   addPlates(level, "table", middle,
@@ -251,6 +255,7 @@ void buildMeeting(Level& level) {
                 fittings.carcass, fittings.plates);
     }
   }
+  // a sheet 10 cm below the ceiling, and air between both
   addPlates(level, "raft", middle, {{{-half, clear - 0.12, -0.6}, {half, clear - 0.1, 0.6}}}, level.palette.ceiling,
             Plates::boards);
   addLamps(level, building, 2);

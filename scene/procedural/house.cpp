@@ -28,9 +28,11 @@ House drawHouse(Level& level, const WallThickness& walls) {
   house.inner_wall_m = walls.inner_m;
   building.slab_m = level.pick(0.2, 0.3);
   building.ground_m = level.pick(0.0, 0.15);
+  // one or two storeys, each with a clear height of its own
   building.clear_m.assign(level.random.chance(0.65) ? 2 : 1, 0.0);
   for (double& clear : building.clear_m) clear = level.pick(2.4, 3.2);
   house.hall_m = level.pick(2.4, 3.2);
+  // the flight runs along the hall's outer wall; its first 90 cm need no well above, as headroom is enough there
   if (building.storeyCount() > 1) {
     const Rect in = building.inner();
     house.flight = {building.clear_m[0] + building.slab_m, level.pick(3.6, 4.6), level.pick(0.9, 1.1), level.random.chance(0.4)};
@@ -93,9 +95,11 @@ void addRooms(Level& level, const House& house, int storey) {
   }
   grid.emitObject(level.mesh, "hall wall", Mobility::structure);
 
+  // a metre before and behind the flight stays free
   if (building.storeyCount() > 1)
     keep_free.push_back(
         {house.flight_x - 1.0, in.z0, house.flight_x + house.flight.run_m + 1.0, in.z0 + house.flight.width_m + 0.2});
+  // what the hall leaves is parted into rooms
   PlanOptions options;
   options.min_side_m = level.pick(2.5, 3.2);
   options.wall_m = wall;
@@ -106,6 +110,7 @@ void addRooms(Level& level, const House& house, int storey) {
     const RoomUse use = storey == 0 ? uses[level.random.below(4)] : uses[1 + level.random.below(2)];
     furnishRoom(level, room, use, level.random.uniform(0.6, 1.1));
   }
+  // the hall itself is nearly empty
   Room hall{{in.x0, in.z0, in.x1, hall_end}, floor, clear, keep_free};
   for (const Rect& opening : building.openingsOf(storey)) hall.keep_free.push_back(opening);
   furnishRoom(level, hall, RoomUse::study, 0.3);

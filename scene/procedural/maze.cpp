@@ -30,10 +30,12 @@ void removeWall(Maze& maze, int x, int z, int direction) {
 void carveCorridors(Level& level, Maze& maze) {
   constexpr std::array<std::array<int, 2>, 4> kSteps = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
   std::vector<char> is_seen(maze.east.size(), 0);
+  // back-tracking with a stack of its own: a corridor may be longer than recursion is deep
   std::vector<glm::ivec2> path = {{0, 0}};
   is_seen[0] = 1;
   while (!path.empty()) {
     const glm::ivec2 p = path.back();
+    // the first direction is drawn, the other three follow in turn
     const int first = level.pickCount(0, 3);
     bool went = false;
     for (int turn = 0; turn < 4 && !went; ++turn) {
@@ -118,6 +120,7 @@ void addShell(Level& level, const Maze& maze) {
     const double z = maze.zAt(level.pickCount(0, maze.z_count - 1)) + 0.4;
     grid.carve({x, maze.height_m, z}, {x + maze.cell_m - 0.8, maze.height_m + 0.3, z + maze.cell_m - 0.8});
   }
+  // the entrance in the north, the exit in the east
   const double entry = maze.xAt(level.pickCount(0, maze.x_count - 1)) + 0.5 * maze.cell_m;
   grid.carve({entry - 0.6, 0, out.z0}, {entry + 0.6, 2.2, in.z0});
   const double exit = maze.zAt(level.pickCount(0, maze.z_count - 1)) + 0.5 * maze.cell_m;

@@ -134,6 +134,7 @@ void addProfile(MeshBuilder& mesh, const Placement& placement, const std::vector
 void addLathe(MeshBuilder& mesh, const Placement& placement, const std::vector<Ring>& rings, int side_count, uint32_t material) {
   const auto addRing = [&](const Ring& ring) {
     std::vector<uint32_t> points;
+    // a ring of radius 0 is one vertex: a cone ends in a point, not in an open hole
     if (ring.radius <= 0.0) return std::vector<uint32_t>(side_count, mesh.addVertex(placement, {0.0, ring.y, 0.0}));
     for (int side = 0; side < side_count; ++side) {
       const glm::dvec3 spoke = turned(turnByDegrees(360.0 * side / side_count), {ring.radius, 0.0, 0.0});
@@ -141,6 +142,7 @@ void addLathe(MeshBuilder& mesh, const Placement& placement, const std::vector<R
     }
     return points;
   };
+  // fans close both ends, the lower one wound downward
   std::vector<uint32_t> below = addRing(rings.front());
   for (int side = 2; side < side_count; ++side) mesh.addTriangle(below[0], below[side], below[side - 1], material);
   for (size_t i = 1; i < rings.size(); ++i) {

@@ -138,6 +138,7 @@ void addBoulder(Level& level, const glm::dvec3& foot) {
 // A ring of columns on a round base, some broken, as a pavilion or a ruin.
 void addPavilion(Level& level, Terrain& terrain) {
   const double radius = level.pick(2.0, 3.2);
+  // the terrain is levelled below it; without a free place there is no pavilion
   const double limit = terrain.half() - radius - 1.5;
   const glm::dvec2 at{level.random.uniform(-limit, limit), level.random.uniform(-limit, limit)};
   const Pad* pad = terrain.reserve(Rect{at.x, at.y, at.x, at.y}.grown(radius + 0.3));
@@ -149,6 +150,7 @@ void addPavilion(Level& level, Terrain& terrain) {
   const bool is_roofed = level.random.chance(0.6);
   const int column_count = level.pickCount(6, 9);
   const double height = level.pick(2.4, 3.2);
+  // a ruin: half of the columns broken, .3 to .8 of their height left
   for (int i = 0; i < column_count; ++i) {
     const glm::dvec3 arm = turned(turnByDegrees(360.0 * i / column_count), {radius - 0.3, 0, 0});
     const double top = is_roofed || level.random.chance(0.5) ? height : height * level.random.uniform(0.3, 0.8);

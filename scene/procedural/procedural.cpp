@@ -41,6 +41,7 @@ Scene makeCornell(uint64_t) {
   const uint32_t white = addPaint(mesh, {0.725f, 0.71f, 0.68f}), red = addPaint(mesh, {0.63f, 0.065f, 0.05f}),
                  green = addPaint(mesh, {0.14f, 0.45f, 0.091f});
   const uint32_t lamp = mesh.addMaterial({glm::vec3(0.78f), glm::vec3(17.0f, 12.0f, 4.0f), false});
+  // a white block, its sides red and green, the room carved into it
   BrushGrid box;
   box.fill({-1.0 - kShell_m, -kShell_m, -1.0 - kShell_m}, {1.0 + kShell_m, 2.0 + kShell_m, 1.0}, white);
   box.fill({-1.0 - kShell_m, 0.0, -1.0}, {-1.0, 2.0, 1.0}, red);
@@ -65,11 +66,13 @@ Scene makeTwoRooms(uint64_t seed) {
                  cloth = addPaint(mesh, {0.3f, 0.12f, 0.15f});
   const uint32_t lamp = mesh.addMaterial({glm::vec3(0.8f), glm::vec3(10.0f, 9.2f, 8.0f), false});
   const double half_wall = 0.5 * kShell_m, reach = half_wall + 4.0;
+  // one block with two rooms carved into it: the wall between is what they leave
   BrushGrid rooms;
   rooms.fill({-reach - kShell_m, -kShell_m, -2.0 - kShell_m}, {reach + kShell_m, 2.5 + kShell_m, 2.0 + kShell_m},
              BrushMaterials(white, floor, white));
   rooms.carve({-reach, 0.0, -2.0}, {-half_wall, 2.5, 2.0});
   rooms.carve({half_wall, 0.0, -2.0}, {reach, 2.5, 2.0});
+  // seed 0 has no opening: any light in the right room is a leak
   if (seed == 1) rooms.carve({-half_wall, 0.0, -0.45}, {half_wall, 2.0, 0.45});
   rooms.emitObject(mesh, "rooms", Mobility::structure);
   for (const double x : {-reach + 0.6, reach - 0.6}) {

@@ -90,6 +90,7 @@ Plan drawPlan(Level& level) {
 void addFlights(Level& level, const Plan& plan) {
   const double width = level.pick(1.0, 1.5);
   const bool is_open = level.random.chance(0.6);
+  // all flights have one slope, 1.45 along for 1 up
   const auto add = [&](const glm::dvec3& foot, double degrees, double rise_m) {
     level.mesh.beginObject("flight", Mobility::structure);
     addFlight(level, facing(foot, degrees), {rise_m, 1.45 * rise_m, width, is_open}, level.palette.stone);
@@ -103,6 +104,7 @@ void addFlights(Level& level, const Plan& plan) {
   const double x = first.area.x0 + 0.5 * width + 0.1;
   const double rise = second.floor_m - first.floor_m;
   add({x, first.floor_m, second.area.z1 + 1.45 * rise}, 90.0, rise);
+  // railings along free edges, with gaps where flights arrive
   addEdgeRailing(level, {first.area.x1 - 0.06, first.floor_m, first.area.z1}, 90.0, first.area.depth(),
                  first.area.z1 - z - 0.5 * width - 0.1, first.area.z1 - z + 0.5 * width + 0.1);
   addEdgeRailing(level, {second.area.x0, second.floor_m, second.area.z1 - 0.06}, 0.0, second.area.width(), 0.0, width + 0.3);
@@ -159,6 +161,7 @@ void buildStairs(Level& level) {
   building.shell.emitObject(level.mesh, "shell", Mobility::structure);
   for (const Deck& deck : plan.decks) addDeck(level, deck);
   addFlights(level, plan);
+  // a spiral stair from the ground to the highest deck
   if (level.random.chance(0.6)) {
     const Deck& top = plan.decks.back();
     const Rect in = building.inner();

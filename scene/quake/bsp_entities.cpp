@@ -127,15 +127,18 @@ std::vector<BspPlacement> readPlacements(const std::string& path, const std::vec
   for (size_t i = 0; i < entities.size(); ++i) {
     const std::string place = "entity " + std::to_string(i);
     const std::string_view model = textOf(entities[i], "model"), origin = textOf(entities[i], "origin");
+    // a brush model is named *N; model 0 is the world, which no entity names
     if (!model.starts_with('*')) continue;
     size_t idx = 0;
     const auto [end, error] = std::from_chars(model.data() + 1, model.data() + model.size(), idx);
     if (error != std::errc() || end != model.data() + model.size() || idx < 1 || idx >= model_count)
       throw InputError(path, place + ": model", "one of *1 to *" + std::to_string(model_count - 1),
                        std::string(model.substr(0, 40)));
+    // of several entities with one model the first places it
     if (is_placed[idx]) continue;
     is_placed[idx] = 1;
     placements[idx].classname = std::string(textOf(entities[i], "classname").substr(0, 80));
+    // without the key origin a model stands where its vertices are; the key shifts it, in Quake's units
     if (origin.empty()) continue;
     const std::optional<glm::dvec3> origin_units = threeNumbers(origin);
     if (!origin_units)

@@ -1,3 +1,5 @@
+// Segments of a piece follow from its bend and are powers of two. Outer edges have a number of their own, which depends on
+// their control points alone: two patches that share an edge have the same vertices along it.
 #include "scene/quake/bsp_patch.h"
 
 #include <algorithm>
@@ -100,6 +102,7 @@ std::vector<glm::dvec3> gridValues(const std::vector<glm::dvec3>& control, uint3
 PatchMesh tessellatePatch(const std::vector<glm::dvec3>& control, uint32_t width, uint32_t height, double tolerance,
                           const std::vector<std::vector<glm::dvec3>>& carried) {
   NLG_CHECK(control.size(), ==, size_t{width} * height);
+  // edges count for themselves: a neighbouring patch that shares an edge's control points must get the same vertices
   const Segments along = countSegments(control, {(width - 1) / 2, height, 1, width}, tolerance);
   const Segments across = countSegments(control, {(height - 1) / 2, width, width, 1}, tolerance);
   const std::vector<Station> columns = stations(along.grid);
@@ -107,6 +110,7 @@ PatchMesh tessellatePatch(const std::vector<glm::dvec3>& control, uint32_t width
   const auto column_count = static_cast<uint32_t>(columns.size());
   const auto row_count = static_cast<uint32_t>(rows.size());
 
+  // carried values (coordinates, colours) take the same stations as positions
   PatchMesh mesh;
   mesh.positions = gridValues(control, width, columns, rows);
   for (const std::vector<glm::dvec3>& values : carried) {

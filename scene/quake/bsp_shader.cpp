@@ -139,6 +139,7 @@ void finishStage(const Stage& stage, ShaderScript& script) {
 
 // What stands between the braces of one shader; the first one has been read.
 ShaderScript readBody(QuakeTokens& tokens) {
+  // a script has general lines at depth 1 and a stage in braces at depth 2
   ShaderScript script;
   std::string_view word;
   Stage stage;
@@ -164,6 +165,7 @@ ShaderScript readBody(QuakeTokens& tokens) {
       if (word == "}") close();
     }
   }
+  // a text that ends early still counts with what it has said
   if (depth > 1) finishStage(stage, script);
   return script;
 }

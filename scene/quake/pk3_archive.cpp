@@ -119,6 +119,7 @@ void Pk3Archives::mount(const std::string& file) {
     if (raw_name == nullptr || zip_stat_index(archive->zip, i, 0, &stat) != 0)
       throw InputError(file, place, "a name and a size", zip_strerror(archive->zip));
     const std::string name = raw_name;
+    // a hostile name could lead out of the archive: it is refused, not cleaned
     if (const char* problem = nameProblem(name))
       throw InputError(file, place, "a name inside the archive", std::string(problem) + ": " + quoted(name));
     if (name.back() == '/') {
@@ -126,6 +127,7 @@ void Pk3Archives::mount(const std::string& file) {
         throw InputError(file, place, "a folder without data", quoted(name) + " of " + std::to_string(stat.size) + " bytes");
       continue;
     }
+    // the game ignores case, and of equal names takes that of the later archive
     entries_[lowerCase(name)] = {archives_.size(), i};
   }
   archives_.push_back(std::move(archive));
@@ -164,6 +166,7 @@ std::string Pk3Archives::read(const std::string& name, size_t max_bytes) const {
   const auto fail = [&](const std::string& expected, const std::string& got) {
     throw InputError(archive.file, quoted(name), expected, got);
   };
+  // what an entry claims is checked before memory is reserved for it
   zip_stat_t stat;
   if (zip_stat_index(archive.zip, entry.entry_idx, 0, &stat) != 0) fail("a size", zip_strerror(archive.zip));
   if (stat.encryption_method != ZIP_EM_NONE) fail("an entry that is not encrypted", "an encrypted one");

@@ -1,3 +1,5 @@
+// A component is closed if its edges cancel: every edge is walked once in each direction. What remains open goes around
+// holes, whose area tells a crack of a modeller from a surface that bounds nothing.
 #include "scene/solid/closed_shells.h"
 
 #include <algorithm>
@@ -113,6 +115,7 @@ Components ShellFinder::components(std::span<const glm::uvec3> triangles) {
 template <class Position>
 std::vector<Shell> ShellFinder::measure(const std::vector<Position>& positions, std::span<const glm::uvec3> triangles,
                                         const Components& components) {
+  // volume is summed about the middle of the box: that of an open component depends on the origin
   std::vector<Shell> shells(components.count);
   std::vector<char> is_begun(components.count, 0);
   for (size_t i = 0; i < triangles.size(); ++i) {
@@ -127,6 +130,7 @@ std::vector<Shell> ShellFinder::measure(const std::vector<Position>& positions, 
   const auto fromMiddle = [&](const Shell& shell, uint32_t vertex) {
     return glm::dvec3(positions[vertex]) - 0.5 * (shell.low + shell.high);
   };
+  // signed volume of the tetrahedra between middle and faces: positive if wound outward
   for (size_t i = 0; i < triangles.size(); ++i) {
     Shell& shell = shells[components.of_triangle[i]];
     const glm::dvec3 a = fromMiddle(shell, triangles[i].x), b = fromMiddle(shell, triangles[i].y);
@@ -160,6 +164,7 @@ std::vector<Shell> ShellFinder::measure(const std::vector<Position>& positions, 
       holes.emplace_back(0.0);
       component_of_hole.push_back(edge.component);
     }
+    // area vector of the hole's outline: half the sum of cross products of its edges
     const Shell& shell = shells[edge.component];
     holes[hole] += 0.5 * edge.direction * glm::cross(fromMiddle(shell, edge.low), fromMiddle(shell, edge.high));
   }

@@ -61,6 +61,7 @@ Parts partsOf(const Scene& scene) {
   ShellFinder finder(parts.same_as);
   for (size_t o = 0; o < scene.objects.size(); ++o) {
     const SceneObject& object = scene.objects[o];
+    // faces with alpha are sheets in any case, and close no shell
     std::vector<uint32_t> kept;
     std::vector<glm::uvec3> triangles;
     for (uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
@@ -344,6 +345,7 @@ Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
   const std::vector<Thing>& things = nesting.things();
   const size_t count = parts.all.size();
   Verdict verdict{std::vector<char>(count, 0), std::vector<char>(count, 0), std::vector<char>(count, 0)};
+  // what each shell holds, and what lies in none
   std::vector<char> is_part_outside(count, 0);
   size_t outside_count = 0;
   std::vector<char> holds_something(count, 0);
@@ -358,15 +360,18 @@ Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
     // an inner surface leaves walls between itself and the outer one
     if (parts.all[thing.container].isOutward() && !isInward(thing)) verdict.is_hollow[thing.container] = 1;
   }
+  // a room around everything leaves no air outside
   const bool is_air_outside = std::any_of(things.begin(), things.end(), [&](const Thing& thing) {
     return thing.is_outside && !(isInward(thing) && holds_something[thing.part]);
   });
+  // a lone empty shell that fills the scene is a room: taken as solid it would leave no air
   const Bounds bounds = sceneBounds(scene);
   const auto boxVolume = [](const glm::dvec3& size) { return size.x * size.y * size.z; };
   const double scene_volume = boxVolume(bounds.max - bounds.min);
   const auto isAllThereIs = [&](const Shell& shell) {
     return shell.volume_m3 > kMostOfScene * scene_volume && boxVolume(shell.high - shell.low) > kWholeScene * scene_volume;
   };
+  // shells wound outward (docs/theory/visibility.md, Double-sided materials, first rows of the table)
   for (uint32_t i = 0; i < count; ++i) {
     if (!parts.all[i].isOutward()) continue;
     const bool is_alone = outside_count == static_cast<size_t>(is_part_outside[i]);
@@ -374,6 +379,7 @@ Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
     verdict.is_room[i] = verdict.is_hollow[i] && is_alone;
     verdict.is_solid[i] = !verdict.is_hollow[i] && (!parts.all[i].hasHoles() || nesting.hasRooms()[i]);
   }
+  // shells wound inward: the inner surface of thick walls, or a room around everything else
   for (uint32_t i = 0; i < count; ++i) {
     if (!parts.all[i].isInward()) continue;
     const bool is_loose = container[i] == kNone;
@@ -406,6 +412,7 @@ DoubleSidedFaces giveSolidsOneSide(Scene& scene) {
   DoubleSidedFaces result;
   for (const uint32_t material : scene.triangle_material) result.face_count += isDoubleSided(scene.materials[material]);
   if (result.face_count == 0) return result;
+  // without an answer who is in whom, all faces stay sheets
   const Parts parts = partsOf(scene);
   Nesting nesting(scene, parts);
   if (!nesting.find()) {
@@ -413,6 +420,7 @@ DoubleSidedFaces giveSolidsOneSide(Scene& scene) {
     return result;
   }
   const Verdict verdict = judge(scene, parts, nesting);
+  // a material may bound solid on one part and be a sheet on another: solids get a one-sided copy
   std::map<uint32_t, uint32_t> one_sided;  // by material
   for (size_t i = 0; i < parts.all.size(); ++i) {
     const Part& part = parts.all[i];
@@ -421,6 +429,7 @@ DoubleSidedFaces giveSolidsOneSide(Scene& scene) {
       uint32_t& material = scene.triangle_material[parts.triangles[k]];
       if (!isDoubleSided(scene.materials[material])) continue;
       ++face_count;
+      // two corners swapped: the face turns inward
       if (verdict.is_room[i]) std::swap(scene.triangles[parts.triangles[k]].y, scene.triangles[parts.triangles[k]].z);
       if (!verdict.is_solid[i] && !verdict.is_room[i]) continue;
       const auto [copy, is_new] = one_sided.try_emplace(material, static_cast<uint32_t>(scene.materials.size()));
@@ -431,6 +440,7 @@ DoubleSidedFaces giveSolidsOneSide(Scene& scene) {
       material = copy->second;
     }
     if (verdict.is_solid[i] || verdict.is_room[i]) result.solid_count += face_count;
+    // names for the user, one for each object and not for each of its parts
     const std::string& name = scene.objects[part.object].name;
     std::vector<std::string>& told = verdict.is_room[i] ? result.turned : result.hollow;
     if (verdict.is_hollow[i] && face_count > 0 && (told.empty() || told.back() != name)) told.push_back(name);

@@ -34,6 +34,7 @@ glm::vec2 pointOf(uint64_t i) {
 }  // namespace
 
 std::vector<std::string> judgeTransmissive(Scene& scene, const std::vector<std::string>& names, double dense_transmissive) {
+  // share of light that a material stops, the mean over its area
   std::vector<bool> is_candidate;
   for (const Material& material : scene.materials) is_candidate.push_back(material.transmissive != Transmissive::none);
   const std::vector<glm::dvec4> stopped = meansOfMaterials(
@@ -43,6 +44,7 @@ std::vector<std::string> judgeTransmissive(Scene& scene, const std::vector<std::
     if (!is_candidate[i]) continue;
     Material& material = scene.materials[i];
     const double share = stopped[i].w > 0.0 ? stopped[i].x : 1.0;
+    // an alpha channel that cuts nothing out leaves an opaque material
     if (share >= kWhole) {
       material.transmissive = Transmissive::none;
       material.opacity = 1.0f;
@@ -50,7 +52,9 @@ std::vector<std::string> judgeTransmissive(Scene& scene, const std::vector<std::
       material.transmission_image = {};
       continue;
     }
+    // dense: blocks links and rays; thin: counts as air
     material.transmissive = share >= dense_transmissive ? Transmissive::dense : Transmissive::thin;
+    // the back of a sheet is no evidence of solid
     material.double_sided = true;
     const std::string name = i < names.size() && !names[i].empty() ? names[i].substr(0, 60) : fmt::format("material {}", i);
     transmissive.push_back(fmt::format("{} ({}, stops {:.0f} %)", name,

@@ -134,6 +134,7 @@ std::string frontSentence(const std::string& population, const std::vector<Front
 }
 
 EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoint>& baselines, const SceneBootstrap& bootstrap) {
+  // own and baselines' times and errors in one list, so that the bootstrap resamples scenes of all together
   std::vector<const std::vector<double>*> lists = {&own.us, &own.blend_rmse};
   for (const TimedPoint& baseline : baselines) lists.insert(lists.end(), {&baseline.us, &baseline.blend_rmse});
   std::vector<double> means;
@@ -144,20 +145,24 @@ EqualError compareAtEqualError(const TimedPoint& own, const std::vector<TimedPoi
   equal.time_us = comparison.own.us;
   equal.blend_rmse_mean = comparison.own.error;
   equal.share_failing = bootstrap.mean(own.fails_check);
+  // no budget reaches the error: the ratio is unbounded, and its longest fit is a lower bound of the time
   if (baseline.us == kNever) {
     equal.reason = "no direct fit reaches this error";
     for (const TimedPoint& one : baselines) equal.longest_us = std::max(equal.longest_us.value_or(0.0), mean(one.us));
     return equal;
   }
+  // even the shortest fit is better: the time at this error is unknown
   if (baseline.is_only_a_bound) {
     equal.reason = "the error of the shortest fit, " + baselines[baseline.at].label + ", is already below this one";
     return equal;
   }
+  // between two budgets time is interpolated at the own error
   equal.baseline = baseline.before == baseline.at
                        ? baselines[baseline.at].label
                        : "between " + baselines[baseline.before].label + " and " + baselines[baseline.at].label;
   equal.baseline_us = baseline.us;
   equal.baseline_share_failing = bootstrap.mean(failsBetween(baselines[baseline.before], baselines[baseline.at], baseline.share));
+  // intervals over scenes; a resampling in which no fit reaches the error leaves the upper bound open
   const Interval ratio = bootstrap.ofMeans(lists, [&](const std::vector<double>& resampled) {
     const Comparison one = compare(resampled, baselines);
     return one.baseline.us / one.own.us;

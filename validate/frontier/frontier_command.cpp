@@ -109,16 +109,20 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
   const FunctionSet set = readHeldOut(request.held_out);
   Json json = {{"schema_version", kSchemaVersion}};
   json["provenance"] = provenance("nlg-validate frontier", table.toJson(), inputHashes(request, set));
+  // the same functions for every point, in blocks: all points run on a block before the next
   const ChosenFunctions functions =
       chooseFunctions(set, static_cast<uint64_t>(options.functions), options.policy, options.hard_tent_rmse);
   const std::vector<FunctionBlock> blocks = makeBlocks(set, functions.with_theta);
   Progress progress("runs", static_cast<int64_t>(plan.runs.size() * blocks.size()) * (1 + options.interleave.repeats));
+  // interleaved: a change of the machine's speed meets all points alike
   const std::vector<PointMeasurement> measured =
       measureInterleaved(set, functions, blocks, plan.runs, options.policy.check(), options.interleave,
                          [&](int64_t done) { progress.update(done); });
+  // bare tents cost no time; they count in the mean error of all functions
   const BareTents tents = measureBareTents(set, functions, options.policy.check().loss());
   std::vector<PointFigures> figures;
   for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, set, functions, blocks, tents));
+  // fronts and speeds at equal error, over all and over hard functions
   FrontierResult result = makeResult(plan.points(), std::move(figures), figuresOfTent(set, functions, tents), options.front);
   const std::vector<bool> every(functions.with_theta.size(), true);
   result.speeds = speedsOver(every, result, measured, blocks, set, options);

@@ -100,6 +100,7 @@ Json pointJson(const FrontierResult& result, size_t p) {
   json["budget"] = point.budget ? Json(*point.budget) : Json(nullptr);
   json["label"] = point.label;
   json["words"] = wordsJson(point.words);
+  // a population without functions is null, not 0
   for (const Population population : kPopulations) {
     const auto& figures = result.figures[p].figures[static_cast<size_t>(population)];
     Json& of = json["figures"][populationName(population)] = nullptr;
@@ -185,6 +186,7 @@ TentFigures figuresOfTent(const FunctionSet& set, const ChosenFunctions& functio
 
 PointFigures figuresOf(const PointMeasurement& measured, const FunctionSet& set, const ChosenFunctions& functions,
                        const std::vector<FunctionBlock>& blocks, const BareTents& tents) {
+  // over a mask of functions, so that populations and scenes share their figures
   const auto errorsOver = [&](const Mask& counts) {
     return BothErrors{errorFigures(picked(measured.blend_rmse, counts)), errorFigures(picked(measured.rmse, counts))};
   };

@@ -144,6 +144,7 @@ ChosenFunctions chooseFunctions(const FunctionSet& set, uint64_t wanted, const P
   std::vector<bool> hard(set.functionCount());
   std::vector<std::vector<uint64_t>> tents_of(scene_count);
   std::vector<uint64_t> taking_of(scene_count, 0), chosen_of(scene_count, 0);
+  // the bake's own rule parts the functions: those that take a theta, and bare tents
   for (uint64_t i = 0; i < set.functionCount(); ++i) {
     const FunctionCheck tent = checker.checkBareTent(storedFunction(set, i), policy.check());
     const uint32_t scene = set.scene_idx[i];
@@ -158,6 +159,7 @@ ChosenFunctions chooseFunctions(const FunctionSet& set, uint64_t wanted, const P
   }
   if (taking.empty()) throw InputError("held-out shards", "functions", "one that takes a theta", "bare tents only");
   ChosenFunctions chosen;
+  // evenly over scenes, so that one large level does not decide
   for (const uint64_t n : chooseEvenly(taking_scene, scene_count, wanted)) {
     const uint64_t i = taking[n];
     chosen.with_theta.push_back(i);

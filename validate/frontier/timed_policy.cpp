@@ -134,6 +134,7 @@ FittedFunctions fitGated(const Fits& fits, double threshold, const FunctionBlock
   FittedFunctions points(fits.budgets.size());
   const CheckOptions check = fits.options.check();
   for (size_t i = 0; i < block.functions.size(); ++i) {
+    // decoding is part of what a bake does, and of the time
     const Stopwatch watch;
     const WeightingFunction function = fits.decoded(block.stored[i]);
     FittedFunction fitted{fits.representation(), fits.startTheta(block.functions[i])};
@@ -143,6 +144,7 @@ FittedFunctions fitGated(const Fits& fits, double threshold, const FunctionBlock
     bool has_ended = isDone();
     fitted.elapsed_us = watch.elapsedUs();
     int steps = 0;
+    // a budget goes on from where the one before ended; its time is that of all so far
     for (size_t b = 0; b < points.size(); ++b) {
       if (!has_ended) {
         const FitResult fit = fits.fit(function, fitted.theta, fits.budgets[b] - steps, true, !fitted.took_fit);

@@ -63,6 +63,7 @@ uint64_t startSeed(const ValidateOptions& options, uint64_t function) { return m
 
 FunctionFits fitLong(const Generator& generator, const WeightingFunction& function, const Theta& start,
                      const DirectOptions& options, NormalEquationsKernel* kernel) {
+  // direct optimisation starts from theta0 and random thetas: a generator that errs does not lead it astray
   const Representation& representation = generator.representation();
   const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
   const LevenbergMarquardtOptions polish = longLevenbergMarquardt(representation, options.levenberg_iterations);
@@ -74,6 +75,7 @@ FunctionFits fitLong(const Generator& generator, const WeightingFunction& functi
   FunctionFits result;
   result.fits = {best, direct.adam_from_theta0, direct.levenberg_from_theta0, direct.adam_from_random, {}};
   result.best_known_from = longFitName(LongFit::direct);
+  // from the generator's theta, by both optimisers: a direct fit may miss the minimum beside it
   const auto adamPolicy = [&] {
     const FitResult adam =
         fitAdam(representation, function, start, refinementAdam(representation, directAdamSteps(representation, options)));
@@ -81,6 +83,7 @@ FunctionFits fitLong(const Generator& generator, const WeightingFunction& functi
   };
   const Candidate others[] = {{"adam_policy", timedFit(adamPolicy)},
                               {"lm_policy", fitLevenbergMarquardt(representation, function, start, polish, kernel)}};
+  // a best that is not finite gives way to any other
   double elapsed_us = best.elapsed_us;
   for (const Candidate& other : others) {
     elapsed_us += other.fit.elapsed_us;
@@ -101,6 +104,7 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
   for (int f = 0; f < kLongFitCount; ++f) {
     result.words.push_back({longFitName(static_cast<LongFit>(f)), std::vector<MeasuredFunction>(sample.size()), {}});
   }
+  // one kernel, checker and meter a thread: results go to their own place, so that nothing depends on the order
   const LossOptions loss = options.policy.check().loss();
   std::vector<std::unique_ptr<Thread>> threads;
   for (int t = 0; t < options.threadCount(); ++t) threads.push_back(std::make_unique<Thread>(set, loss));
@@ -111,11 +115,13 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
     Thread& thread = *threads[t];
     const uint64_t function = sample[n];
     const StoredFunction stored = storedFunction(set, function);
+    // the seed is the function's own: sharing functions out among threads changes no fit
     DirectOptions direct = options.direct;
     direct.seed = startSeed(options, function);
     const FunctionFits of_function =
         fitLong(generator, decodeFunction(stored, pointOrder(representation), loss), starts[n], direct, &thread.kernel);
     const std::array<FitResult, kLongFitCount>& fits = of_function.fits;
+    // all of a function's fits are measured as the bake's thetas are: the same check, the same errors
     for (int f = 0; f < kLongFitCount; ++f) {
       const FunctionCheck check = thread.checker.check(representation, stored, fits[f].theta.data(), options.policy.check());
       const FunctionError error = thread.meter.measure(representation, fits[f].theta.data(), function);
@@ -126,6 +132,7 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
     ++result.best_known_from[of_function.best_known_from];
     progress.update(++done);
   });
+  // leaks pool the points of all functions (docs/theory/errors.md), so that they are added at the end
   for (int f = 0; f < kLongFitCount; ++f) {
     for (const auto& thread : threads) result.words[f].leaks.add(thread->leaks[f]);
     result.words[f].mustBeFinite();
@@ -135,6 +142,7 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
 
 Convergence measureConvergence(const Generator& generator, const FunctionSet& set, const Populations& populations,
                                const LongFits& fits, const ValidateOptions& options) {
+  // hard functions alone: there a budget can be too small
   const std::vector<uint64_t> functions = populations.hardOfSample(static_cast<uint64_t>(options.convergence_functions));
   std::vector<FunctionCurves> curves(functions.size());
   std::vector<NormalEquationsKernel> kernels(options.threadCount());
@@ -151,6 +159,7 @@ Convergence measureConvergence(const Generator& generator, const FunctionSet& se
     const std::lock_guard lock(mutex);
     progress.update(++done);
   });
+  // the mean over functions by restarts and by steps: where both are flat, direct optimisation has converged
   Convergence result;
   result.functions = functions.size();
   if (functions.empty()) return result;
@@ -159,6 +168,7 @@ Convergence measureConvergence(const Generator& generator, const FunctionSet& se
     for (const FunctionCurves& one : curves) errors.push_back((one.*curve)[i]);
     return mean(errors);
   };
+  // their best known errors, the level that the curves approach
   std::vector<double> best_known;
   for (const MeasuredFunction& one : fits.at(LongFit::best_known).functions) {
     if (std::binary_search(functions.begin(), functions.end(), one.function)) best_known.push_back(one.error.blend_rmse);

@@ -39,6 +39,7 @@ FunctionError ErrorMeter::measureTent(uint64_t index) { return compare(points_.t
 
 FunctionError ErrorMeter::compare(const float* values, const float* test_values, uint64_t index) {
   const size_t point_count = set_.point_count, test_count = set_.test_point_count;
+  // docs/theory/errors.md: the loss, and plain RMSE of all valid, of occluded and of test points
   MeanSquare loss, all, occluded, test;
   leak_magnitudes_.clear();
   for (size_t i = 0; i < point_count; ++i) {
@@ -48,15 +49,18 @@ FunctionError ErrorMeter::compare(const float* values, const float* test_values,
     const uint8_t sum = set_.blend_sum.empty() ? uint8_t{255} : set_.blend_sum[index * point_count + i];
     loss.add(weights_.root(phi, points_.tent[i], sum) * residual);
     all.add(residual);
+    // leaks: occluded points whose stored byte is 0
     if (bit(set_.seen, index, point_count, i)) continue;
     occluded.add(residual);
     if (phi != 0) continue;
     leak_magnitudes_.push_back(std::fabs(values[i]));
   }
+  // test points have no weights of the loss: S is known at support points alone
   for (size_t i = 0; i < test_count; ++i) {
     if (!bit(set_.validity_test, index, test_count, i)) continue;
     test.add(test_values[i] - set_.phi_test[index * test_count + i] / 255.0);
   }
+  // the quantile sorts a copy: the caller pools the magnitudes as they are
   sorted_ = leak_magnitudes_;
   return {
       loss.root(), all.root(), test.root(), occluded.root(), occluded.count > 0, mean(leak_magnitudes_), quantile(sorted_, 0.99)};

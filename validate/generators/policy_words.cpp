@@ -60,6 +60,7 @@ std::vector<StoredFunction> storedFunctions(const FunctionSet& set) {
 PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, const Populations& populations,
                           const ValidateOptions& options) {
   PolicyWords result;
+  // the words: a theta after the network, corrected, fitted, and stored
   for (int w = 0; w < kThetaWordCount; ++w) {
     result.words.push_back({wordName(static_cast<ThetaWord>(w)), std::vector<MeasuredFunction>(set.functionCount()), {}});
   }
@@ -69,6 +70,7 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
                     static_cast<int64_t>(set.functionCount()));
   std::mutex mutex;
   int64_t done = 0;
+  // starts of the long fits: of what the policy made of the sample, the better of before and after rounding
   const std::vector<uint64_t>& sample = populations.sample();
   result.least_wrong.resize(sample.size());
   const auto keepLeastWrong = [&](uint64_t i, const MadeTheta& made, const ThetaByWord& theta) {
@@ -78,9 +80,11 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
     const float* first = theta[static_cast<size_t>(rounding_helped ? ThetaWord::stored : ThetaWord::fitted)];
     result.least_wrong[place - sample.begin()].assign(first, first + made.theta.size());
   };
+  // measured where it is made: a theta is kept only while it is measured
   const UseTheta measure = [&](int t, uint64_t i, const MadeTheta& made, const ThetaByWord& theta) {
     ErrorMeter& meter = threads[t].meter;
     FunctionError tent;
+    // functions without a theta count with the error of the bare tent, in every word
     if (made.isBareTent()) tent = meter.measureTent(i);
     for (int w = 0; w < kThetaWordCount; ++w) {
       const auto word = static_cast<ThetaWord>(w);
@@ -93,6 +97,7 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
     progress.update(++done);
   };
   result.made = runPolicy({&generator}, storedFunctions(set), options.policy, {options.threadCount()}, measure);
+  // leaks pool the points of all functions; an error that is not finite ends the run
   for (int w = 0; w < kThetaWordCount; ++w) {
     for (const Thread& thread : threads) result.words[w].leaks.add(thread.leaks[w]);
     result.words[w].mustBeFinite();

@@ -98,6 +98,7 @@ Theta bareTentTheta() {
 
 Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& representation, const float* theta, int size) {
   Slice slice;
+  // the plane through the probe in which the function tells most
   const PointSet support = makePointSet(supportPattern().points);
   AlignedFloats support_values(support.padded_count);
   evaluate(representation, support, theta, support_values.data());
@@ -107,6 +108,7 @@ Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& re
   const PointSet points = makePointSet(plane);
   AlignedFloats values(points.padded_count);
   evaluate(representation, points, theta, values.data());
+  // beside what theta gives: the target at the nearest support point, since phi is known nowhere else
   slice.stored.assign(values.begin(), values.begin() + points.count);
   for (const LocalPoint& point : plane) {
     const size_t nearest = nearestSupportPoint(point);
@@ -122,12 +124,14 @@ Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& re
 
 std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const FunctionSet& set,
                                               const Populations& populations) {
+  // hard functions where there are any: bare tents look alike
   std::vector<MeasuredFunction> functions;
   for (const Population population : {Population::hard, Population::theta, Population::all}) {
     std::copy_if(stored.functions.begin(), stored.functions.end(), std::back_inserter(functions),
                  [&](const MeasuredFunction& one) { return populations.contains(Scope::set, population, one.function); });
     if (!functions.empty()) break;
   }
+  // by blend RMSE, so that the shares are quantiles of it
   std::stable_sort(functions.begin(), functions.end(),
                    [](const MeasuredFunction& a, const MeasuredFunction& b) { return a.error.blend_rmse < b.error.blend_rmse; });
   const auto validCount = [&](const MeasuredFunction& one) {
@@ -135,6 +139,7 @@ std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const 
     return std::accumulate(validity, validity + set.point_count / 8, 0,
                            [](int sum, uint8_t bits) { return sum + std::popcount(bits); });
   };
+  // of functions within half a percent of the rank, the one with most valid points: a picture with something to see
   const auto near = [&](double share) {
     const size_t count = functions.size(), reach = count / 200;
     const auto rank = static_cast<size_t>(share * static_cast<double>(count - 1));

@@ -51,15 +51,18 @@ void describe(ValidateOptions& o, OptionTable& table) {
 }
 
 void validate(const ValidationRequest& request, ValidateOptions options, const OptionTable& table) {
+  // the folder first: a run of hours must not end without a place for its result
   requireOutputFolder(request.out_dir);
   options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
   const auto [generators, paths] = loadGenerators(request.weights);
   const FunctionSet set = readHeldOut(request.held_out);
+  // populations, counts and tents are of the set: all generators are compared on the same functions
   const Populations populations(set, options);
   const FunctionCounts counts = countFunctions(request.training, request.held_out, set, options.threadCount());
   const FigureContext context{set, populations, counts.known};
   const MeasuredWord tents = measureTents(set, populations, options);
 
+  // tables grow generator by generator, and are written together at the end
   FunctionsCsv csv(set, populations);
   csv.add(tents.name, tents);
   Json slices = Json::array();
@@ -70,6 +73,7 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
                   {"functions", functionsJson(counts.all, context)},
                   {"bootstrap", bootstrapJson(context)},
                   {tents.name, figuresByPopulation(tents, Scope::set, context)}};
+  // for each generator the bake's policy, long fits from its thetas, and slices of telling functions
   for (size_t i = 0; i < generators.size(); ++i) {
     const Representation& representation = generators[i].representation();
     const std::string name = representationName(representation);

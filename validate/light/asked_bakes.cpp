@@ -69,6 +69,7 @@ std::string fileWord(std::string text) {
 
 std::vector<WordGrid> wordGrids(const BakeScene& scene, const Generator& generator, const BakeOptions& options,
                                 int thread_count) {
+  // the bake's policy, its thetas kept at each stage
   ThetaTrace all;  // of all functions; each takes a theta, because those that the bare tent is enough for are none of the scene's
   SceneFunctions functions(scene, options, thread_count, temporaryFolder());
   functions.makeAll([&](int) {
@@ -79,6 +80,7 @@ std::vector<WordGrid> wordGrids(const BakeScene& scene, const Generator& generat
       std::vector<MadeTheta> made(stored.size());
       auto trace = std::make_shared<ThetaTrace>();
       policy->bake(stored.data(), static_cast<int>(stored.size()), made.data(), trace.get());
+      // threads make thetas, and what they return appends them
       return [&all, trace] {
         for (const auto word : {&ThetaTrace::network, &ThetaTrace::corrected, &ThetaTrace::fitted})
           (all.*word).insert((all.*word).end(), ((*trace).*word).begin(), ((*trace).*word).end());
@@ -86,6 +88,7 @@ std::vector<WordGrid> wordGrids(const BakeScene& scene, const Generator& generat
     };
   });
 
+  // one grid a stage on the same tree: they differ in theta alone
   LightGrid bare;
   bare.tree = scene.treeInWorld();
   bare.probe_function = functions.probeFunction();

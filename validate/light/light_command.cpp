@@ -274,6 +274,7 @@ class LightMeasurement {
 
 void measureLight(Request request, BakeOptions options, const OptionTable& table) {
   takeThetaPrecision(&options);
+  // nothing that is read may be overwritten, and all that is written has a place
   std::vector<std::string> inputs = {request.scene};
   for (const std::string& path : weightsPaths(request.weights)) inputs.push_back(path);
   refuseToReplaceInputs(request.out, inputs);
@@ -281,6 +282,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   if (!request.pictures.empty()) requireOutputFolder(request.pictures);
   std::map<std::string, std::string> hashes;
   const GeneratorSets sets = loadSets(request.weights, &hashes);
+  // sample points have a seed and a step of their own: the same for all spacings and methods
   if (request.spacings_m.empty()) request.spacings_m = {options.spacing_m};
   request.places.air = static_cast<uint64_t>(request.air_samples);
   request.places.surface = static_cast<uint64_t>(request.surface_samples);
@@ -289,6 +291,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   request.places.seed = mixSeed(options.seed, kPlaceStream);
   request.places.step_m = finestSpacing(request) / 16.0;
 
+  // provenance: what changes figures, without what does not
   Json used = table.toJson();
   used.erase("threads");
   used.erase("representation");
@@ -304,18 +307,21 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   used["grids_only"] = request.grids_only;
   used["words"] = request.words;
   used["neural"] = request.neural;
+  // learned methods train side by side: libtorch's own threads would only get in their way
   if (request.neural) {
     used["neural_samples"] = request.neural_samples;
     used["neural_steps"] = request.neural_steps;
     computeOnCallingThreads();
   }
 
+  // truth and probes leave out the same direct light
   request.truth.direct = request.probe.direct = directLightFromName(options.light_direct);
   options.spacing_m = request.spacings_m.front();
   auto scene = std::make_unique<BakeScene>(request.scene, options);
   tellNotes("nlg-validate", scene->source);
   if (!scene->source.sha256.empty()) hashes["scene"] = scene->source.sha256;
   const LightMeasurement measurement(request, options, *scene);
+  // a large source distance may leave no place in air
   if (measurement.places().places.empty())
     throw InputError(request.scene, "air", "sample points in air at --source-distance from lamps and emissive faces", "none");
   Json json = {{"schema_version", 1},
@@ -324,11 +330,13 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
                {"truth", truthJson(measurement.places(), measurement.truth(), measurement.isBaked())}};
   json["floor"] = measurement.floorFigures();
   json["spacings"] = Json::array();
+  // pictures, stages of theta and learned methods cost most: at the finest spacing alone
   const auto finest =
       static_cast<size_t>(std::min_element(request.spacings_m.begin(), request.spacings_m.end()) - request.spacings_m.begin());
   std::vector<std::unique_ptr<BakeScene>> others;
   std::vector<double> spacings_m = request.spacings_m;
   spacings_m.insert(spacings_m.end(), request.grid_spacings_m.begin(), request.grid_spacings_m.end());
+  // one scene a spacing, since its tree depends on it; truth is measured once
   for (size_t s = 0; s < spacings_m.size(); ++s) {
     options.spacing_m = spacings_m[s];
     if (s > 0) others.push_back(std::make_unique<BakeScene>(request.scene, options));

@@ -147,15 +147,18 @@ EdgeFigures edgeFigures(const LightPlaces& places, const LightTruth& truth, cons
   std::vector<double> ratios;
   RoomSums lights(places), added(places);
   double light = 0.0, answered = 0.0;
+  // light near edges and corners under a roof, as a ratio to truth
   for (size_t i = 0; i < places.places.size(); ++i) {
     if (places.places[i].group != group) continue;
     const double expected = channelMean(truth.at[i].irradiance), answer = channelMean(answers[i].irradiance);
     light += expected;
     answered += answer;
+    // a floor on expected light, as a ratio of nearly nothing says nothing
     ratios.push_back(quotient(answer, std::max(expected, kEdgeBlackShare * truth.mean)));
     lights.add(places.places[i], expected, 1.0);
     added.add(places.places[i], answer - expected, 1.0);
   }
+  // over all points, then by room: a bright room must not hide a dark one
   EdgeFigures figures;
   const Quantiles q = quantiles(ratios);
   figures.places = q.count;
@@ -240,6 +243,7 @@ LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport
     if (isCounted(place) && options.around_m > 0.0)
       truth.around[i] = brightestAround(place.position_m, transport, options, mixSeed(place_seed, kAroundStream));
   });
+  // over points in air alone: those before surfaces are drawn by classes of distance
   double count = 0.0, noise = 0.0, light = 0.0;
   for (size_t i = 0; i < truth.at.size(); ++i) {
     if (places.places[i].group != PlaceGroup::air) continue;
@@ -251,15 +255,18 @@ LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport
   truth.mean = quotient(truth.mean, count);
   truth.rms = std::sqrt(quotient(light, count));
   truth.noise = std::sqrt(quotient(noise, light));
+  // places that count as dark, for the reader to know how many leaks are measured on
   for (size_t i = 0; i < truth.at.size(); ++i)
     truth.dark += isCounted(places.places[i]) && channelMean(truth.at[i].irradiance) < kDarkShare * truth.mean;
   return truth;
 }
 
 LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+  // one exposure for all colour differences: truth's mean is middle grey
   const double exposure = quotient(kExposedMean, truth.mean);
   GroupSum air(exposure), surface(exposure), turned(exposure);
   std::vector<GroupSum> surface_class(kSurfaceClassCount, GroupSum(exposure)), turned_class = surface_class;
+  // each group by itself; surfaces weigh by their class of distance
   for (size_t i = 0; i < places.places.size(); ++i) {
     const LightPlace& place = places.places[i];
     const glm::vec3& expected = truth.at[i].irradiance;
@@ -269,6 +276,7 @@ LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, co
     (is_turned ? turned_class : surface_class)[place.surface_class].add(expected, answers[i], 1.0);
     if (isCounted(place)) (is_turned ? turned : surface).add(expected, answers[i], places.surfaceWeight(place.surface_class));
   }
+  // plain figures over all points of a group
   LightFigures figures;
   figures.air = air.figures();
   figures.surface = surface.figures();
@@ -277,6 +285,7 @@ LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, co
     figures.surface_class[c] = surface_class[c].figures();
     figures.turned_class[c] = turned_class[c].figures();
   }
+  // the same by room: every room weighs alike
   const auto of_air = [](const LightPlace& p) { return p.group == PlaceGroup::air ? 1.0 : 0.0; };
   balance(places, truth, answers, of_air, &figures.air);
   for (const auto& [group, of_group] :
@@ -286,6 +295,7 @@ LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, co
     };
     balance(places, truth, answers, weight, of_group);
   }
+  // leaks: darkness against the mean of all light, and against the light around
   figures.dark = darkFigures(places, truth, answers, [&](size_t) { return truth.mean; });
   figures.beside_light = darkFigures(places, truth, answers, [&](size_t i) { return truth.around[i]; });
   figures.edge = edgeFigures(places, truth, answers, PlaceGroup::edge);

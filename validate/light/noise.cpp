@@ -40,6 +40,7 @@ Noise noiseOf(const std::vector<std::vector<float>>& runs, const std::vector<boo
 
 NoiseFigures measureNoise(const BakeScene& scene, const BakeOptions& options, LightGrid grid, int runs) {
   NLG_CHECK(runs, >=, 2);
+  // the same positions for every run, in world coordinates as look-ups take them
   std::vector<PositionM> places;
   for (const glm::dvec3& place : scene.air.places) {
     const glm::dvec3 world = place + scene.source.scene.origin_m;
@@ -48,6 +49,7 @@ NoiseFigures measureNoise(const BakeScene& scene, const BakeOptions& options, Li
   std::vector<std::vector<float>> light, answers;
   std::vector<double> seconds, shares;
   LookUpScratch scratch;
+  // runs differ in their seed alone; one thread, to time a core
   for (int run = 0; run < runs; ++run) {
     BakeOptions of_run = options;
     of_run.threads = 1;
@@ -62,6 +64,7 @@ NoiseFigures measureNoise(const BakeScene& scene, const BakeOptions& options, Li
     std::vector<float>& of_places = answers.emplace_back(places.size() * kShFloats);
     lookUpLights(grid, places.data(), places.size(), of_places.data(), status.data(), &scratch);
   }
+  // a probe without function is never read
   std::vector<bool> has_function;
   for (const uint32_t function : grid.probe_function) has_function.push_back(function != kNoWeight);
   NoiseFigures figures;

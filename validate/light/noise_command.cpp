@@ -32,10 +32,12 @@ void measure(const Request& request, BakeOptions options, const OptionTable& tab
   const std::vector<Generator> generators = loadGenerators({request.weights}).generators;
   const BakeScene scene(request.scene, options);
   tellNotes("nlg-validate", scene.source);
+  // functions are baked once, without light: noise is of the light alone
   BakeOptions unlit = options;
   unlit.light = "none";
   const Bake bake = bakeScene(scene, generators, unlit, temporaryFolder());
   const NoiseFigures figures = measureNoise(scene, options, bake.grid, request.runs);
+  // provenance, by digests of what was read
   std::map<std::string, std::string> hashes = {{"weights", fileSha256(request.weights)}};
   if (!scene.source.sha256.empty()) hashes["scene"] = scene.source.sha256;
   const Json json = {{"schema_version", 1},

@@ -201,6 +201,7 @@ void measureBakedFits(const StabilityInputs& inputs, StabilityFigures* figures) 
         return fit.iterate(code, function, options, code.code_count, z.data()).rmse;
       };
       const Theta zero(static_cast<size_t>(code.code_count), 0.0f), network = networkCode(named->generator, one.sampled.view());
+      // the minimum to compare with: a long fit over all points, the better of both starts
       const CodeFitOptions lengthy{.iterations = kIterations, .progress_tolerance = kProgress, .all_points = true};
       const double least = std::min(rmseFrom(zero, lengthy), rmseFrom(network, lengthy));
       const double from_zero = rmseFrom(zero, {}) / least, from_network = rmseFrom(network, {}) / least;
@@ -211,6 +212,7 @@ void measureBakedFits(const StabilityInputs& inputs, StabilityFigures* figures) 
       ++count;
     }
   }
+  // shown without a bound; only the start that bakes have must hold
   figures->show("mean_from_zero_over_a_minimum", mean_zero / count);
   figures->show("mean_from_the_network_over_a_minimum", mean_network / count);
   figures->show("worst_from_zero_over_a_minimum", worst_zero);
@@ -226,6 +228,7 @@ double conditionOf(const Eigen::MatrixXd& matrix) {
 void measureConditions(const StabilityInputs& inputs, StabilityFigures* figures) {
   double bare = 0.0, with_prior = 0.0, with_damping = 0.0;
   std::string worst;
+  // the worst over all codes and stiff functions
   for (const NamedGenerator* named : codesOf(inputs)) {
     const Representation& code = named->generator.representation();
     const int K = code.code_count;
@@ -237,8 +240,10 @@ void measureConditions(const StabilityInputs& inputs, StabilityFigures* figures)
       const double before = functionRmse(code, function, z.data());
       const CodeFitOptions options;
       const FitResult end = fit.iterate(code, function, options, K, z.data());
+      // what holds of every fit: finite, no worse than its start, no more steps than allowed
       figures->require(allFinite(z) && std::isfinite(end.rmse) && end.rmse <= before, what + " got worse");
       figures->require(end.steps <= options.iterations, what + " took more steps than it may");
+      // condition of the equations alone, with the prior, and with the first damping
       const auto equationsOf = [&](double prior) {
         CodeFitOptions with = options;
         with.prior = prior;
@@ -254,6 +259,7 @@ void measureConditions(const StabilityInputs& inputs, StabilityFigures* figures)
       bare = std::max(bare, conditionOf(alone));
       with_prior = std::max(with_prior, condition);
       with_damping = std::max(with_damping, conditionOf(damped));
+      // float must be enough: Cholesky of the prior's equations
       CodeEquations equations;
       fit.equationsAt(code, function, options, z.data(), &equations);
       figures->require(equations.factor(), what + ": its equations cannot be solved in float");

@@ -47,6 +47,7 @@ std::vector<float> samplesOf(const BasisData& basis, const Coefficient& coeffici
 // Largest |theta - reference| over the largest |reference| on the SIMD target in force; *output: of what theta stands for, absolute.
 double relativeError(const NamedGenerator& named, const std::vector<float>& phi, double* output) {
   const Representation& representation = named.generator.representation();
+  // the reference in double, of the same float weights
   const std::vector<double> reference = generateReference(named.data, std::vector<double>(phi.begin(), phi.end()).data());
   GeneratorScratch scratch(named.generator);
   Theta theta(reference.size());
@@ -57,6 +58,7 @@ double relativeError(const NamedGenerator& named, const std::vector<float>& phi,
     largest = std::max(largest, std::fabs(reference[k]));
     error = std::max(error, std::fabs(theta[k] - reference[k]));
   }
+  // an error of theta matters by what theta stands for: both are measured
   const PointSet points = makePointSet(supportPattern().points);
   AlignedFloats values(points.padded_count);
   evaluate(representation, points, theta.data(), values.data());
@@ -127,6 +129,7 @@ void measureOddOneOut(int64_t count, SymmetricFunction same, SymmetricFunction o
   fit.add(odd_one.data(), 1);
   const Basis basis = fit.fit(16);
 
+  // the closed form: in the octant the difference grows by sqrt(8), as it is even in all axes (docs/theory/math.md, section 2)
   double square = 0.0, product = 0.0;
   for (int i = 0; i < kOctantPointCount; ++i) {
     const double difference = (other(i) - same(i)) / 255.0 * std::sqrt(8.0);
@@ -161,6 +164,7 @@ void measureOutlier(const StabilityInputs&, StabilityFigures* figures) {
 void measureIllScaled(const StabilityInputs&, StabilityFigures* figures) {
   // three independent directions of classes 0, 1 and 6: 100 steps at all points, 1 step at all points, 1 step at 8 points
   const int classes[] = {0, 1, 6}, amplitude[] = {100, 1, 1}, points[] = {kSupportPointCount, kSupportPointCount, kMirrorCount};
+  // all sign combinations of the three once: the directions stay independent
   std::vector<uint8_t> phi;
   for (int combination = 0; combination < 8; ++combination) {
     for (int p = 0; p < kSupportPointCount; ++p) {
@@ -176,10 +180,12 @@ void measureIllScaled(const StabilityInputs&, StabilityFigures* figures) {
   fit.add(phi.data(), 8);
   const Basis basis = fit.fit(64);
   const std::vector<double> spectrum = falling(basis.spectrum);
+  // the variance of a direction: its step squared, times its points
   double worst = 0.0;
   for (int k = 0; k < 3; ++k)
     worst = std::max(worst, std::fabs(spectrum[k] / (std::pow(amplitude[k] / 255.0, 2) * points[k]) - 1.0));
   figures->show("largest_variance_over_smallest", spectrum[0] / spectrum[2]);
+  // no direction of rounding counts as a component
   figures->equals("components", basis.data.coefficientCount(), 3);
   figures->atMost("variance_relative_error", worst, 1e-6);
   figures->atMost("next_eigenvalue_over_first", spectrum[3] / spectrum[0], 1e-9);

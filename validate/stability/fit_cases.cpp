@@ -66,6 +66,7 @@ std::vector<Start> startsOf(const Representation& representation) {
     theta[place] = static_cast<float>(value);
     return theta;
   };
+  // all numbers alike, subnormal, huge, or not finite
   std::vector<Start> starts = {{"zero", filled(0.0), false, is_network},
                                {"+1e3", filled(1e3), is_field || has_sigmoid},
                                {"-1e3", filled(-1e3), is_field || has_sigmoid},
@@ -75,6 +76,7 @@ std::vector<Start> startsOf(const Representation& representation) {
                                {"NaN", filled(kNaN)},
                                {"one NaN", with(0, kNaN)},
                                {"one Inf", with(0, kInfinity)}};
+  // sigmoids at either end, where their slope is 0 in float
   if (is_network && has_sigmoid) {
     for (const float bias : {-90.0f, 90.0f})
       starts.push_back({fmt::format("last bias {}", bias), with(representation.shape().b3(), bias), true});
@@ -112,6 +114,7 @@ void measureStarts(const StabilityInputs& inputs, StabilityFigures* figures) {
   lm.iterations = inputs.isBrief() ? 5 : 20;
   RefinementOptions refinement;
   refinement.refine_rounds = 1;
+  // one function beside a wall, so that starts alone differ
   const SampledFunction wall = functionBesideWall(9, 0.3);
   NormalEquationsKernel kernel;
   FunctionChecker checker;
@@ -123,10 +126,12 @@ void measureStarts(const StabilityInputs& inputs, StabilityFigures* figures) {
     for (const Start& start : startsOf(representation)) {
       const double before = functionRmse(representation, function, start.theta.data());
       const std::string what = std::string(representationName(representation)) + " from " + start.name;
+      // by both fits that a bake has
       const FitResult by_adam = fitAdam(representation, function, start.theta, adam);
       const FitResult by_lm = fitLevenbergMarquardt(representation, function, start.theta, lm, &kernel);
       judge(what + " by Adam", representation, function, start.theta, by_adam, adam.steps, figures);
       judge(what + " by LM", representation, function, start.theta, by_lm, lm.iterations, figures);
+      // a start that is not finite has no error to lower
       if (!std::isfinite(before)) {
         ++refused;
         continue;

@@ -75,11 +75,13 @@ struct SceneTrial {
 
 void measureTrial(const StabilityInputs& inputs, const SceneTrial& trial, StabilityFigures* figures) {
   const uint64_t most = inputs.isBrief() ? 24 : 200;
+  // the other scene, or the same once more: both runs must agree
   const Scene scene = trial.faces.finish();
   const ProbeFunctions probes = probeFunctions(scene, trial.spacing_m, most);
   const ProbeFunctions others =
       trial.other ? probeFunctions(trial.other().finish(), kRoomSpacing_m, most) : probeFunctions(scene, trial.spacing_m, most);
   figures->show("probes", static_cast<double>(probes.outcomes.size()));
+  // every probe has an outcome, and every function is sound
   figures->atLeast("functions", probes.functionCount(), 1);
   figures->show("functions_with_disputed_solid", static_cast<double>(probes.disputed));
   figures->equals("unsound_functions", static_cast<double>(probes.unsound), 0);
@@ -87,6 +89,7 @@ void measureTrial(const StabilityInputs& inputs, const SceneTrial& trial, Stabil
   figures->require(probes.outcomes == others.outcomes, "the two runs have other outcomes");
   if (probes.outcomes != others.outcomes) return;
 
+  // phi in bytes, validity in bits; one byte may differ by rounding
   const FunctionRows &a = probes.functions, &b = others.functions;
   uint64_t apart = 0;
   int largest = 0;

@@ -142,6 +142,7 @@ std::vector<glm::dvec3> placesInAir(const LightTransport& transport, const Exten
 
 SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, const SceneViewOptions& options) {
   const RayScene& rays = transport.rays();
+  // rooms by sight, from geometry alone: views do not depend on a bake
   const std::vector<glm::dvec3> places = placesInAir(transport, extent, options);
   RoomOptions room_options;
   room_options.threads = options.thread_count;
@@ -151,6 +152,7 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   const Spots spots(transport, extent);
   const double aspect = static_cast<double>(options.width) / options.height;
 
+  // a spot to stand on below each place
   std::vector<std::optional<Spot>> spot_of(places.size());
   parallelFor(places.size(), options.thread_count, [&](uint64_t p, int) { spot_of[p] = spots.below(places[p]); });
   // hollows of walls and the air over ceilings are nobody's, unless the whole scene is as low
@@ -158,6 +160,7 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   for (std::optional<Spot>& spot : spot_of) {
     if (is_high && spot && !spot->is_upright) spot.reset();
   }
+  // rooms with a spot, those under a roof first: indoors is where grids leak
   std::vector<Standing> standing;
   for (uint32_t r = 0; r < rooms.size(); ++r) {
     standing.push_back(standingIn(rooms, r, spot_of));
@@ -168,6 +171,7 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   const std::vector<size_t> counts = viewCounts(standing, options);
   found.rooms_left_out = static_cast<uint32_t>(std::count(counts.begin(), counts.end(), 0));
 
+  // eyes of a view stand in one part of the room; views are spread over it
   for (size_t s = 0; s < standing.size(); ++s) {
     if (counts[s] == 0) continue;
     const auto& [number, has_roof, of_room] = standing[s];

@@ -144,12 +144,14 @@ double medianLight(const Sights& sights, const std::vector<ReceivedLight>& truth
 ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> received, double brightest, int thread_count) {
   const Sights& sights = surfaces.sights;
   ViewTruth truth;
+  // the exposure of truth serves all methods: a method that is too bright looks too bright
   truth.at = std::move(received);
   truth.median_noise = medianNoise(truth.at);
   truth.median = medianLight(sights, truth.at);
   truth.least = kLeastLight * brightest;
   truth.adapted = std::max(truth.median, truth.least);
   truth.exposure = exposureOf(sights, truth);
+  // noise of truth as errors are measured: over the root mean square of irradiance, and as colour difference
   std::vector<float> light(truth.at.size(), 0.0f);
   double squares = 0.0, variance = 0.0, colour = 0.0;
   uint64_t receivers = 0;
@@ -166,6 +168,7 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> recei
   }
   truth.noise = std::sqrt(over(variance, squares));
   truth.colour_noise = colour / static_cast<double>(std::max<uint64_t>(1, receivers));
+  // the least truth nearby, on surfaces of like normal: an answer below it is a dark ring
   const Neighbours neighbours(sights);
   truth.least_nearby.resize(light.size(), 0.0f);
   parallelFor(sights.height, thread_count, [&](uint64_t row, int) {
@@ -179,6 +182,7 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> recei
 
 ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& truth, const std::vector<ReceivedLight>& answers) {
   std::array<ClassSum, kViewClassCount> sums;
+  // black: below what an eye adapted to the view tells from black
   const double black = kBlackOfMedian * truth.adapted;
   for (size_t i = 0; i < answers.size(); ++i) {
     const Sight& sight = surfaces.sights.samples[i];
@@ -187,9 +191,12 @@ ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& tr
     const double light = luminanceOf(right), answer = luminanceOf(given);
     // at most: channels whose noise goes up and down together
     const double deviation = luminanceOf(truth.at[i].deviation);
+    // what a viewer sees: the difference of displayed colours at truth's exposure
     const double colour = hyAb(shownColour(sight, right, truth.exposure), shownColour(sight, given, truth.exposure));
+    // ring: clearly darker than all truth nearby, and by more than noise explains
     const bool is_ring = truth.least_nearby[i] > black && answer < kRingDarker * truth.least_nearby[i] &&
                          light - answer > kSureDeviations * deviation;
+    // dim: below a factor of what exact visibility gives with the same probes
     const bool is_dim = !truth.exact.empty() && truth.exact[i] > black && kLastFactor * answer < truth.exact[i];
     for (size_t c = 0; c < kViewClassCount; ++c) {
       if (!surfaces.isOf(i, static_cast<ViewClass>(c))) continue;

@@ -75,6 +75,7 @@ TracedView readTruth(const std::string& path, const std::string& key, size_t sam
   TensorFileReader reader;
   std::vector<float> irradiance, deviation;
   std::vector<int32_t> rounds;
+  // the key is a digest of scene, view and settings: another key is another truth
   FileResult result = reader.openFile(path);
   if (result.ok()) {
     const auto found = reader.metadata().find(kKey);
@@ -86,10 +87,12 @@ TracedView readTruth(const std::string& path, const std::string& key, size_t sam
   }
   if (result.ok()) result = reader.read("deviation", &deviation);
   if (result.ok()) result = reader.read("rounds", &rounds);
+  // a file cut short, or of another size, is no truth
   if (!result.ok() || irradiance.size() != 3 * samples || deviation.size() != 3 * samples || rounds.size() != 1) {
     *why = result.ok() ? "of another size" : result.detail;
     return {};
   }
+  // both hold three floats a sample: red, green, blue
   TracedView view;
   view.at.resize(samples);
   view.rounds = rounds.front();
@@ -124,8 +127,10 @@ TracedView traced(const LightTransport& transport, const Sights& sights, const V
   };
   TracedView view;
   view.at = round(0);
+  // noise falls with the root of the rounds
   const double over = medianNoise(view.at) / options.noise;
   view.rounds = static_cast<int>(std::clamp(std::ceil(over * over), 1.0, double{kMostTruthRounds}));
+  // variances add, deviations do not
   for (ReceivedLight& at : view.at) at.deviation *= at.deviation;
   for (int number = 1; number < view.rounds; ++number) {
     const std::vector<ReceivedLight> more = round(number);
@@ -134,6 +139,7 @@ TracedView traced(const LightTransport& transport, const Sights& sights, const V
       view.at[i].deviation += more[i].deviation * more[i].deviation;
     }
   }
+  // mean of the rounds, and its deviation
   const auto share = 1.0f / static_cast<float>(view.rounds);
   for (ReceivedLight& at : view.at) {
     at.irradiance *= share;
@@ -148,6 +154,7 @@ ViewSurfaces surfacesOf(const LightTransport& transport, const SceneView& view, 
   SightOptions options;
   options.width = width;
   options.height = height;
+  // one sample a pixel: each error belongs to one place
   options.samples_per_side = 1;
   options.balls = view.figure;
   options.thread_count = thread_count;

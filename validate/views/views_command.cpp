@@ -272,20 +272,24 @@ class ViewsMeasurement {
 
 void measureViews(Request request, BakeOptions options, const OptionTable& table) {
   takeThetaPrecision(&options);
+  // nothing that is read may be overwritten
   std::vector<std::string> inputs = weightsPaths(request.weights);
   inputs.push_back(request.scene);
   inputs.insert(inputs.end(), request.grids.begin(), request.grids.end());
   refuseToReplaceInputs(request.out, inputs);
   requireOutputFile(request.out);
+  // options are checked before truth is traced, which takes longest
   if (options.light == "none") throw UsageError("--light", "solved, integrated or point", "none, and a view needs light");
   if (!request.pictures.empty()) requireOutputFolder(request.pictures, "--pictures");
   if (request.truth.empty()) request.truth = std::filesystem::absolute(request.out).parent_path().string();
   requireOutputFolder(request.truth, "--truth");
   std::map<std::string, std::string> hashes;
   const GeneratorSets sets = loadSets(request.weights, &hashes);
+  // views have a seed of their own: the bake's seed does not move cameras
   request.views.seed = mixSeed(kSeed, kViewStream);
   request.views.thread_count = options.threads > 0 ? options.threads : machineThreadCount();
 
+  // provenance: what changes figures, without what does not
   Json used = table.toJson();
   used.erase("threads");
   used.erase("representation");
@@ -300,6 +304,7 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
                {"target_functions", request.target_functions}});
   if (request.cameras) used["cameras"] = true;
   for (const std::string& path : request.grids) hashes["grid " + std::filesystem::path(path).stem().string()] = fileSha256(path);
+  // the scene is read once for all methods
   const BakeScene scene(request.scene, options);
   tellNotes("nlg-validate", scene.source);
   if (!scene.source.sha256.empty()) hashes["scene"] = scene.source.sha256;

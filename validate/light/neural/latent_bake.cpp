@@ -143,6 +143,7 @@ std::vector<float> latentOf(const ObservedVoxel& voxel, const DenseNetwork& enco
 
 LearnedLight trainLatentBake(const LitPlaces& lit, const PlaceSplit& split, const LatentBakeOptions& options) {
   const VoxelLattice lattice(lit.position_m, options.voxel_m);
+  // light is learned over its mean: one learning rate serves all scenes
   const float unit = meanIrradiance(lit.light);
   std::vector<ObservedVoxel> voxels;
   std::vector<size_t> voxel_of;
@@ -164,6 +165,7 @@ LearnedLight trainLatentBake(const LitPlaces& lit, const PlaceSplit& split, cons
 
   LearnedLight learned;
   LearnedCost& cost = learned.cost;
+  // unless asked for their own, voxels are encoded by the network that the other half trained
   LatentLight all{lattice, unit, nearestOf(lattice, voxel_of), std::vector<LatentLight::Latent>(voxels.size())};
   for (size_t h = 0; h < (is_own ? 1u : 2u); ++h) {
     LatentLearner learner(half[h], options);
@@ -176,6 +178,7 @@ LearnedLight trainLatentBake(const LitPlaces& lit, const PlaceSplit& split, cons
     cost.steps += static_cast<size_t>(record.steps);
     cost.training_s += record.processor_s;
   }
+  // costs as a game would have them: numbers in half precision, fetched in words
   for (const ObservedVoxel& voxel : voxels) cost.places += voxel.observationCount();
   const DenseShape& decoder = all.latents.front().decoder->shape();
   const size_t latent_numbers = voxels.size() * static_cast<size_t>(options.latent);

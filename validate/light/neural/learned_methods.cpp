@@ -62,6 +62,7 @@ LearnedMethod learnedRow(const Row& row) {
 }  // namespace
 
 std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOptions& options) {
+  // held-out places stop training early; the split is the same for all methods
   const PlaceSplit split = splitPlaces(lit.light.size(), mixSeed(options.seed, kSplitStream));
   if (split.learned.size() < kFewestPlaces)
     throw InputError("the scene", "air", fmt::format("{} sample points to learn light from", kFewestPlaces),
@@ -94,6 +95,7 @@ std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOpt
     grid.training = trainingOf(options.steps, kGridRate, mixSeed(options.seed, kGridStream));
     rows.push_back({fmt::format("network grid, {}", width), [&lit, &split, grid] { return trainNetworkGrid(lit, split, grid); }});
   }
+  // a network trains on one thread: rows run beside each other
   std::vector<LearnedMethod> methods(rows.size());
   {
     Progress progress("networks of the scene", static_cast<int64_t>(rows.size()));

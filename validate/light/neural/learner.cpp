@@ -57,6 +57,7 @@ TrainingRecord train(Learner* learner, const TrainingOptions& options) {
   Adam adam(learner->parameters());
   Random random(options.seed);
   TrainingRecord record;
+  // the parameters with the least held-out loss so far
   std::vector<torch::Tensor> best;
   const auto check = [&] {
     const double loss = learner->heldOutLoss();
@@ -68,14 +69,17 @@ TrainingRecord train(Learner* learner, const TrainingOptions& options) {
     best.clear();
     for (const torch::Tensor& tensor : learner->parameters()) best.push_back(tensor.detach().clone());
   };
+  // before the first step, too: there always is a best
   check();
   while (record.steps < options.steps && record.steps - record.best_step < options.patience * options.check_steps) {
+    // the rate falls along half a cosine; training ends early when checks no longer improve
     const double share = static_cast<double>(record.steps) / options.steps;
     learner->loss(&random).backward();
     adam.step(learner->parameters(), options.rate * static_cast<float>(0.5 * (1.0 + std::cos(kPi * share))));
     ++record.steps;
     if (record.steps % options.check_steps == 0 || record.steps == options.steps) check();
   }
+  // what is exported is the best, not the last
   const torch::NoGradGuard no_gradients;
   for (size_t t = 0; t < best.size(); ++t) learner->parameters()[t].copy_(best[t]);
   record.processor_s = threadSeconds() - start_s;

@@ -23,6 +23,7 @@ LitPlaces drawLitPlaces(const LightTransport& transport, const ProbeTree& tree, 
                         const std::vector<LightSh>& light, const ProbeLightOptions& solve, int times, int thread_count) {
   LitPlaces lit{own.places, light};
   if (times == 1) return lit;
+  // as many more places as asked, drawn in the bake's cells by the bake's own rule
   const auto start = std::chrono::steady_clock::now();
   uint32_t most = 0;
   for (const AirPlaces::Cell& cell : own.cells) most = std::max(most, cell.count);
@@ -31,6 +32,7 @@ LitPlaces drawLitPlaces(const LightTransport& transport, const ProbeTree& tree, 
   draw.draws_per_cell = kDrawsPerPlace * draw.places_per_cell;
   draw.seed = mixSeed(solve.seed, kMorePlacesStream);
   const std::vector<glm::dvec3> more = findAirPlaces(transport.rays(), tree, draw, thread_count).places;
+  // measured as the bake measures its own: the same rays, and bounces from a cache of their own
   ProbeLightOptions of_more = solve;
   of_more.seed = mixSeed(solve.seed, kMoreLightStream);
   const std::unique_ptr<SurfaceCache> cache = makeSurfaceCache(transport, more, tree.frame().spacing_m, of_more, thread_count);

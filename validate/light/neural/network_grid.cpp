@@ -50,6 +50,7 @@ struct Nodes {
       node += static_cast<size_t>(cell) * stride;
       stride *= static_cast<size_t>(lattice.count[axis]);
     }
+    // barycentric in one of the six tetrahedra of a cube, which the order of coordinates chooses: four networks, not eight
     std::sort(ways.rbegin(), ways.rend());
     Blend blend;
     float before = 1.0f;
@@ -159,6 +160,7 @@ struct NetworkGrid {
 }  // namespace
 
 LearnedLight trainNetworkGrid(const LitPlaces& lit, const PlaceSplit& split, const NetworkGridOptions& options) {
+  // a network for each node that some learned place reads: none where there is no air
   Nodes nodes(lit, split.learned, options.spacing_m);
   const float unit = meanIrradiance(lit.light);
   const LightSamples samples(lit, split.learned, split.held_out, nodes.frame, unit,
@@ -166,6 +168,7 @@ LearnedLight trainNetworkGrid(const LitPlaces& lit, const PlaceSplit& split, con
   NetworkGridLearner learner(nodes, samples, options);
   const TrainingRecord record = train(&learner, options.training);
 
+  // what a game would store and compute: the blend evaluates every node around a position
   LearnedLight learned;
   LearnedCost& cost = learned.cost;
   const DenseShape& shape = learner.shape();
@@ -179,6 +182,7 @@ LearnedLight trainNetworkGrid(const LitPlaces& lit, const PlaceSplit& split, con
   cost.training_s = record.processor_s;
   // which network a node has
   learned.bytes = {kLearnedBytes * cost.parameters, 0, nodes.network_of.size() * sizeof(uint32_t)};
+  // networks from the one list of numbers that was trained
   std::vector<DenseNetwork> networks;
   for (auto first = numbers.begin(); first != numbers.end(); first += static_cast<ptrdiff_t>(shape.parameterCount()))
     networks.emplace_back(shape, std::vector<float>(first, first + static_cast<ptrdiff_t>(shape.parameterCount())));

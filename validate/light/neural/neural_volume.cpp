@@ -144,17 +144,20 @@ HashGrid::HashGrid(double half_m, const glm::vec3& low, const glm::vec3& high, i
 }
 
 void HashGrid::cornersAt(const float* position_3, Corners* corners) const {
+  // positions outside the box get its border
   glm::vec3 place;
   for (int axis = 0; axis < 3; ++axis) place[axis] = std::clamp(position_3[axis], low_[axis], high_[axis]) - low_[axis];
   for (int l = 0; l < kHashLevels; ++l) {
     const Level& level = levels_[l];
     std::array<uint32_t, 3> node;
     glm::vec3 above;
+    // the cell and the place in it; the last node begins no cell
     for (int axis = 0; axis < 3; ++axis) {
       const float cells = place[axis] * level.scale;
       node[axis] = std::min(static_cast<uint32_t>(cells), level.nodes[axis] - 2);
       above[axis] = cells - static_cast<float>(node[axis]);
     }
+    // coarse levels have a row for every node; fine ones hash nodes into a table (Müller and others 2022)
     for (uint32_t c = 0; c < 8; ++c) {
       const uint32_t dx = c & 1, dy = c >> 1 & 1, dz = c >> 2 & 1;
       const uint32_t x = node[0] + dx, y = node[1] + dy, z = node[2] + dz;
@@ -185,6 +188,7 @@ torch::Tensor hashFeatures(const HashGrid& grid, const torch::Tensor& position, 
 }
 
 LearnedLight trainNeuralVolume(const LitPlaces& lit, const PlaceSplit& split, const NeuralVolumeOptions& options) {
+  // light over its mean, positions over the scene's size
   const SampleFrame frame = frameAround(lit.position_m);
   const float unit = meanIrradiance(lit.light);
   const HashGrid grid = gridAround(lit, frame, options.table_log2);
@@ -192,6 +196,7 @@ LearnedLight trainNeuralVolume(const LitPlaces& lit, const PlaceSplit& split, co
   VolumeLearner learner(grid, samples, options);
   const TrainingRecord record = train(&learner, options.training);
 
+  // what a game would store and compute: features and network in half precision
   LearnedLight learned;
   LearnedCost& cost = learned.cost;
   std::vector<float> table = roundedToHalf(floatsOf(learner.parameters()[0]), &cost.clamped);

@@ -25,15 +25,18 @@ struct Siren {
 }  // namespace
 
 LearnedLight trainSiren(const LitPlaces& lit, const PlaceSplit& split, const SirenOptions& options) {
+  // light over its mean, positions over the scene's size
   const SampleFrame frame = frameAround(lit.position_m);
   const float unit = meanIrradiance(lit.light);
   const LightSamples samples(lit, split.learned, split.held_out, frame, unit, mixSeed(options.training.seed, 2));
+  // sine activations with a higher first frequency (Sitzmann and others 2020)
   DenseShape shape{{static_cast<int>(kSampleInputs)}, Activation::sine, options.first_frequency};
   shape.widths.insert(shape.widths.end(), static_cast<size_t>(options.hidden_layers), options.width);
   shape.widths.push_back(kShChannels);
   TrainingRecord record;
   std::vector<float> numbers = trainDense(samples, shape, DenseCode::logarithm, options.batch, options.training, &record);
 
+  // what a game would store and compute
   LearnedLight learned;
   LearnedCost& cost = learned.cost;
   const auto siren =

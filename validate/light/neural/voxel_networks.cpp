@@ -32,11 +32,13 @@ struct VoxelNetworks {
 
 LearnedLight trainVoxelNetworks(const LitPlaces& lit, const PlaceSplit& split, const VoxelNetworksOptions& options) {
   const VoxelLattice lattice(lit.position_m, options.voxel_m);
+  // voxels with too few places have none; the nearest one answers for them
   const std::vector<VoxelPlaces> voxels = placesByVoxel(lattice, lit, split);
   const float unit = meanIrradiance(lit.light);
   const DenseShape shape{{static_cast<int>(kSampleInputs), options.width, options.width, kShChannels}};
   std::vector<TrainingRecord> records(voxels.size());
   std::vector<std::vector<float>> numbers(voxels.size());
+  // seeds by voxel: threads change nothing
   parallelFor(voxels.size(), options.thread_count, [&](uint64_t n, int) {
     const auto& [voxel, places] = voxels[n];
     TrainingOptions training = options.training;
@@ -45,6 +47,7 @@ LearnedLight trainVoxelNetworks(const LitPlaces& lit, const PlaceSplit& split, c
     numbers[n] = trainDense(samples, shape, DenseCode::plain, options.batch, training, &records[n]);
   });
 
+  // what a game would store and compute: one network a position
   LearnedLight learned;
   LearnedCost& cost = learned.cost;
   std::vector<size_t> voxel_of;
