@@ -100,15 +100,5 @@ TEST(LightGroupsOfABake, ComeBackFromTheFileAndCanBeMixed) {
   EXPECT_EQ(read.light, before);
 }
 
-TEST(LightGroupsOfABake, AreThereWhereThereIsOneAlone) {
-  BakeOptions options = corner("kind");
-  options.scene_light.sky = {"0"};
-  options.scene_light.sun = {"120", "50", "5", "4.7", "4.1"};
-  const LightGrid grid = bakeOf(BakeScene("daylight:0", options), options).grid;
-  ASSERT_EQ(grid.groups.size(), 1u);
-  EXPECT_EQ(grid.groups[0].name, "sun");
-  EXPECT_EQ(grid.groups[0].light, grid.light);
-}
-
 }  // namespace
 }  // namespace nlg

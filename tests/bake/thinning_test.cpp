@@ -71,18 +71,6 @@ TEST(ThinnedGrid, IsSmallerAndLightsAsBefore) {
   EXPECT_LT(std::sqrt(squares / of_light), 0.1);
 }
 
-TEST(ThinnedGrid, IsTheSameOnAnyNumberOfThreads) {
-  BakeOptions options = corner();
-  options.thin_error = 0.1;
-  const BakeScene scene("house:3", options);
-  const Bake two = bakeOf(scene, options);
-  options.threads = 1;
-  const Bake one = bakeOf(scene, options);
-  EXPECT_EQ(one.grid.probe_function, two.grid.probe_function);
-  EXPECT_EQ(one.grid.theta, two.grid.theta);
-  EXPECT_EQ(one.grid.light, two.grid.light);
-}
-
 // The budget is the whole file's, with all that it says of itself.
 TEST(ThinnedGrid, KeepsABudgetOrSaysWhatItTakes) {
   BakeOptions options = corner();

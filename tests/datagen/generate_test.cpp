@@ -1,14 +1,8 @@
 // A shard from its scene to its file: pipeline, collector, damage, full disks.
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <atomic>
-#include <csignal>
 #include <filesystem>
-#include <memory>
 
 #include "datagen/dataset/shard_reader.h"
 #include "datagen/shards/shard_job.h"
@@ -138,53 +132,6 @@ TEST_F(GeneratedShard, HoldsNoTwoFunctionsWithinTheTolerance) {
     }
     EXPECT_TRUE(found) << "function " << n;
   }
-}
-
-TEST_F(GeneratedShard, ReportsWhatAThreadThrows) {
-  const ShardJob job({"house:1", 0, false}, options_, table_);
-  for (const int threads : {1, 3}) {
-    FunctionCollector collector(job.header(), {1000, 100000}, folder_.string());
-    ShardWriter writer(at("shard.h5"), job.header());
-    FunctionPipeline pipeline = job.pipeline();
-    pipeline.makeGenerator = [calls = std::make_shared<std::atomic<int>>(0)](int) {
-      return [calls](const std::vector<uint64_t>& probes, ProbeBlock* block) {
-        if (++*calls == 5) throw InputError("scene", "probe", "a place", "none");
-        block->outcomes.assign(probes.size(), ProbeOutcome::in_solid);
-      };
-    };
-    pipeline.makeFinisher = appendTo(writer);
-    EXPECT_THROW(pipeline.run(threads, collector), InputError) << threads << " threads";
-  }
-}
-
-TEST_F(GeneratedShard, EndsADiskThatRefusesAsOutputErrorWhicheverThreadMeetsIt) {
-  // files of at most 200 kB: samples under construction or the shard itself meet the limit first
-  const pid_t child = ::fork();
-  if (child == 0) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{200000, 200000};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-    try {
-      make({100, 100000}, 2);
-    } catch (const OutputError&) {
-      ::_exit(7);
-    } catch (...) {
-    }
-    ::_exit(1);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  EXPECT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 7);
-}
-
-TEST(DifferenceStatistics, GiveMeanWorstAndPercentile) {
-  DifferenceStatistics statistics(2.0);
-  for (int i = 1; i <= 100; ++i) statistics.add(0.01 * i);
-  EXPECT_NEAR(statistics.mean(), 0.505, 1e-12);
-  EXPECT_EQ(statistics.worst(), 1.0);
-  EXPECT_NEAR(statistics.percentile(0.95), 0.95, 2.0 / 256);
-  EXPECT_EQ(DifferenceStatistics(0.0).percentile(0.95), 0.0);
 }
 
 }  // namespace

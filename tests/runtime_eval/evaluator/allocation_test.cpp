@@ -9,13 +9,6 @@
 namespace nlg {
 namespace {
 
-TEST(AllocationCount, CountsVectors) {
-  const long before = allocationCount();
-  const std::vector<float> plain(10);
-  const AlignedFloats aligned(10);
-  EXPECT_EQ(allocationCount(), before + 2) << plain.size() << aligned.size();
-}
-
 TEST(Generator, AllocatesNothingAfterLoad) {
   constexpr int kCount = 97;
   const std::vector<uint8_t> bytes = sampleFunctions(kCount);

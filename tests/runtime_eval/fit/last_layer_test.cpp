@@ -37,21 +37,6 @@ TEST(LastLayer, LeavesNoGradientInItself) {
   });
 }
 
-TEST(LastLayer, RefusesAnOutputThatIsNotLinear) {
-  const Representation representation{RepresentationKind::tent_mlp4};
-  Theta theta = randomTheta(representation, 9);
-  EXPECT_FALSE(solveLastLayer(representation, decoded(wallSample(9).view()), theta.data()));
-  EXPECT_EQ(theta, randomTheta(representation, 9));
-}
-
-TEST(LastLayer, TouchesNothingElse) {
-  const WeightingFunction function = decoded(wallSample(7).view());
-  const Theta start = randomTheta({}, 7);
-  Theta theta = start;
-  ASSERT_TRUE(solveLastLayer({}, function, theta.data()));
-  for (int i = 0; i < ThetaLayout::w3; ++i) EXPECT_EQ(theta[i], start[i]) << i;
-}
-
 TEST(LastLayer, SurvivesDeadUnitsAndRefusesBrokenTheta) {
   const WeightingFunction function = decoded(wallSample(8).view());
   // every unit of the second layer the same: eight equal rows

@@ -156,18 +156,5 @@ TEST(FunctionCheck, TakesAnErrorThatIsNoNumberForTheLargest) {
   EXPECT_FALSE(check.passes({}));
 }
 
-TEST(FunctionCheck, HandlesNoValidPointAndBrokenTheta) {
-  StoredSample sample = noiseSample(6);
-  FunctionChecker checker;
-  const CheckOptions options;
-  const Theta broken(ThetaLayout::count, NAN);
-  EXPECT_FALSE(checker.check({}, sample.view(), broken.data(), options).passes(options));
-  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
-  const FunctionCheck check = checker.check({}, sample.view(), randomTheta({}, 6).data(), options);
-  EXPECT_EQ(check.valid_count, 0);
-  EXPECT_EQ(check.rmse, 0.0);
-  EXPECT_TRUE(check.passes(options));
-}
-
 }  // namespace
 }  // namespace nlg

@@ -41,18 +41,6 @@ TEST_F(Interiors, AreTheSameBitsForTheSameRequest) {
   }
 }
 
-TEST_F(Interiors, AreScenesByPathPlanAndSeed) {
-  const SceneSource source = loadScene(path_ + ":flat:7");
-  EXPECT_EQ(source.id, "flat_7_tiny");
-  EXPECT_EQ(source.family, "flat");
-  EXPECT_EQ(source.sha256, sceneSha256(source.scene));
-  EXPECT_EQ(loadScene(folder_.string() + ":flat:7").sha256, source.sha256) << "the folder holds the same archive alone";
-  EXPECT_THROW(loadScene(path_ + ":castle:7"), UsageError);
-  EXPECT_THROW(loadScene(path_ + ":flat:-7"), UsageError);
-  EXPECT_THROW(loadScene(path_ + ":flat:"), UsageError);
-  EXPECT_THROW(loadScene(folder_ / "missing.sh3f:flat:7"), InputError);
-}
-
 TEST_F(Interiors, OfEveryPlanHoldFurnitureLampsAndProbes) {
   for (const std::string& plan : interiorPlans()) {
     const Scene scene = makeInterior(path_, plan, 1).scene;
@@ -190,13 +178,6 @@ TEST_F(Interiors, ConsistOfShellsThatAreOneClosedSolid) {
     // of a closed surface the areas' vectors sum to nothing; positions are multiples of 2^-10, so that the sum is exact
     EXPECT_EQ(area, glm::dvec3(0.0)) << plan;
   }
-}
-
-TEST_F(Interiors, DoWithProceduralFurnitureWhereTheLibraryHasNone) {
-  const std::string path = writeTinyLibrary(folder_, {{"Characters", "Male", 60, 40, 180, "tags#=Human\n"}});
-  std::set<std::string> names;
-  for (const SceneObject& object : makeInterior(path, "flat", 1).scene.objects) names.insert(object.name);
-  for (const char* name : {"bed", "sofa", "chair", "cupboard", "toilet"}) EXPECT_TRUE(names.count(name)) << name;
 }
 
 TEST_F(Interiors, StandPiecesAtWallsInFreePlacesOnly) {

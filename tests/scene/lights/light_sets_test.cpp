@@ -30,14 +30,6 @@ TEST(LightSets, TakeWhatAllHaveUnlessTheySayOtherwise) {
   EXPECT_EQ(sets[2].options.light_groups, "one");
 }
 
-TEST(LightSets, RefuseWhatIsNone) {
-  for (const char* text :
-       {"=night.glb", "night=", "late night", "day/sun", "day sky", " sky=0", "day skye=0", "day intensity=bright",
-        "day intensity=0", "day,night", "day sky=0 sun=0 sky=1", "day sky=", "day sky= sun=0"})
-    EXPECT_THROW(lightSetsFrom({text}, {}), UsageError) << text;
-  EXPECT_THROW(lightSetsFrom({"day", "day sky=0"}, {}), UsageError);
-}
-
 TEST(LightSets, NameTheGroupsOfAGrid) {
   SceneSource source;
   source.scene.light.groups.names = {"sky", "Lamp"};
@@ -73,13 +65,6 @@ TEST(GeometryDifference, SaysWhatFunctionsCanSee) {
   Scene boxed = room;
   boxed.extent = ExtentBox{};
   EXPECT_NE(geometryDifference(room, boxed), "");
-}
-
-TEST(LightSets, NameTheFilesThatTheyAreReadOf) {
-  LightOptions of_all;
-  of_all.sky = {"dusk.hdr", "90"};
-  EXPECT_EQ(filesOfLight({"day", "night=level_night.glb sky=night.exr"}, of_all),
-            (std::vector<std::string>{"dusk.hdr", "dusk.hdr", "night.exr", "level_night.glb"}));
 }
 
 }  // namespace

@@ -107,17 +107,6 @@ TEST(FunctionLoss, IsTheMeanSquaredErrorOfEachSample) {
   }
 }
 
-TEST(FunctionLoss, ReadsThetaThatIsNotContiguous) {
-  const torch::Tensor theta = randomThetaBatch(3);
-  const std::vector<Sample> samples(kSamples.begin(), kSamples.begin() + 3);
-  const torch::Tensor transposed = theta.t().contiguous().t();
-  ASSERT_FALSE(transposed.is_contiguous());
-  EXPECT_TRUE(torch::equal(measureTheta(transposed, {{}, data(), samples, kLoss}).gradient,
-                           measureTheta(theta, {{}, data(), samples, kLoss}).gradient));
-  EXPECT_TRUE(torch::equal(solveLastLayers(transposed, {{}, data(), samples, kLoss}),
-                           solveLastLayers(theta, {{}, data(), samples, kLoss})));
-}
-
 TEST(SolveLastLayers, SolvesEachOnItsOwnPoints) {
   for (const Representation& representation : kBothRepresentations) {
     const torch::Tensor theta = randomThetaBatch(kSamples.size());
@@ -135,11 +124,6 @@ TEST(SolveLastLayers, SolvesEachOnItsOwnPoints) {
     const torch::Tensor after = measureTheta(solved, {representation, data(), kSamples, kLoss}).mean_square;
     EXPECT_TRUE((after < before).all().item<bool>()) << before << '\n' << after;
   }
-}
-
-TEST(SolveLastLayers, LeavesAThetaWithoutAnyValidPoint) {
-  const torch::Tensor theta = randomThetaBatch(1);
-  EXPECT_TRUE(torch::equal(solveLastLayers(theta, {{}, data(), {{5, 0, 3}}, kLoss}), theta));
 }
 
 TEST(SolveLastLayers, IsAConstantToTheGradientInTheLastLayerAlone) {
