@@ -5,7 +5,6 @@
 
 #include "bake/scene_bake.h"
 #include "nlg/look_up.h"
-#include "runtime_eval/numbers/random.h"
 #include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"
 

@@ -6,12 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "bake/again/bake_provenance.h"
 #include "bake/again/relight.h"
 #include "bake/scene_bake.h"
 #include "tests/bake/house_corner.h"
 #include "tests/input_error.h"
-#include "tests/runtime_eval/sample_generator.h"
 #include "tests/runtime_eval/weights_file/digest_edits.h"
 #include "tool/error.h"
 

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/input_error.h"
 #include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

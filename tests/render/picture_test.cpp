@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include "datagen/view/legend.h"
-#include "light/air.h"
 #include "render/camera.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"

@@ -10,8 +10,6 @@
 #include <fstream>
 #include <new>
 
-#include "tool/printable.h"
-#include "tool/progress.h"
 #include "tool/provenance.h"
 
 namespace nlg {

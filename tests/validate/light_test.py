@@ -11,8 +11,11 @@ import sys
 import tempfile
 import unittest
 
+sys.dont_write_bytecode = True
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from tools import INPUT_ERROR, USAGE_ERROR
+
 BIN, WEIGHTS = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
-USAGE_ERROR, INPUT_ERROR = 2, 3  # tool/error.h
 HOUSE = ["house:1", "--light-error", "0.001", "--extent-m", "0,0,0,5,5,3", "--air-samples", "100", "--surface-samples", "80", "--walks", "3", "--truth-rays", "64", "--probe-rays", "64"]
 
 

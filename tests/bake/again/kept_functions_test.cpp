@@ -14,7 +14,6 @@
 #include "tests/bake/house_corner.h"
 #include "tests/damage.h"
 #include "tests/input_error.h"
-#include "tests/runtime_eval/sample_generator.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 

@@ -7,8 +7,6 @@
 #include "bake/again/bake_provenance.h"
 #include "bake/scene_bake.h"
 #include "tests/bake/house_corner.h"
-#include "tests/input_error.h"
-#include "tests/runtime_eval/sample_generator.h"
 #include "tool/error.h"
 
 namespace nlg {

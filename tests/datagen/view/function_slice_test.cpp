@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 
-#include "datagen/view/level_raster.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {

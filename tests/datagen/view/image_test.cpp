@@ -6,8 +6,6 @@
 
 #include <filesystem>
 
-#include "datagen/view/font.h"
-#include "datagen/view/legend.h"
 #include "datagen/view/png_file.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

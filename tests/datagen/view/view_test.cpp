@@ -15,7 +15,6 @@
 #include "scene/procedural/procedural.h"
 #include "tests/input_error.h"
 #include "tests/temporary_folder.h"
-#include "tool/atomic_file.h"
 #include "tool/error.h"
 
 // HDF5 1.10.8 itself loses some hundred bytes for each damaged file that it refuses.

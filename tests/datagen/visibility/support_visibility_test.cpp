@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/procedural/procedural.h"
 #include "scene/scene_source.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/runtime_eval/each_target.h"

@@ -8,7 +8,6 @@
 #include "export/engine/sh_texture.h"
 #include "tests/input_error.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
-#include "tool/error.h"
 
 namespace nlg {
 namespace {

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "runtime_eval/evaluator/evaluate_point.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_dictionary.h"

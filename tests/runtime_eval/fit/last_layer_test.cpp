@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/fit/network_loss.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/fit/reference_loss.h"
 #include "tests/runtime_eval/sample_functions.h"

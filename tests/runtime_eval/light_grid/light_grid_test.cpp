@@ -5,9 +5,6 @@
 #include <map>
 
 #include "nlg/look_up.h"
-#include "runtime_eval/evaluator/brick_quads.h"
-#include "runtime_eval/evaluator/evaluate_point.h"
-#include "tests/runtime_eval/counting_new.h"
 #include "tests/runtime_eval/light_grid/look_up_bounds.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
 #include "tests/runtime_eval/sample_functions.h"

@@ -6,7 +6,6 @@
 
 #include "runtime_eval/evaluator/generator_data.h"
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/fit/levenberg_marquardt.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scene/gltf/gltf_file.h"
 #include "scene/gltf/gltf_light.h"
 #include "scene/gltf/gltf_mesh.h"
 #include "scene/lights/light_groups.h"

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "scene/lights/light_options.h"
-#include "tool/error.h"
 
 namespace nlg {
 namespace {

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tool/error.h"
-
 namespace nlg {
 namespace {
 

@@ -9,7 +9,6 @@
 
 #include "runtime_eval/numbers/random.h"
 #include "scene/procedural/built_in.h"
-#include "tests/input_error.h"
 #include "tool/error.h"
 
 namespace nlg {

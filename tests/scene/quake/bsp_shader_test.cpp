@@ -6,7 +6,6 @@
 #include "scene/quake/bsp_file.h"
 #include "scene/quake/quake_tokens.h"
 #include "scene/quake/texture_colour.h"
-#include "tests/input_error.h"
 #include "tests/scene/image/hand_built_images.h"
 
 namespace nlg {

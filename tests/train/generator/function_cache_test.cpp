@@ -22,10 +22,8 @@
 #include "train/basis/basis_fit.h"
 #include "train/generator/cache_layout.h"
 #include "train/generator/function_cache_writer.h"
-#include "train/generator/lost_pages.h"
 #include "train/generator/sample_order.h"
 #include "train/generator/training_data.h"
-#include "train/generator/window_loader.h"
 
 namespace {
 thread_local bool is_test_thread = false;

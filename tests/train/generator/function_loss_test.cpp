@@ -4,7 +4,6 @@
 #include <torch/torch.h>
 
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/fit/network_loss.h"
 #include "tests/runtime_eval/fit/reference_loss.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"

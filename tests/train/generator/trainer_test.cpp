@@ -8,7 +8,6 @@
 #include "tests/damage.h"
 #include "tests/input_error.h"
 #include "tests/runtime_eval/sample_generator.h"
-#include "tests/runtime_eval/weights_file/digest_edits.h"
 #include "tests/temporary_folder.h"
 #include "tests/train/sample_set.h"
 #include "tool/atomic_file.h"

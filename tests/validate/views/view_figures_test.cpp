@@ -4,7 +4,6 @@
 
 #include "tests/temporary_folder.h"
 #include "tests/validate/light/lit_scenes.h"
-#include "tool/atomic_file.h"
 #include "validate/views/view_truth.h"
 
 namespace nlg {

@@ -7,7 +7,6 @@
 
 #include "tests/validate/light/neural/learned_places.h"
 #include "tool/error.h"
-#include "validate/light/neural/dense_training.h"
 #include "validate/light/neural/latent_bake.h"
 
 namespace nlg {
