@@ -6,7 +6,6 @@ configurations_test.py and CApi have them.
 import os
 import signal
 import subprocess
-import time
 
 import chain
 import hostile
@@ -94,8 +93,8 @@ def large_buffers(injection):
 def d14(injection):
     if injection.pipeline:
         yield two_checkouts(injection)
-        for seconds in (6.0, 14.0):
-            yield orphaned_tools(injection, seconds)
+        for tool in ("nlg-datagen", "nlg-validate"):
+            yield orphaned_tools(injection, tool)
 
 
 def two_checkouts(injection):
@@ -106,7 +105,7 @@ def two_checkouts(injection):
         second.environment["NLG_OUT"] = first.environment["NLG_OUT"]
         started = subprocess.Popen([os.path.join(first.checkout, "pipeline.sh"), first.config], cwd=first.folder, env=first.environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
-        time.sleep(3.0)
+        trial.wait_for(lambda: not os.path.isdir(first.results))
         ending = second.run()
         _, errors = started.communicate(timeout=injection.pipeline_limits.seconds)
         trial.judge(ending, injection.pipeline_limits, faults, (trial.USAGE_ERROR,), is_quiet=False)
@@ -117,13 +116,13 @@ def two_checkouts(injection):
     return run
 
 
-def orphaned_tools(injection, seconds):
-    """pipeline.sh and snakemake are killed and a tool lives on: no other run begins beside it."""
+def orphaned_tools(injection, tool):
+    """pipeline.sh and snakemake are killed while a tool is at work, which lives on: no other run begins beside it."""
     def run(folder, faults):
         checkout = pipeline.Pipeline(injection, folder)
         started = subprocess.Popen([os.path.join(checkout.checkout, "pipeline.sh"), checkout.config], cwd=folder, env=checkout.environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-        time.sleep(seconds)
+        trial.wait_for(lambda: all(name != tool for _, name in trial.session_of(started.pid)))
         parents = [process for process, name in trial.session_of(started.pid) if not name.startswith("nlg-")]
         for process in parents:
             try:
