@@ -293,8 +293,8 @@ TEST(LightGridFile, AccountsForItsBytes) {
 
 TEST(LightGridFile, RefusesWhatIsDamaged) {
   LightGrid grid;
-  expectDamageIsRefused(bytesOf(litGrid(smallTree(), 1), {}),
-                        [&](const std::string& bytes) { return parse(bytes, &grid).detail; });
+  expectDamageIsRefused(
+      bytesOf(litGrid(smallTree(), 1), {}), [&](const std::string& bytes) { return parse(bytes, &grid).detail; }, 13);
 }
 
 TEST(LightGridFile, RefusesAFileWithoutADigest) {

@@ -88,7 +88,7 @@ TEST_P(ShaderGridPrecision, SaysWhatAMixOfGroupsSays) {
   }
   glsl::shader_grid = &packed;
   Random random(15);
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < 2000; ++i) {
     const PositionM at = randomPlace(grid.tree.frame(), random);
     const std::array<float, 3> normal = randomNormal(random);
     float rgb[3], light[kShFloats];

@@ -201,20 +201,23 @@ TEST_F(Interiors, StandPiecesAtWallsInFreePlacesOnly) {
   }
 }
 
-TEST(InteriorsOfSweetHome3d, AreMadeOfEveryArchiveThatIsInstalled) {
+TEST(InteriorsOfSweetHome3d, AreMadeOfAnArchiveThatIsInstalled) {
   if (!std::filesystem::is_directory(kFurnitureFolder))
     GTEST_SKIP() << "no " << kFurnitureFolder << ": apt install sweethome3d-furniture";
+  std::set<std::string> archives;
   for (const auto& file : std::filesystem::directory_iterator(kFurnitureFolder)) {
-    if (file.path().extension() != ".sh3f") continue;
-    FurnitureLibrary library(file.path().string());
-    size_t placed = 0;
-    for (int use = 1; use <= static_cast<int>(FurnitureUse::garden_thing); ++use)
-      placed += library.pieces(static_cast<FurnitureUse>(use)).size();
-    EXPECT_GT(3 * placed, library.size()) << file.path() << ": the table of uses knows a third of its pieces";
-    const Interior interior = makeInterior(file.path().string(), "flat", 1);
-    EXPECT_GT(interior.scene.triangles.size(), 10000u) << file.path();
-    EXPECT_LT(interior.scene.triangles.size(), 1000000u) << file.path();
+    if (file.path().extension() == ".sh3f") archives.insert(file.path().string());
   }
+  ASSERT_FALSE(archives.empty());
+  const std::string& archive = *archives.begin();
+  FurnitureLibrary library(archive);
+  size_t placed = 0;
+  for (int use = 1; use <= static_cast<int>(FurnitureUse::garden_thing); ++use)
+    placed += library.pieces(static_cast<FurnitureUse>(use)).size();
+  EXPECT_GT(3 * placed, library.size()) << archive << ": the table of uses knows a third of its pieces";
+  const Interior interior = makeInterior(archive, "flat", 1);
+  EXPECT_GT(interior.scene.triangles.size(), 10000u) << archive;
+  EXPECT_LT(interior.scene.triangles.size(), 1000000u) << archive;
 }
 
 }  // namespace
