@@ -41,7 +41,7 @@ TEST(LitPicture, FurnaceIsConstant) {
   const glm::vec3 albedo(0.5f, 0.2f, 0.0f), emission(1.0f, 2.0f, 3.0f);
   const Rendered r(room(albedo, emission));
   const LitPicture picture =
-      lightPicture(sightsOf(r.transport, kAcross, smallPicture()), truthLighting(r.transport, {1024, 64}, 1), 1);
+      lightPicture(sightsOf(r.transport, kAcross, smallPicture()), truthLighting(r.transport, {256, 64}, 1), 1);
   for (size_t i = 0; i < picture.radiance.size(); ++i) {
     EXPECT_EQ(picture.receiver_share[i], 1.0f);
     for (int c = 0; c < 3; ++c) {
