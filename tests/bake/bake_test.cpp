@@ -64,6 +64,7 @@ class SceneBakeTest : public testing::Test {
     options.spacing_m = 1.0;
     options.density_growth = 0.0;
     options.extent_m = {"995", "-2", "-2", "1005", "2", "2"};
+    options.light = "none";
     options.threads = 2;
     return options;
   }
@@ -77,8 +78,12 @@ class SceneBakeTest : public testing::Test {
     return bake.statistics.failing(word, options.policy.check());
   }
 
-  // A corner of a house, refined for next to no time.
-  static BakeOptions houseOptions() { return houseCornerOptions(1); }
+  // A corner of a house, refined for next to no time, its light left out.
+  static BakeOptions houseOptions() {
+    BakeOptions options = houseCornerOptions(1);
+    options.light = "none";
+    return options;
+  }
   // … of which corrections alone are left.
   static BakeOptions correctedHouseOptions() {
     BakeOptions options = houseOptions();
