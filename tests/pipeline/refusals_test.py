@@ -48,7 +48,7 @@ ADDED = [
 ]
 # whole calls
 REFUSED = [
-    *((INPUT_ERROR, scene or "scene", ["nlg-datagen", "--scene", scene, "--out", "bad.h5"]) for scene in ("missing.glb", "castle:3", "folder", "", "missing.pk3:a", "missing.sh3f:flat:1")),
+    *((INPUT_ERROR, scene.partition(":")[0] or "scene", ["nlg-datagen", "--scene", scene, "--out", "bad.h5"]) for scene in ("missing.glb", "castle:3", "folder", "", "missing.pk3:a", "missing.sh3f:flat:1")),
     (INPUT_ERROR, ["hous:1", "FAMILY:SEED"], "nlg-bake hous:1 --weights weights.safetensors --out bad.safetensors"), (USAGE_ERROR, "scene: ", "nlg-datagen --scene house:x --out bad.h5"),
     (INPUT_ERROR, ["run.ckpt", "a checkpoint of nlg-train, of which nlg-export makes weights"], "nlg-bake house:1 --weights run.ckpt --out bad.safetensors"),
     (USAGE_ERROR, ["representation", "'pf4'"], "nlg-bake house:1 --representation pf4 --out bad.safetensors"),
