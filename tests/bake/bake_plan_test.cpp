@@ -18,14 +18,6 @@ SceneSource groundOf(float side_m) {
   return source;
 }
 
-TEST(BakePlan, TakesLessTimeWithoutLightAndOnMoreThreads) {
-  const SceneSource source = groundOf(200);
-  BakeOptions dark;
-  dark.light = "none";
-  EXPECT_LT(planBake(source, dark, {}, 1).seconds, planBake(source, {}, {}, 1).seconds);
-  EXPECT_LT(planBake(source, {}, {}, 4).seconds, 0.5 * planBake(source, {}, {}, 1).seconds);
-}
-
 // A room with a slab in it: probes have functions, and these take a theta.
 TEST(BakePlan, SeesWhatFunctionsTake) {
   SceneSource source;
@@ -43,25 +35,6 @@ TEST(BakePlan, SeesWhatFunctionsTake) {
   EXPECT_GT(plan.seconds, without + 0.3e-4 * plan.probes);
   options.policy.refine_rounds = options.policy.adam_steps = 0;
   EXPECT_LT(planBake(source, options, generators, 1).seconds, plan.seconds) << "fits take most of it";
-}
-
-TEST(BakePlan, SaysWhatSpacingItChose) {
-  BakeOptions options;
-  options.spacing_m = 0.0;
-  const BakePlan plan = planBake(groundOf(10), options, {}, 2);
-  EXPECT_EQ(plan.spacing_m, 0.5);
-  const std::string text = toText(plan, 2);
-  EXPECT_NE(text.find("\nspacing: 0.5 m was chosen (--spacing-m); 0.354 m would take about "), std::string::npos) << text;
-  EXPECT_EQ(toText(planBake(groundOf(20), {}, {}, 2), 2).find("chosen"), std::string::npos);
-}
-
-TEST(BakePlan, KeepsToTheExtentThatWasNamed) {
-  SceneSource source = groundOf(20);
-  source.scene.extent = ExtentBox{{0, 0, 0}, {4, 4, 4}};
-  EXPECT_EQ(planBake(source, {}, {}, 1).extent_m, glm::dvec3(4));
-  BakeOptions options;
-  options.extent_m = {"0", "0", "0", "7", "7", "7"};
-  EXPECT_EQ(planBake(source, options, {}, 1).extent_m, glm::dvec3(7));
 }
 
 TEST(BakePlan, ReachesAsFarAsTheLampsOfAllLightSets) {

@@ -64,6 +64,7 @@ class SceneBakeTest : public testing::Test {
     options.spacing_m = 1.0;
     options.density_growth = 0.0;
     options.extent_m = {"995", "-2", "-2", "1005", "2", "2"};
+    options.light = "none";
     options.threads = 2;
     return options;
   }
@@ -77,8 +78,12 @@ class SceneBakeTest : public testing::Test {
     return bake.statistics.failing(word, options.policy.check());
   }
 
-  // A corner of a house, refined for next to no time.
-  static BakeOptions houseOptions() { return houseCornerOptions(1); }
+  // A corner of a house, refined for next to no time, its light left out.
+  static BakeOptions houseOptions() {
+    BakeOptions options = houseCornerOptions(1);
+    options.light = "none";
+    return options;
+  }
   // … of which corrections alone are left.
   static BakeOptions correctedHouseOptions() {
     BakeOptions options = houseOptions();
@@ -93,30 +98,6 @@ class SceneBakeTest : public testing::Test {
 
   TemporaryFolder folder_;
 };
-
-std::string fileBytes(const LightGrid& grid, ThetaPrecision precision) {
-  std::string bytes;
-  const FileResult result = serializeLightGrid(grid, {precision}, {}, &bytes);
-  EXPECT_TRUE(result.ok()) << result.detail;
-  return bytes;
-}
-
-TEST_F(SceneBakeTest, WallHasOneFunctionForEachColumnOfProbesBesideIt) {
-  const Bake wall = bake(writeWall(), sampleGenerators({"tent_mlp"}), wallOptions());
-  const ShardCounts& counts = wall.statistics.counts;
-  // supports of half a side of 1 m: the wall cuts those of the nearest column on either side; 2 functions, whatever the shift of
-  // the lattice. Symmetric to one another only by chance
-  EXPECT_EQ(counts.functions, 2u);
-  EXPECT_EQ(wall.grid.functionCount(), 2u);
-  EXPECT_EQ(counts.in_solid, 0u);
-  EXPECT_EQ(counts.empty, 0u);
-  EXPECT_EQ(counts.visited_probes, counts.grid_probes);
-  for (size_t p = 0; p < wall.grid.tree.probeCount(); ++p) {
-    const double distance_m = std::abs(wall.grid.tree.probePosition(p)[0] - kWallX);
-    if (std::abs(distance_m - 1.0) < 1e-3) continue;  // the wall grazes the support's face
-    EXPECT_EQ(wall.grid.probe_function[p] == kFreeSpace, distance_m > 1.0) << "probe " << p << ", " << distance_m << " m away";
-  }
-}
 
 TEST_F(SceneBakeTest, WeightsSumToOneInFreeSpaceAndKeepToTheirSideOfAWall) {
   const Bake wall = bake(writeWall(), sampleGenerators({"tent_mlp"}), wallOptions());
@@ -155,22 +136,6 @@ TEST_F(SceneBakeTest, WeightsSumToOneInFreeSpaceAndKeepToTheirSideOfAWall) {
   EXPECT_LT(leak_sum, 0.2 * bare_leak_sum);
   // on the probe's own side phi is the tent, 1/8 on average: .02 of it is at most 16 %
   EXPECT_NEAR(weight_sum, bare_weight_sum, 0.16 * bare_weight_sum);
-}
-
-TEST_F(SceneBakeTest, GivesTheSameBytesOnAnyNumberOfThreadsWithCorrections) {
-  BakeOptions options = houseOptions();
-  options.threads = 1;
-  std::vector<Generator> both = only(correctedData());
-  both.emplace_back(sampleGenerator(Representation::mlp(), 24, 3, 1));
-  const Bake one = bake("house:3", both, options);
-  ASSERT_GT(changed(one), 20u);
-  const std::string bytes = fileBytes(one.grid, ThetaPrecision::float32);
-  for (const int threads : {2, 5}) {
-    options.threads = threads;
-    const Bake other = bake("house:3", both, options);
-    EXPECT_TRUE(fileBytes(other.grid, ThetaPrecision::float32) == bytes) << threads << " threads";
-    EXPECT_EQ(changed(other), changed(one)) << threads << " threads";
-  }
 }
 
 TEST_F(SceneBakeTest, CorrectionsLowerErrorsOfAllThatTheyAreAskedFor) {
@@ -249,24 +214,6 @@ TEST_F(SceneBakeTest, CorrectionsNeverMakeAThetaFailTheCheckThatPassed) {
   EXPECT_EQ(changed(house) + failing(shut, ThetaWord::fitted, options), changed(shut));
 }
 
-TEST_F(SceneBakeTest, CountsEveryProbeOnce) {
-  const Bake house = bake("house:3", sampleGenerators({"tent_mlp", "mlp"}), houseOptions());
-  const BakeStatistics& s = house.statistics;
-  const ShardCounts& c = s.counts;
-  EXPECT_GT(c.free_space, 0u);
-  EXPECT_EQ(c.visited_probes, house.grid.tree.probeCount());
-  EXPECT_EQ(c.functions + c.free_space + s.bare_tents.count + c.in_solid + c.duplicates + c.empty, c.visited_probes);
-  const auto& probes = house.grid.probe_function;
-  EXPECT_EQ(static_cast<uint64_t>(std::count(probes.begin(), probes.end(), kFreeSpace)), c.free_space + s.bare_tents.count);
-  EXPECT_EQ(static_cast<uint64_t>(std::count(probes.begin(), probes.end(), kNoWeight)), c.in_solid + c.empty);
-  const std::vector<uint64_t> chosen = s.chosen(2);
-  EXPECT_EQ(std::accumulate(chosen.begin(), chosen.end(), uint64_t{0}), c.functions);
-  EXPECT_EQ(s.left_for_time, 0u);
-  EXPECT_GE(s.refined(), failing(house, ThetaWord::stored, houseOptions()));
-  const FileResult result = checkLightGrid(house.grid);
-  EXPECT_TRUE(result.ok()) << result.detail;
-}
-
 // The functions are made once more, by themselves, and each is compared with the theta that the grid has for it.
 class StoredThetaTest : public SceneBakeTest, public testing::WithParamInterface<ThetaPrecision> {};
 
@@ -299,23 +246,6 @@ TEST_P(StoredThetaTest, HasTheErrorThatTheBakeReports) {
 std::string precisionName(const testing::TestParamInfo<ThetaPrecision>& precision) { return thetaPrecisionName(precision.param); }
 INSTANTIATE_TEST_SUITE_P(Precisions, StoredThetaTest,
                          testing::Values(ThetaPrecision::float32, ThetaPrecision::float16, ThetaPrecision::int8), precisionName);
-
-TEST_F(SceneBakeTest, ThetaOfFloat16IsWhatTheFileHolds) {
-  BakeOptions options = houseOptions();
-  options.policy.theta_precision = ThetaPrecision::float16;
-  const Bake house = bake("house:3", sampleGenerators({"tent_mlp"}), options);
-  LightGrid read;
-  GridMetadata metadata;
-  ASSERT_TRUE(parseLightGrid(fileBytes(house.grid, ThetaPrecision::float16), &read, &metadata).ok());
-  EXPECT_EQ(read.theta, house.grid.theta);
-  double worst_added = 0.0;
-  for (const ThetaRecord& record : house.statistics.records) {
-    worst_added = std::max(worst_added, std::abs(record.at(ThetaWord::stored).rmse - record.at(ThetaWord::fitted).rmse));
-  }
-  EXPECT_GT(worst_added, 0.0);
-  // theta of these generators are of order 1: a relative step of 2^-11 in each cannot move the output by more than a percent
-  EXPECT_LT(worst_added, 0.01);
-}
 
 TEST_F(SceneBakeTest, LeavesFunctionsThatItHasNoTimeForAndSaysSo) {
   BakeOptions options = houseOptions();

@@ -126,16 +126,6 @@ TEST_F(SheetBlends, FunctionsOfZeroAreHoles) {
   }
 }
 
-TEST_F(SheetBlends, PointsStandOnEitherSide) {
-  // from behind nothing comes through, so that only points behind see a leak, or a hole
-  const BlendErrors leaking = errorsOf(Stands::bare_tent, Stands::exactly), missing = errorsOf(Stands::exactly, Stands::zero);
-  for (size_t c = 1; c < kBlendClassCount; ++c) {
-    // a side is a fair coin: of 1,300 points seven deviations are .1
-    EXPECT_NEAR(leaking[c].leaks, 0.5, 0.1);
-    EXPECT_NEAR(missing[c].holes, 0.5, 0.1);
-  }
-}
-
 TEST(BlendTargets, WhatDiffusionBringsRoundAnEdgeIsNoLeak) {
   const auto leaksOfTents = [](int passes) {
     BakeOptions options = metreOptions();

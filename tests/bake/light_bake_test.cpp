@@ -138,39 +138,6 @@ TEST(LoadLitScene, OpenGroundWithASmallLampIsLitByDayARoomIsNot) {
   EXPECT_FALSE(hasLightFromOutside(loadLitScene(folder / "open.obj", night).scene));
 }
 
-TEST(LightBake, NoneLeavesTheGridWithoutLight) {
-  const BakeScene scene("two_rooms:0", roomOptions("none"));
-  LightGrid grid = tentGrid(scene);
-  grid.light.assign(7, 1.0f);
-  EXPECT_FALSE(bakeLight(scene, roomOptions("none"), &grid).is_lit);
-  EXPECT_TRUE(grid.light.empty());
-  EXPECT_THROW(bakeLight(scene, roomOptions("bright"), &grid), UsageError);
-}
-
-TEST(LightBake, SameBitsForAnyThreads) {
-  const BakeScene scene("two_rooms:0", roomOptions("solved"));
-  LightGrid one = tentGrid(scene), three = one;
-  bakeLight(scene, roomOptions("solved", 1), &one);
-  bakeLight(scene, roomOptions("solved", 3), &three);
-  EXPECT_EQ(one.light, three.light);
-}
-
-TEST(LightNoise, FallsWithRays) {
-  BakeOptions few = roomOptions("solved"), many = few;
-  many.light_rays = 16 * few.light_rays;
-  const BakeScene scene("two_rooms:0", few);
-  const NoiseFigures coarse = measureNoise(scene, few, tentGrid(scene), 4);
-  const NoiseFigures fine = measureNoise(scene, many, tentGrid(scene), 4);
-  EXPECT_GT(coarse.probes.count, 0u);
-  EXPECT_EQ(coarse.answers.count, scene.air.places.size());
-  // a sixteenth of the variance, but for what a lattice gains beyond that
-  EXPECT_LT(fine.probes.median, 0.5 * coarse.probes.median);
-  EXPECT_LT(fine.answers.median, 0.5 * coarse.answers.median);
-  EXPECT_GT(coarse.answers.median, 0.0);
-  // what a blend adds up errs the other way in the next probe
-  EXPECT_LT(coarse.answers.median, coarse.probes.median);
-}
-
 // Of a grid in which three probes of four have no weight, or none that is believed, so that many places have next to none: what is
 // measured of methods is the light that a bake leaves in its file, to the last bit, and what they answer is its look-up.
 TEST(LightBake, IsWhatMethodsOfTheSameWeightsAreSolvedFor) {

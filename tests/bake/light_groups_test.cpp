@@ -5,7 +5,6 @@
 
 #include "bake/scene_bake.h"
 #include "nlg/look_up.h"
-#include "runtime_eval/numbers/random.h"
 #include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"
 
@@ -98,16 +97,6 @@ TEST(LightGroupsOfABake, ComeBackFromTheFileAndCanBeMixed) {
   colours[0] = {1e30f, 1.0f, 1.0f};
   EXPECT_FALSE(mixLight(colours, &read).ok());
   EXPECT_EQ(read.light, before);
-}
-
-TEST(LightGroupsOfABake, AreThereWhereThereIsOneAlone) {
-  BakeOptions options = corner("kind");
-  options.scene_light.sky = {"0"};
-  options.scene_light.sun = {"120", "50", "5", "4.7", "4.1"};
-  const LightGrid grid = bakeOf(BakeScene("daylight:0", options), options).grid;
-  ASSERT_EQ(grid.groups.size(), 1u);
-  EXPECT_EQ(grid.groups[0].name, "sun");
-  EXPECT_EQ(grid.groups[0].light, grid.light);
 }
 
 }  // namespace

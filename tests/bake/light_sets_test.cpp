@@ -4,15 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-
 #include <nlohmann/json.hpp>
 
-#include "bake/again/bake_provenance.h"
 #include "bake/again/relight.h"
 #include "bake/scene_bake.h"
 #include "tests/bake/house_corner.h"
 #include "tests/input_error.h"
-#include "tests/runtime_eval/sample_generator.h"
 #include "tests/runtime_eval/weights_file/digest_edits.h"
 #include "tool/error.h"
 
@@ -138,48 +135,6 @@ TEST(LightSetsOfABake, TellWhichSetIsWrong) {
       << line;
   EXPECT_EQ(lineOf(NLG_KITCHEN, {"day light_unit=file", "night light_unit=file sun=0"}), "");
   EXPECT_EQ(lineOf(NLG_KITCHEN, {"day sky=.5,.7,1", "night sun=0"}), "");
-}
-
-TEST(LightSetsOfABake, AreMadeAnewByARelightAndKnownToBeOld) {
-  const std::map<std::string, std::string> weights = {{"weights of tent_mlp4", "00ff"}};
-  const auto bytesOf = [](const LightGrid& grid, const GridMetadata& metadata, const BakeOptions& options) {
-    std::string bytes;
-    EXPECT_TRUE(serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes).ok());
-    return bytes;
-  };
-  const auto bakedWith = [&](const Settings& settings) {
-    const BakeScene scene("house:3", settings.options);
-    const Bake bake = bakeOf(scene, settings.options);
-    return bytesOf(bake.grid, bakeMetadata(scene, bakedOptions(settings.table), weights), settings.options);
-  };
-  const auto parsed = [](const std::string& bytes) {
-    BakedGrid baked;
-    EXPECT_TRUE(parseLightGrid(bytes, &baked.grid, &baked.metadata).ok());
-    return baked;
-  };
-  const Settings one({}), two({"day " + kDay, "night " + kNight});
-  BakedGrid baked = parsed(bakedWith(one));
-  const BakeScene scene(loadLitScene("house:3", two.options), two.options, knownAir("grid", baked));
-  requireFunctionsOf(scene, two.table, two.options.representation, "grid", baked);
-  relight(scene, two.options, two.table, &baked);
-  EXPECT_THROW(requireFunctionsOf(BakeScene("house:3", one.options), one.table, one.options.representation, "grid", baked),
-               InputError)
-      << "two lights become one without a word";
-  const std::string by_both = bakedWith(two);
-  EXPECT_TRUE(bytesOf(baked.grid, baked.metadata, two.options) == by_both);
-
-  using Changes = std::vector<std::string>;
-  const auto changesOf = [&](const Settings& now) {
-    return changesSince("grid", parsed(by_both), loadLitScene("house:3", now.options), now.table, weights);
-  };
-  EXPECT_EQ(changesOf(two), Changes{});
-  const Changes brighter = changesOf(Settings({"day " + kDay, "night intensity=2 " + kNight}));
-  ASSERT_EQ(brighter.size(), 2u);
-  EXPECT_EQ(brighter[0], "light changed");
-  EXPECT_EQ(brighter[1].find("setting changed: light_set"), 0u) << brighter[1];
-  const Changes grouped = changesOf(Settings({"day " + kDay, "night light_groups=kind " + kNight}));
-  ASSERT_EQ(grouped.size(), 2u);
-  EXPECT_EQ(grouped[0], "groups of light changed");
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "runtime_eval/evaluator/theta_form.h"
@@ -43,15 +42,6 @@ TEST(ShaderExport, WritesTheGridAndItsShaders) {
   EXPECT_EQ(std::filesystem::file_size(folder / "resampled.glsl"), kResampledText.size());
   // #version stands before everything else
   EXPECT_EQ(kResampleText.find("#version 450\n"), 0u);
-}
-
-TEST(ShaderExport, CountsWhatAPixelReads) {
-  const PixelReads reads = pixelReads(packedGrid());
-  EXPECT_EQ(reads.cell, 40u);
-  const size_t light = packedGrid().light_read;
-  EXPECT_TRUE(light == 16 || light == 32) << light;
-  EXPECT_EQ(reads.tents, 40u + 8 * light);
-  EXPECT_EQ(reads.functions, reads.tents + 8 * 32);
 }
 
 }  // namespace

@@ -112,37 +112,10 @@ TEST_F(UsedBy, ReadsFromAReportWhatItReadsFromTheLightGrid) {
             std::set<std::string>(of_grid.used.begin(), of_grid.used.end()));
 }
 
-TEST_F(UsedBy, RefusesWeightsThatTheSceneWasNotBakedWith) {
-  makeBake();
-  // those that no function uses as well: they are not what the bake knew
-  for (const auto& [index, name] : std::vector<std::pair<int, std::string>>{{0, "tent_mlp"}, {1, "mlp"}}) {
-    const std::string good = weights_[index];
-    weights_[index] = writeWeights("other.safetensors", name, 2);
-    EXPECT_THROW(choose(), InputError) << name;
-    weights_[index] = good;
-  }
-}
-
 TEST_F(UsedBy, RefusesToLeaveAFunctionWithoutItsWeights) {
   makeBake();
   weights_.pop_back();
   EXPECT_THROW(choose(), InputError);
-}
-
-TEST_F(UsedBy, RefusesTwoFilesOfOneRepresentation) {
-  makeBake();
-  weights_.push_back(write("again.safetensors", readFile(weights_[0])));
-  EXPECT_THROW(choose(), UsageError);
-}
-
-TEST_F(UsedBy, LeavesOutWhatTheBakeWasNotGivenAndSaysSo) {
-  makeBake();
-  weights_.push_back(writeWeights("d.safetensors", "pf9"));
-  const std::vector<BakeWeights> chosen = choose();
-  EXPECT_FALSE(chosen.back().used);
-  EXPECT_NE(chosen.back().why.find("not given"), std::string::npos) << chosen.back().why;
-  EXPECT_FALSE(chosen[1].used);
-  EXPECT_NE(chosen[1].why, chosen.back().why);
 }
 
 TEST_F(UsedBy, ReplacesNoInputAndLeavesNoOtherWeightsBesideItsCopies) {
@@ -155,32 +128,6 @@ TEST_F(UsedBy, ReplacesNoInputAndLeavesNoOtherWeightsBesideItsCopies) {
   write("scene/mlp.safetensors", "old");
   EXPECT_THROW(copyUsedWeights(choose(), grid_, path("scene")), UsageError);
   EXPECT_FALSE(fs::exists(path("scene/tent_mlp.safetensors"))) << "refused after the first copy";
-}
-
-TEST_F(UsedBy, WritesNothingForASceneWithoutFunctions) {
-  makeBake();
-  grid_ = writeGrid({}, {{"weights of tent_mlp", hash_["tent_mlp"]}});
-  copyUsedWeights(choose(), grid_, path("scene"));
-  EXPECT_FALSE(fs::exists(path("scene")));
-}
-
-TEST_F(UsedBy, RefusesWhatIsNoBake) {
-  makeBake();
-  const std::vector<std::string> bad = {
-      path("missing.safetensors"),
-      path("missing.json"),
-      weights_[0],
-      write("empty.json", ""),
-      write("list.json", "[]"),
-      write("no_weights.json", R"({"scene":"level","representations":{"mlp":1}})"),
-      write("no_hash.json", R"({"scene":"level","representations":{"mlp":1},"weights":{"pf5":{"sha256":"12"}}})"),
-      write("text.json", R"({"scene":"level","representations":{"mlp":"many"},"weights":{"mlp":{"sha256":"12"}}})")};
-  for (const std::string& bake : bad) EXPECT_THROW(readBakedWeights(bake), InputError) << bake;
-  // a light grid whose provenance names no weights for its functions
-  EXPECT_THROW(readBakedWeights(writeGrid({"mlp"}, {})), InputError);
-  grid_ = writeGrid({"mlp"}, {{"weights of mlp", hash_["mlp"]}});
-  weights_[0] = grid_;
-  EXPECT_THROW(choose(), InputError) << "a light grid is no weights";
 }
 
 }  // namespace

@@ -1,17 +1,15 @@
-"""What the first run found, each finding as cases of its name.
+"""What the first run found and the other parts do not draw, each finding as cases of its name.
 
-D1 and D6 are damage.py's own; D11, D13 and D15 need no tool killed: scripts_test.py, bad_input_test.py and CApi have them.
+D1, D6 and D10 are damage.py's own, D7 and D8 kills.py's, D9 errors.py's; D11, D13 and D15 need no tool killed: scripts_test.py,
+configurations_test.py and CApi have them.
 """
 import os
 import signal
 import subprocess
-import time
 
 import chain
-import damage
 import hostile
 import injector
-import kills
 import pipeline
 import scenes
 import trial
@@ -21,89 +19,7 @@ SHORT_CASES = 2  # of each finding, about, in the short form
 SCENE_SECONDS, SCENE_MB = 10.0, 1000.0  # D3 to D5: what a small file may take
 
 
-# ---- D10, D12: files that are not what they were
-
-def damaged(injection, kinds, hows, count, name):
-    """Cases (words, run) of damaged files of some kinds, the readers in turn."""
-    some = [reading for reading in damage.readings(injection) if reading.kind in kinds and (reading.opens or hows[0] in damage.BYTES)]
-    for number in range(count or len(some) * len(hows)):
-        reading, how = some[number % len(some)], hows[number // len(some) % len(hows)]
-        yield damage.read_damaged(injection, reading, how, random_of(injection, name, number))
-
-
-def binary_kinds(injection):
-    return {reading.kind for reading in damage.readings(injection) if not reading.is_text()}
-
-
-def d10(injection):
-    yield from damaged(injection, {reading.kind for reading in damage.readings(injection)}, ["a FIFO"], 0, "D10")
-    for file, _, _ in {entry[0]: entry for entry in scenes.KINDS.values()}.values():
-        yield scene_in_place(injection, file, "a FIFO")
-    if injection.pipeline:
-        yield fifo_in_run(injection)
-
-
-def fifo_in_run(injection):
-    def run(folder, faults):
-        checkout = pipeline.Pipeline(injection, folder)
-        os.makedirs(os.path.join(checkout.results, "dataset", "training"))
-        os.mkfifo(os.path.join(checkout.results, "dataset", "training", "house_0.0.h5"))
-        ending = checkout.run()
-        trial.judge(ending, injection.pipeline_limits, faults, is_quiet=False)
-        return f"a FIFO for a shard: {ending.words()}"
-    return run
-
-
-def scene_in_place(injection, file, how):
-    """Something that is no file, by the name of a scene."""
-    def run(folder, faults):
-        os.makedirs(folder)
-        with open(os.path.join(folder, file), "wb") as stream:
-            stream.write(b"x")
-        damage.damage(os.path.join(folder, file), how, None)
-        ending = trial.run([os.path.join(injection.binaries, "nlg-datagen"), "--scene", scenes.scene_name(file), "--out", "shard.h5"], folder, injection.environment, injection.limits)
-        trial.judge(ending, injection.limits, faults)
-        if ending.code == 0:
-            faults.add(trial.SILENT, f"{how} was a scene")
-        return f"{file}: {how}: {ending.words()}"
-    return run
-
-
-def d12(injection):
-    yield from damaged(injection, binary_kinds(injection), ["a link to itself", "/dev/zero"], 0, "D12")
-    for how in ("a link to itself", "/dev/zero"):
-        for file in ("scene.gltf", "scene.obj", "scene.bsp", "scene.pk3"):
-            yield scene_in_place(injection, file, how)
-    yield long_path(injection)
-    yield large_buffers(injection)
-
-
-def long_path(injection):
-    def run(folder, faults):
-        os.makedirs(folder)
-        ending = trial.run([os.path.join(injection.binaries, "nlg-datagen"), "--scene", "a" * 5000 + ".gltf", "--out", "shard.h5"], folder, injection.environment, injection.limits)
-        trial.judge(ending, injection.limits, faults)
-        return f"a name of 5,000 letters: {ending.words()[:200]}"
-    return run
-
-
-def large_buffers(injection):
-    def run(folder, faults):
-        os.makedirs(folder)
-        names = [f"{i}.bin" for i in range(4)]
-        for name in names:
-            with open(os.path.join(folder, name), "wb") as file:
-                file.truncate(3 << 30)
-        with open(os.path.join(folder, "scene.gltf"), "wb") as file:
-            file.write(hostile.large_buffers(names))
-        limits = trial.Limits(injection.limits.seconds, SCENE_MB, injection.limits.address_space)
-        ending = trial.run([os.path.join(injection.binaries, "nlg-datagen"), "--scene", "scene.gltf", "--out", "shard.h5"], folder, injection.environment, limits)
-        trial.judge(ending, limits, faults)
-        return f"four buffers of 3 GB: {ending.words()}"
-    return run
-
-
-# ---- D2, D7, D8: what lies in folders afterwards
+# ---- D2: files of others
 
 def d2(injection):
     for tool in injection.tools:
@@ -135,33 +51,6 @@ def foreign_files(injection, tool):
     return run
 
 
-def killed_at(injection, name, call, at):
-    def run(folder, faults):
-        tool, made = next(tool for tool in injection.tools if tool.name == name), injection.made[name]
-        chain.lay_out(injection.store, tool, folder)
-        settings = {"call": call, "at": at, "fault": "kill"}
-        trial.run(tool.argv(injection), folder, injector.injecting(injection, folder, tool.program(), **settings), injection.limits)
-        kills.check_whole(tool, made, folder, faults, f"{call} {at}")
-        ending = trial.run(tool.argv(injection), folder, injection.environment, injection.limits)
-        trial.judge(ending, injection.limits, faults, is_quiet=False)
-        kills.check_ended(tool, made, folder, faults)
-        return f"{name}, killed at {call} {at}: {ending.words()}"
-    return run
-
-
-def d7(injection):
-    """At every step between a checkpoint and what names it."""
-    for at in range(1, injection.counts["train"]["rename"] + 1):
-        yield killed_at(injection, "train", "rename", at)
-
-
-def d8(injection):
-    for name in {"report", "curve"} & {tool.name for tool in injection.tools}:
-        for call in ("sync", "rename"):
-            for at in range(1, injection.counts[name][call] + 1):
-                yield killed_at(injection, name, call, at)
-
-
 # ---- D3, D4, D5: small files that ask for much
 
 def small_scene(injection, file, make, reader="render"):
@@ -183,30 +72,18 @@ def d5(injection):
         yield small_scene(injection, "scene.gltf", lambda count=count, length=length: hostile.accessors_of_zeros(count, length), "datagen")
 
 
-# ---- D9: no threads
-
-MOST_THREADS = 8  # no tool starts more at once
-
-
-def d9(injection):
-    """None at all, of every tool; then all but the first, all but the first two, …"""
-    for first in range(1, MOST_THREADS + 1):
-        for tool in injection.tools:
-            if not tool.is_script and injection.counts[tool.name].get("thread", 0) >= first:
-                yield without_threads(injection, tool, first)
+def d12(injection):
+    yield large_buffers(injection)
 
 
-def without_threads(injection, tool, first):
+def large_buffers(injection):
     def run(folder, faults):
-        chain.lay_out(injection.store, tool, folder)
-        environment = injector.injecting(injection, folder, tool.program(), call="thread", at=first, fault="11", stay=True)
-        ending = trial.run(tool.argv(injection), folder, environment, injection.limits)
-        trial.judge(ending, injection.limits, faults, (trial.INTERNAL_ERROR, *trial.DOCUMENTED), is_quiet=not injection.made[tool.name].stderr)
-        # a training run's own folder stays: the next attempt goes on from there
-        for path in chain.outputs_in(tool, folder) if ending.code != 0 else ():
-            if chain.is_temporary(path) or not path.startswith("run"):
-                faults.add(trial.LEFT, f"{path} stays")
-        return f"{tool.name}, thread {first} refused: {ending.words()}"
+        os.makedirs(folder)
+        names = [f"{i}.bin" for i in range(4)]
+        for name in names:
+            with open(os.path.join(folder, name), "wb") as file:
+                file.truncate(3 << 30)
+        return scenes.read_scene(injection, "scene.gltf", hostile.large_buffers(names), "datagen", folder, faults, peak_mb=SCENE_MB)
     return run
 
 
@@ -216,8 +93,8 @@ def without_threads(injection, tool, first):
 def d14(injection):
     if injection.pipeline:
         yield two_checkouts(injection)
-        for seconds in (6.0, 14.0):
-            yield orphaned_tools(injection, seconds)
+        for tool in ("nlg-datagen", "nlg-validate"):
+            yield orphaned_tools(injection, tool)
 
 
 def two_checkouts(injection):
@@ -228,7 +105,7 @@ def two_checkouts(injection):
         second.environment["NLG_OUT"] = first.environment["NLG_OUT"]
         started = subprocess.Popen([os.path.join(first.checkout, "pipeline.sh"), first.config], cwd=first.folder, env=first.environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
-        time.sleep(3.0)
+        trial.wait_for(lambda: not os.path.isdir(first.results))
         ending = second.run()
         _, errors = started.communicate(timeout=injection.pipeline_limits.seconds)
         trial.judge(ending, injection.pipeline_limits, faults, (trial.USAGE_ERROR,), is_quiet=False)
@@ -239,13 +116,13 @@ def two_checkouts(injection):
     return run
 
 
-def orphaned_tools(injection, seconds):
-    """pipeline.sh and snakemake are killed and a tool lives on: no other run begins beside it."""
+def orphaned_tools(injection, tool):
+    """pipeline.sh and snakemake are killed while a tool is at work, which lives on: no other run begins beside it."""
     def run(folder, faults):
         checkout = pipeline.Pipeline(injection, folder)
         started = subprocess.Popen([os.path.join(checkout.checkout, "pipeline.sh"), checkout.config], cwd=folder, env=checkout.environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-        time.sleep(seconds)
+        trial.wait_for(lambda: all(name != tool for _, name in trial.session_of(started.pid)))
         parents = [process for process, name in trial.session_of(started.pid) if not name.startswith("nlg-")]
         for process in parents:
             try:
@@ -271,8 +148,6 @@ def d16(injection):
     for tool in injection.tools:
         if tool.outputs and not tool.is_script:
             yield names_the_output(injection, tool)
-    # a block of the cache that is found to be damaged while another thread waits for it
-    yield from damaged(injection, {"function caches"}, ["other bytes", "zeroed words"], 4, "D16")
 
 
 def named_scene(injection, file, make, reader, must_fail):
@@ -301,8 +176,7 @@ def names_the_output(injection, tool):
 
 FINDINGS = {
     "D2: files of others": d2, "D3: a picture of 20,000 scans": d3, "D4: one texture read 40,000 times": d4, "D5: accessors that add up": d5,
-    "D7: a run killed between a checkpoint and its name": d7, "D8: temporaries of Python's tools": d8, "D9: no threads": d9, "D10: a FIFO for a file": d10,
-    "D12: links, devices, large buffers": d12, "D14: two runs of one folder": d14, "D16: words on stderr": d16,
+    "D12: large buffers": d12, "D14: two runs of one folder": d14, "D16: words on stderr": d16,
 }
 
 

@@ -6,7 +6,7 @@
     tests/fault_injection/run.py --only damage/grid/17           one case again, its folder kept
     workflow/results.py collect-fault-injection build/fault_injection   its table → docs/results/reliability.json and docs: reliability
 
-Parts: findings (every finding of the first run by name), kills, errors, damage, scenes; all of them when none is named. The same seed
+Parts: findings (of the first run, those that no other part draws), kills, errors, damage, scenes; all of them when none is named. The same seed
 gives the same cases. A case is written down when it is over, in OUT/PART.jsonl: a run that was stopped continues, and
 parts may be run one after the other. OUT/table.md and table.json sum up what is there. Exit code 6 when something stands in a bad column.
 What a case that failed was made of stays in OUT/failed/.

@@ -119,7 +119,7 @@ def scene_name(file):
 
 def read_scene(injection, file, data, reader, folder, faults, must_fail=False, seconds=SECONDS, peak_mb=PEAK_MB, **others):
     """Writes a scene and lets a program read it."""
-    os.makedirs(folder)
+    os.makedirs(folder, exist_ok=True)
     for name in ("fault_injection.yaml", "tent_mlp.safetensors"):
         os.link(os.path.join(injection.store, name), os.path.join(folder, name))
     for name, content in {file: data, **others}.items():

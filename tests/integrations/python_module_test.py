@@ -6,7 +6,6 @@
 FOLDER is that of the module's build, which stays. Exit code 77, a skipped test, where pybind11, numpy or Python's headers are missing.
 """
 import _thread
-import copy
 import importlib.util
 import os
 import subprocess
@@ -145,14 +144,6 @@ class PythonModule(unittest.TestCase):
         for source in (str(self.house), self.house, self.house.read_bytes()):
             np.testing.assert_array_equal(nlg.LightGrid(source).irradiance(positions, normals)[0].ravel(), self.of_c["light.many"][0][:300])
 
-    def test_arrays_may_lie_in_memory_as_they_like(self):
-        grid, (positions, normals) = nlg.LightGrid(self.house), positions_of_c(100)
-        rgb, _ = grid.irradiance(positions, normals)
-        skewed = np.frombuffer(b"\0" + positions.tobytes(), np.uint8)[1:].view(np.float64).reshape(100, 3)
-        for other in (np.asfortranarray(positions), np.repeat(positions, 2, axis=0)[::2], skewed):
-            np.testing.assert_array_equal(grid.irradiance(other, normals)[0], rgb)
-        self.assertEqual(grid.irradiance(positions[:0], normals[:0])[0].shape, (0, 3))
-
     def test_positions_that_are_none_are_outside(self):
         grid, (positions, normals) = nlg.LightGrid(self.house), positions_of_c(4)
         positions[:3] = [[np.nan] * 3, [np.inf] * 3, [1e300] * 3]
@@ -211,14 +202,6 @@ class PythonModule(unittest.TestCase):
         with self.assertRaises(KeyboardInterrupt):
             self.generator.make_theta(phi, np.full((len(phi), P // 8), 255, np.uint8))
 
-    def test_any_bytes_are_functions(self):
-        random = np.random.default_rng(1)
-        phi = np.stack([random.integers(0, 256, P, np.uint8), np.full(P, 255, np.uint8), np.full(P, 255, np.uint8)])
-        validity = np.stack([random.integers(0, 256, P // 8, np.uint8), np.zeros(P // 8, np.uint8), np.full(P // 8, 255, np.uint8)])
-        for file in ("tent_mlp4", "pf3", "code64"):
-            theta, _, _ = nlg.Generator(WEIGHTS / f"{file}.safetensors").make_theta(phi, validity)
-            self.assertTrue(np.isfinite(theta).all(), file)
-
     def test_every_representation_evaluates_up_to_its_bounds(self):
         corners = np.array([[-1, -1, -1], [1, 1, 1], [0, 1, -1]], np.float32)
         for path in sorted(WEIGHTS.glob("*.safetensors")):
@@ -230,59 +213,32 @@ class PythonModule(unittest.TestCase):
 
     def test_wrong_arrays_raise(self):
         grid, (positions, normals) = nlg.LightGrid(self.house), positions_of_c(4)
-        look_up, points = grid.irradiance, nlg.support_points()
         for arguments, text in [
                 ((positions.astype(np.float32), normals), "positions: expected float64 of shape (n, 3), got float32 of shape (4, 3)"),
-                ((positions.astype(">f8"), normals), "got >f8 of shape"),
-                ((positions, normals.astype(float)), "normals: expected float32 of shape (4, 3), got float64 of shape (4, 3)"),
-                ((positions, normals[:3]), "got float32 of shape (3, 3)"), ((positions.T, normals), "got float64 of shape (3, 4)"),
-                ((positions[0], normals), "got float64 of shape (3,)"), ((positions.tolist(), normals), "positions: expected float64 of shape (n, 3), got no array but list"),
-                ((positions.astype(object), normals), "got object of shape"), ((positions, None), "got no array but NoneType")]:
-            self.raises(ValueError, text, look_up, *arguments)
+                ((positions.astype(">f8"), normals), "got >f8 of shape"), ((positions, normals[:3]), "got float32 of shape (3, 3)"),
+                ((positions.tolist(), normals), "positions: expected float64 of shape (n, 3), got no array but list"), ((positions, None), "got no array but NoneType")]:
+            self.raises(ValueError, text, grid.irradiance, *arguments)
         kitchen = nlg.LightGrid(self.kitchen)
         before = kitchen.light
         self.raises(ValueError, "colours: expected float32 of shape (3, 3)", kitchen.mix, np.ones((2, 3), np.float32))
         self.raises(ValueError, "colours: expected numbers within", kitchen.mix, np.full((3, 3), np.nan, np.float32))
-        self.raises(ValueError, "(value_out_of_range)", kitchen.mix, np.full((3, 3), 1e30, np.float32))
         np.testing.assert_array_equal(kitchen.light, before)
         phi, validity, theta = np.zeros((2, P), np.uint8), np.zeros((2, P // 8), np.uint8), np.zeros(21, np.float32)
         self.raises(ValueError, "phi: expected uint8 of shape (n, 8192), got uint8 of shape (2, 1024)", self.generator.generate, validity)
-        self.raises(ValueError, "phi: expected uint8 of shape (n, 8192), got float64 of shape", self.generator.make_theta, phi / 255, validity)
         self.raises(ValueError, "validity: expected uint8 of shape (2, 1024), got bool of shape (2, 8192)", self.generator.make_theta, phi, phi > 0)
-        self.raises(ValueError, "theta: expected float32 of shape (21,), got float32 of shape (1, 21)", self.generator.evaluate, theta[None], points)
-        self.raises(ValueError, "theta: expected numbers within ±1000000000.0, got nan", self.generator.evaluate, theta + np.float32(np.nan), points)
-        self.raises(ValueError, "points: expected numbers within ±1.0, got 2.0", self.generator.evaluate, theta, points * 0 + np.float32(2))
+        self.raises(ValueError, "theta: expected float32 of shape (21,), got float32 of shape (1, 21)", self.generator.evaluate, theta[None], nlg.support_points())
 
     def test_missing_and_damaged_files_raise_with_their_reason(self):
         for load, file in ((nlg.LightGrid, self.house), (nlg.Generator, self.weights)):
             self.raises(OSError, "nowhere.safetensors", load, self.folder / "nowhere.safetensors")
             self.raises(OSError, str(self.folder), load, self.folder)
-            self.raises(ValueError, "null byte", load, "a\0b")
-            self.raises(TypeError, "not int", load, 3)
             whole = file.read_bytes()
-            for damaged in (b"", b"{}", whole[:-1], whole[:len(whole) // 2], whole + b"\0", whole[:-9] + bytes([whole[-9] ^ 1]) + whole[-8:]):
+            for damaged in (b"", whole[:-1], whole[:-9] + bytes([whole[-9] ^ 1]) + whole[-8:]):
                 with self.assertRaises(ValueError) as raised:
                     load(damaged)
                 self.assertTrue(str(raised.exception))
-            broken = self.folder / "broken.safetensors"
-            broken.write_bytes(whole[:-9])
-            self.raises(ValueError, f"{broken}: ", load, broken)
         self.raises(ValueError, "(tensor_missing)", nlg.LightGrid, self.weights)
         self.raises(ValueError, f"{self.house}: ", nlg.Generator, self.house)
-
-    def test_nothing_is_made_without_its_file(self):
-        for kind, file in ((nlg.LightGrid, self.house), (nlg.Generator, self.weights)):
-            self.raises(TypeError, "incompatible function arguments", kind.__new__, kind)
-            self.raises(TypeError, "incompatible function arguments", kind)
-            self.raises(TypeError, "", copy.copy, kind(file))
-            self.assertIs(type(kind.__new__(kind, file)), kind)
-            self.assertIs(type(kind(source=file)), kind)
-            with self.assertRaises(TypeError):
-                type("Other", (kind,), {})
-
-    def test_an_unknown_simd_target_is_refused(self):
-        result = subprocess.run([sys.executable, "-c", "import nlg"], env={**os.environ, "PYTHONPATH": f"{FOLDER}/python", "NLG_SIMD": "abacus"}, capture_output=True, text=True)
-        self.assertIn("ImportError: SIMD target 'abacus'", result.stderr)
 
     def test_the_guide_runs(self):
         text = (ROOT / "docs/guide/python.md").read_text()

@@ -51,21 +51,6 @@ TEST(AirPlaces, LieInAirAndInTheirCells) {
   EXPECT_GT(in_air, 0.98 * static_cast<double>(level.air.places.size()));
 }
 
-TEST(AirPlaces, TreeOfAirGivesTheSameCellsWhereAirIs) {
-  const Surveyed level(thickRoom());
-  EXPECT_LT(level.tree.cellCount(), level.full.cellCount());
-  EXPECT_LT(level.tree.probeCount(), level.full.probeCount());
-  for (const glm::dvec3& p : level.air.places) {
-    ProbesAround before, after;
-    ASSERT_TRUE(level.full.lookUp({p.x, p.y, p.z}, &before));
-    ASSERT_TRUE(level.tree.lookUp({p.x, p.y, p.z}, &after));
-    EXPECT_EQ(before.cell, after.cell);
-    for (int c = 0; c < 8; ++c) {
-      EXPECT_EQ(level.full.probePosition(before.corners[c].probe), level.tree.probePosition(after.corners[c].probe));
-    }
-  }
-}
-
 TEST(AirPlaces, EveryProbeOfTheTreeOfAirIsRead) {
   const Surveyed level(thickRoom());
   std::set<uint32_t> read;
@@ -82,15 +67,6 @@ TEST(AirPlaces, EveryProbeOfTheTreeOfAirIsRead) {
     const double from_outside = std::min({8.5 - std::abs(x), 7.5 - std::abs(y), 8.5 - std::abs(z)});
     EXPECT_LE(std::min(from_room, from_outside), static_cast<double>(level.tree.probeSpacing(p)) + 1e-9);
   }
-}
-
-TEST(AirPlaces, AreTheSameWhereAnEarlierSearchSaysWhichCellsHoldAir) {
-  const Surveyed whole(thickRoom());
-  AirPlaceOptions options;
-  options.known = &whole.tree;
-  const AirPlaces again = findAirPlaces(whole.rays, whole.full, options, 2);
-  EXPECT_EQ(again.places, whole.air.places);
-  EXPECT_LT(again.drawn, whole.air.drawn);
 }
 
 }  // namespace

@@ -84,14 +84,5 @@ TEST(Air, IsWhatAWholeVoteSays) {
   }
 }
 
-TEST(Air, CountsSkyFacesOnlyWhereAsked) {
-  const Scene scene = yardUnderSky();
-  const RayScene rays(scene);
-  EXPECT_EQ(rays.firstFacing({0, 1, 0}, {0, 1, 0}), Facing::nothing);
-  EXPECT_EQ(rays.firstFacingWithSky({0, 1, 0}, {0, 1, 0}), Facing::front);
-  EXPECT_EQ(rays.firstFacingWithSky({0, 4, 0}, {0, -1, 0}), Facing::back);
-  EXPECT_EQ(rays.firstFacing({0, 4, 0}, {0, -1, 0}), Facing::front);
-}
-
 }  // namespace
 }  // namespace nlg

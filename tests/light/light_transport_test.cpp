@@ -348,29 +348,5 @@ TEST(LightTransport, SaysItsOwnNoise) {
   EXPECT_LT(deviation, 0.1 * sum / runs);
 }
 
-// A dozen places that are one, above black ground under a sky: the dozen's mean over many seeds.
-TEST(LightTransport, PlacesThatFollowOneAnotherFillEachOthersGaps) {
-  Scene scene = ground(0.0f, 2.0f);
-  scene.light.sky = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(1.0f)};
-  const Lit lit(scene);
-  constexpr int kPlaces = 12, kRuns = 64;
-  const auto variance = [&](bool follow) {
-    double sum = 0.0, squares = 0.0;
-    for (uint64_t run = 0; run < kRuns; ++run) {
-      double mean = 0.0;
-      for (uint64_t i = 0; i < kPlaces; ++i)
-        mean +=
-            lit.transport.gather({0.3, 0.7, 0.1}, {64, 64}, follow ? run : 1000 + run * kPlaces + i, follow ? i : 0).light[0].g;
-      mean /= kPlaces;
-      sum += mean;
-      squares += mean * mean;
-    }
-    return (squares - sum * sum / kRuns) / (kRuns - 1);
-  };
-  // the error of n even points falls by n^(-3/4) at an edge, that of a dozen sets without each other by 12^(-1/2): squared, their
-  // ratio is 12^(-1/2) = .29, and 64 runs know it to a quarter
-  EXPECT_LT(variance(true), 0.6 * variance(false));
-}
-
 }  // namespace
 }  // namespace nlg

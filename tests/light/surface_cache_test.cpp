@@ -117,30 +117,5 @@ TEST(SurfaceCache, DarkRoomStaysDark) {
   }
 }
 
-// A place 2 m above a plain: most of the cells that its rays find lie where hardly one of its rays will end again.
-TEST(SurfaceCache, FindsNoCellsBeyondItsReach) {
-  SceneOfFaces faces;
-  faces.addBox({-400, -1, -400}, {400, 0, 400});
-  const Scene scene = faces.finish();
-  const RayScene rays(scene);
-  const LightTransport transport(scene, rays);
-  const std::vector<glm::dvec3> places = placesIn({-1, 1.9, -1}, {1, 2.1, 1}, 200, 9);
-  const SurfaceCache near(transport, places, {.reach_m = 10.0f}, 2), all(transport, places, {}, 2);
-  EXPECT_NE(near.irradiance({1, 0, 1}, {0, 1, 0}), nullptr);
-  // of cells of a quarter of a metre, those of a disc of 10 m are 5,000 at most
-  EXPECT_LT(near.cellCount(), 5100u);
-  EXPECT_GT(all.cellCount(), near.cellCount());
-  // as a bake has it: 200 places with 64 rays each reach some 11 m
-  ProbeLightOptions light;
-  EXPECT_LT(makeSurfaceCache(transport, places, 1.0, light, 2)->cellCount(), all.cellCount());
-}
-
-TEST(SurfaceCache, DividedCellsAreNotUsed) {
-  const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {3.9, 2.9, 1.9}, 400, 5);
-  const CachedScene lit(dividedRoom(), places);
-  EXPECT_GT(lit.cache().dividedCount(), 10u);  // the partition is 4 m wide, of 16 cells
-  EXPECT_LT(lit.cache().dividedCount(), lit.cache().cellCount() / 4);
-}
-
 }  // namespace
 }  // namespace nlg

@@ -35,16 +35,6 @@ KEYS = {part: set(keys) for part, keys in {
 }.items()}
 
 
-def check_front(points, population, result):
-    """There are members when anything is better than the bare tent; the sentence names the fastest and the most accurate."""
-    sentence, tent = result["front_sentences"][population], result["bare_tent"]["figures"][population]["blend_rmse_mean"]
-    figures = [point["figures"][population] for point in points]
-    members = sorted((f["us_median"], f"{p['representation']}: {p['label']} (") for p, f in zip(points, figures) if f["on_front"])
-    expect(bool(members) == (min(f["blend_rmse_mean"] for f in figures) < tent), f"{population}: {len(members)} members; the tent's error is {tent}")
-    expect(all(name in sentence for _, name in members[:1] + members[-1:]), sentence)
-    expect(members or "nothing has a smaller mean blend RMSE" in sentence, sentence)
-
-
 def check_numbers(figures, keys, name):
     numbers = [figures[key] for key in keys if key != "on_front"]
     expect(all(math.isfinite(number) and number >= 0 for number in numbers), f"{name}: {numbers}")
@@ -65,9 +55,6 @@ def check_point(point, keys, result):
     every, theta, hard = (point["figures"][population] for population in POPULATIONS)
     for error in ("blend_rmse_worst", "rmse_worst"):
         expect(hard[error] <= theta[error] <= every[error], f"{name}: a hard function is worse than the worst")
-    share = result["functions"]["theta"] / result["functions"]["all"]
-    expect(math.isclose(every["us_median"], theta["us_median"] * share, rel_tol=1e-9), f"{name}: bare tents take time")
-    expect(math.isclose(every["share_fitted"], theta["share_fitted"] * share, abs_tol=1e-9), f"{name}: bare tents are fitted")
     for scene, figures in point["by_scene"].items():
         expect(scene in result["scenes"] and set(figures) == keys["by_scene"], f"{name}: {scene} {set(figures) ^ keys['by_scene']}")
         check_numbers(figures, keys["by_scene"], f"{name}, {scene}")
@@ -83,11 +70,7 @@ def check_speeds(result, key, population, keys):
             point = next(p for p in result["points"] if p["representation"] == name and word in p["words"])
             expect(math.isclose(speed["blend_rmse_mean"], point["figures"][population]["blend_rmse_mean"], rel_tol=1e-9), f"{key}, {name}, {word}: {speed}")
             expect(math.isclose(speed["share_failing_check"]["value"], point["figures"][population]["share_failing_check"], abs_tol=1e-9), f"{key}, {name}, {word}: {speed}")
-            expect((speed["ratio"] is None) == (speed["baseline_share_failing_check"] is None) and (speed["longest_us"] is None or speed["ratio"] is None), f"{key}, {name}, {word}: {speed}")
             expect((speed["ratio"] is None) == (speed["baseline"] is None) == (speed["reason"] is not None), f"{key}, {name}, {word}: {speed}")
-            if speed["ratio"]:
-                expect(math.isclose(speed["ratio"]["value"], speed["baseline_us_at_equal_error"] / speed["time_us"], rel_tol=1e-9), f"{key}: {speed}")
-                expect(set(speed["ratio"]) == {"value", "low", "high"}, f"{key}: {speed}")
 
 
 def check_result(tools):
@@ -107,8 +90,6 @@ def check_result(tools):
         check_point(point, keys, result)
     tent = result["bare_tent"]
     expect(set(tent) == keys["bare_tent"] and list(tent["figures"]) == POPULATIONS, f"bare tent: {tent}")
-    for population in POPULATIONS:
-        check_front(points, population, result)
     check_speeds(result, "speed_at_equal_error", "theta", keys)
     check_speeds(result, "speed_at_equal_error_hard", "hard", keys)
 

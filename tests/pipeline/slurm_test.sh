@@ -218,15 +218,6 @@ if [ "$form" = short ]; then
   exit 0
 fi
 
-# --- a job that is cancelled ends the run, and the run says which
-by_slurm slurm run --restart-times 0 > "$temporary/cancelled.log" 2>&1 &
-driver=$!
-wait_for 300 test -L "$run/training/tent_mlp/latest"
-scancel --name=nlg-train
-! wait "$driver" || fail "a job was cancelled, and the run went on"
-grep -q "^slurm job [0-9]*: CANCELLED; its log: " "$temporary/cancelled.log" || fail "nothing was said of the cancelled job: $(cat "$temporary/cancelled.log")"
-[ ! -e "$run/training/tent_mlp.ckpt" ] || fail "a cancelled training left its result"
-
 # --- a run that is killed leaves its jobs behind; the next one takes them out of the queue first
 by_slurm slurm run > "$temporary/killed.log" 2>&1 &
 driver=$!

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""nlg-train as a whole: from memory and from a cache, killed and resumed, by several processes, on numbers that go wrong.
+"""nlg-train as a whole: from memory and from a cache, stopped and resumed, by several processes, on numbers that go wrong.
 
     training_test.py BIN_FOLDER
 """
@@ -7,41 +7,32 @@ import csv
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "validate", "stability"))
-from training_cases import poisoned_cache  # noqa: E402
+sys.dont_write_bytecode = True
+sys.path += [os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", *place) for place in ((), ("..", "validate", "stability"))]
+from tools import INPUT_ERROR, NUMERICAL_ERROR, SECONDS, USAGE_ERROR, Tools, read, run_checks
+from training_cases import poisoned_cache
 
-BIN = os.path.abspath(sys.argv[1])
-TIMEOUT_FACTOR = float(os.environ.get("NLG_TEST_TIMEOUT_FACTOR", "1"))  # of sanitizers, which slow everything down
-USAGE_ERROR, INPUT_ERROR, NUMERICAL_ERROR = 2, 3, 4  # tool/error.h
-failures = []
-
+TOOLS = Tools(sys.argv[1])
+check = TOOLS.check
 OPTIONS = ["--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1", "--width", "24", "--layers", "2",
            "--theta-share", "0.25"]
 INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
 CACHE = ["--cache", "functions.cache"]
 
 
-def check(holds, claim):
-    if not holds:
-        failures.append(claim)
-
-
 def start(tool, *arguments):
-    return subprocess.Popen([os.path.join(BIN, tool), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen([os.path.join(TOOLS.folder, tool), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def end(process, expected=0):
-    out, err = process.communicate(timeout=120 * TIMEOUT_FACTOR)
+    out, err = process.communicate(timeout=2 * SECONDS)
     if process.returncode != expected:
-        for failure in failures:
-            print("FAILED:", failure)
+        TOOLS.end()
         sys.exit(f"{' '.join(process.args)}: exit code {process.returncode}, expected {expected}\n{err}")
     return out, err
 
@@ -50,18 +41,13 @@ def train(name, *more, data=CACHE, steps=120, learning_rate="0.003"):
     return start("nlg-train", *INPUTS, *OPTIONS, *data, "--steps", str(steps), "--learning-rate", learning_rate, "--out", f"{name}.ckpt", "--run", f"{name}_run", "--log", f"{name}.csv", *more)
 
 
-def read(path):
-    with open(path, "rb") as file:
-        return file.read()
-
-
 def columns(path):
     with open(path, newline="") as file:
         rows = list(csv.DictReader(file))
     return {key: [float(row[key]) for row in rows] for key in rows[0]}
 
 
-def check_cache():
+def check_cache(_):
     """The same functions in the same order, from memory and from the disk."""
     end(train("memory", data=["--shards", "training.h5"]))
     end(train("disk"))
@@ -76,36 +62,7 @@ def check_cache():
     check(set(json.load(open("disk_run/provenance.json"))["inputs"]) == {"basis", "training_set"}, "provenance.json lacks inputs")
 
 
-def check_kills(name, expected, *more, data=CACHE):
-    """kill -9 after several checkpoints: what is resumed ends in the same bytes. The fault injection kills within them, at every call."""
-    kills = 0
-    while True:
-        process = train(name, *more, data=data)
-        while process.poll() is None and last_step(name) < (kills + 1) * 30:
-            time.sleep(0.001)
-        if process.poll() is None:
-            process.send_signal(signal.SIGKILL)
-            kills += 1
-        process.communicate()
-        if process.returncode != -signal.SIGKILL and (process.returncode != 0 or kills >= 2):
-            break
-        # on a busy machine it may end before it is killed: once more
-        if process.returncode == 0:
-            shutil.rmtree(f"{name}_run")
-            os.remove(f"{name}.ckpt")
-            kills = 0
-    check(process.returncode == 0, f"{name}: ended with {process.returncode}")
-    check(os.path.exists(f"{name}.ckpt") and read(f"{name}.ckpt") == read(expected), f"{name}: killed {kills} times, ended in other bytes")
-
-
-def last_step(name):
-    try:
-        return int(os.readlink(f"{name}_run/latest")[5:14])
-    except OSError:
-        return 0
-
-
-def check_damaged_checkpoint():
+def check_damaged_checkpoint(_):
     """The newest checkpoint is cut short: the one before it goes on, to the same bytes. All are: the run is refused."""
     end(train("damaged", steps=60))
     whole = read("damaged.ckpt")
@@ -122,7 +79,7 @@ def check_damaged_checkpoint():
     end(train("damaged", steps=60), INPUT_ERROR)
 
 
-def check_stops():
+def check_stops(_):
     """Ctrl-C: a checkpoint, the line that goes on, and the same errors in the end. A second trainer, other options: refused in words."""
     process = train("stopped", steps=2000)
     while process.poll() is None and not os.path.exists("stopped_run/latest"):
@@ -144,30 +101,14 @@ def check_stops():
     check("an extended run" in err and json.load(open("stopped_run/config.json"))["steps"] == 2020, f"more steps: {err!r}")
 
 
-def check_bare_tent():
+def check_bare_tent(_):
     """A learning rate that learns nothing is said."""
     _, err = end(train("wild", "--divergence-ratio", "1e9", steps=30, learning_rate="10"))
     log = columns("wild.csv")
     check("worse than the bare tent" in err and log["held_out_network_blend_rmse"][-1] > log["bare_tent_blend_rmse"][-1] > 0, f"a learning rate of 10: {err!r}, {log}")
 
 
-def check_left_behind():
-    """Killed between the checkpoint and what points at it: the next start puts both right, even with no step left to train."""
-    log, whole = read("disk_run/log.csv"), read("disk.ckpt")
-    provenance = os.stat("disk_run/provenance.json").st_mtime_ns
-    os.remove("disk_run/latest")
-    os.symlink("step-000000110.ckpt", "disk_run/latest")
-    with open("disk_run/log.csv", "wb") as file:
-        file.write(log[: log[:-1].rindex(b"\n") + 1])
-    with open("disk_run/step-000000100.ckpt", "wb") as file:  # which would have been removed last
-        file.write(read("disk_run/step-000000110.ckpt"))
-    end(train("disk"))
-    check(os.readlink("disk_run/latest") == "step-000000120.ckpt" and read("disk_run/log.csv") == log, "a restart left latest or the curve behind its checkpoint")
-    check(not os.path.exists("disk_run/step-000000100.ckpt") and os.path.exists("disk_run/step-000000110.ckpt"), "a restart left three checkpoints, or one")
-    check(read("disk.ckpt") == whole and os.stat("disk_run/provenance.json").st_mtime_ns == provenance, "a restart without a step changed what was finished")
-
-
-def check_other_process():
+def check_other_process(_):
     """Processes that do not train the same are refused before they take a step."""
     pair = [train("odd", "--rank", str(rank), "--processes", "2", "--rendezvous", "odd_meeting", "--seed", str(1 + rank)) for rank in range(2)]
     for rank, process in enumerate(pair):
@@ -189,7 +130,7 @@ def compare_curves(name, keys, tolerance, *options):
     return one, two
 
 
-def check_processes():
+def check_processes(_):
     """Two processes with the batch of one: the same curve, to rounding."""
     # the sums of floats differ in their order: 1e-7 of the gradient a step, printed with six digits
     one, two = compare_curves("plain", ["training_loss", "held_out_blend_rmse"], 2e-4, "--exact-last-layer=false")
@@ -199,7 +140,7 @@ def check_processes():
     check(one["step"] == two["step"], f"two processes: other steps: {two['step']}")
 
 
-def check_lost_process():
+def check_lost_process(_):
     pair = [train("lost", "--rank", str(rank), "--processes", "2", "--rendezvous", "lost_meeting", "--timeout-s", "20", steps=1000000)
             for rank in range(2)]
     deadline = time.time() + 60
@@ -211,8 +152,8 @@ def check_lost_process():
     check("lost_meeting" in err and len(err.splitlines()) == 1, f"a lost process is reported as {err!r}")
 
 
-def check_rollbacks():
-    """A function whose coefficients are absurd: training goes back, says so, and ends in the same bytes when it is killed on the way."""
+def check_rollbacks(_):
+    """A function whose coefficients are absurd: training goes back, and says so."""
     poisoned_cache("functions.cache", "poisoned.cache", 3)
     data = ["--cache", "poisoned.cache"]
     out, err = end(train("poisoned", data=data))
@@ -221,35 +162,16 @@ def check_rollbacks():
     check(0 < result["rollbacks"] <= 5 and rollbacks[-1] == result["rollbacks"], f"rollbacks: {result}, {rollbacks}")
     check(err.count("rollback") == result["rollbacks"], f"stderr tells of other rollbacks: {err}")
     check(result["held_out_blend_rmse"] < columns("poisoned.csv")["held_out_blend_rmse"][0], "a run with rollbacks did not learn")
-    check_kills("poisoned_killed", "poisoned.ckpt", data=data)
     _, err = end(train("lasting", data=data, steps=2000), NUMERICAL_ERROR)
     check("after 5 rollbacks" in err, f"a run that cannot go on says {err}")
     check(os.path.exists("lasting_run/latest"), "a run that gave up left no checkpoint")
 
 
-def main():
-    for variable in ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"]:
-        os.environ[variable] = "1"
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)
-        end(start("nlg-datagen", "--scene", "house:1", "--max-functions", "700", "--out", "training.h5"))
-        end(start("nlg-datagen", "--scene", "house:2", "--max-functions", "24", "--held-out", "--out", "held_out.h5"))
-        end(start("nlg-pca", "--components", "16", "--shards", "training.h5", "--held-out", "held_out.h5", "--out", "basis.h5"))
-        end(start("nlg-cache", "--basis", "basis.h5", "--shards", "training.h5", "--out", "functions.cache"))
-        check_cache()
-        check_kills("killed", "disk.ckpt")
-        check_left_behind()
-        check_damaged_checkpoint()
-        check_other_process()
-        check_processes()
-        check_lost_process()
-        check_rollbacks()
-        check_stops()
-        check_bare_tent()
-        os.chdir("/")
-    for failure in failures:
-        print("FAILED:", failure)
-    sys.exit(1 if failures else 0)
+def make_inputs(tools):
+    for command in ("nlg-datagen --scene house:1 --max-functions 700 --out training.h5", "nlg-datagen --scene house:2 --max-functions 24 --held-out --out held_out.h5",
+                    "nlg-pca --components 16 --shards training.h5 --held-out held_out.h5 --out basis.h5", "nlg-cache --basis basis.h5 --shards training.h5 --out functions.cache"):
+        tools.must(command)
 
 
-main()
+if __name__ == "__main__":
+    sys.exit(run_checks(TOOLS, (make_inputs, check_cache, check_damaged_checkpoint, check_other_process, check_processes, check_lost_process, check_rollbacks, check_stops, check_bare_tent)))

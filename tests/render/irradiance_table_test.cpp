@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/input_error.h"
 #include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -19,24 +18,6 @@ TEST(IrradianceTable, ReadsPlacesRelativeToTheOriginAndNormalsOfAnyLength) {
   EXPECT_EQ(found[0].normal, glm::vec3(0, 0, -1));
   EXPECT_EQ(found[1].position_m, glm::dvec3(-1001, -0.5, 6));
   EXPECT_TRUE(receiversFromCsv("p.csv", kHeader, {0, 0, 0}).empty());
-}
-
-TEST(IrradianceTable, RefusesWhatIsNoTableOfPlacesAndNamesTheLine) {
-  const struct {
-    std::string text, named;
-  } cases[] = {
-      {"", "p.csv: line 1: expected x,y,z,nx,ny,nz, got ''"},
-      {"x,y,z\n1,2,3\n", "p.csv: line 1: expected x,y,z,nx,ny,nz, got 'x,y,z'"},
-      {kHeader + "1,2,3,0,1,0\n1,2,3,0,1\n", "p.csv: line 3: expected six numbers with commas between them, got '1,2,3,0,1'"},
-      {kHeader + "1,2,3,0,1,0,4\n", "line 2: expected six numbers"},
-      {kHeader + "\n", "line 2: expected six numbers"},
-      {kHeader + "1,2,,0,1,0\n", "line 2: expected numbers from -1e7 to 1e7"},
-      {kHeader + "1,2,3 m,0,1,0\n", "line 2: expected numbers"},
-      {kHeader + "1,nan,3,0,1,0\n", "line 2: expected numbers"},
-      {kHeader + "1,2,2e7,0,1,0\n", "line 2: expected numbers"},
-      {kHeader + "1,2,3,0,0,0\n", "line 2: expected a normal that is not 0"},
-  };
-  for (const auto& c : cases) expectInputError(c.named, [&] { receiversFromCsv("p.csv", c.text, {0, 0, 0}); });
 }
 
 TEST(IrradianceTable, WritesPiTimesTheRadianceOfAnEvenSkyHighAboveAScene) {

@@ -1,9 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "datagen/view/legend.h"
-#include "light/air.h"
 #include "render/camera.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"
@@ -44,7 +41,7 @@ TEST(LitPicture, FurnaceIsConstant) {
   const glm::vec3 albedo(0.5f, 0.2f, 0.0f), emission(1.0f, 2.0f, 3.0f);
   const Rendered r(room(albedo, emission));
   const LitPicture picture =
-      lightPicture(sightsOf(r.transport, kAcross, smallPicture()), truthLighting(r.transport, {1024, 64}, 1), 1);
+      lightPicture(sightsOf(r.transport, kAcross, smallPicture()), truthLighting(r.transport, {256, 64}, 1), 1);
   for (size_t i = 0; i < picture.radiance.size(); ++i) {
     EXPECT_EQ(picture.receiver_share[i], 1.0f);
     for (int c = 0; c < 3; ++c) {
@@ -93,33 +90,6 @@ TEST(LitPicture, ReceiversStandBeforeSurfacesAndNeverBehindOthers) {
   EXPECT_GT(open, 0);
 }
 
-TEST(LitPicture, BallIsLitAtItsCentreForTheNormalOfItsSurface) {
-  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
-  SightOptions options = smallPicture();
-  options.balls = {{{0, 0, 0}, 0.3}};
-  const Sights sights = sightsOf(r.transport, cameraAlong({0, 0, -2}, {0, 0, 1}, 0.5), options);
-  const Sight& middle = sights.samples[sights.samples.size() / 2 + 2 * options.width];
-  EXPECT_EQ(middle.kind, Sight::Kind::receiver);
-  EXPECT_EQ(middle.receiver.position_m, glm::dvec3(0.0));
-  EXPECT_LT(middle.receiver.normal.z, -0.9f);
-  EXPECT_NEAR(glm::length(middle.receiver.normal), 1.0f, 1e-6f);
-}
-
-TEST(LitPicture, CutShowsSolidAndAir) {
-  const Rendered r(room(glm::vec3(0.5f), glm::vec3(1.0f)));
-  const Bounds bounds = boundsWithSky(r.scene);
-  Cut cut{glm::dvec3(bounds.min), glm::dvec3(bounds.max)};
-  cut.low_m.y = cut.high_m.y = 0.1;
-  // 4.4 x 6.4 m
-  const Sights sights = sightsOfCut(r.transport, cut, 44, 2);
-  ASSERT_EQ(sights.height, 64);
-  const LitPicture picture = lightPicture(sights, even("even", glm::vec3(kPi)), 1);
-  EXPECT_EQ(picture.in_solid[0], 1);
-  const size_t middle = 32 * 44 + 22;
-  EXPECT_EQ(picture.in_solid[middle], 0);
-  EXPECT_NEAR(picture.radiance[middle].g, 1.0f, 1e-6f);
-}
-
 TEST(PictureError, IsInSharesOfTruthsRms) {
   const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
   const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
@@ -156,49 +126,6 @@ TEST(Tone, IsTheNeutralCurveOfKhronos) {
   EXPECT_EQ(toneMapped(picture, 1.0).at(0, 0), (Colour{25, 25, 189}));
 }
 
-// The walls send 2 to everywhere: pi times that arrives. An eye adapts to a ten-thousandth of it, and not to a leak.
-TEST(Tone, EyesAdaptToNoLeakInTheDark) {
-  const Rendered r(room(glm::vec3(0.5f), glm::vec3(2.0f)));
-  EXPECT_NEAR(leastAdapted(r.scene), 2e-4 * kPi, 1e-9);
-  Scene dark = room(glm::vec3(0.5f), glm::vec3(0.0f));
-  EXPECT_EQ(leastAdapted(dark), 0.0);
-  dark.light.lamps.push_back({{}, glm::vec3(3.0f)});
-  EXPECT_NEAR(leastAdapted(dark), 3e-4, 1e-9);
-  const Rendered darkness(dark);
-  const LitPicture leak = lightPicture(sightsOf(darkness.transport, kAcross, smallPicture()), even("leak", glm::vec3(1e-8f)), 1);
-  EXPECT_NEAR(automaticExposure(leak, 3e-4) * 3e-4 / kPi, 0.18, 1e-6);
-  EXPECT_EQ(toneMapped(leak, automaticExposure(leak, 3e-4)).at(3, 3), kBlack);
-}
-
-TEST(Tone, PanelsAreExposedByWhatHasNoNoise) {
-  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
-  const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
-  LitPicture truth = lightPicture(sights, even("truth", glm::vec3(9.0f)), 1);
-  truth.deviation[7] = glm::vec3(1.0f);
-  const LitPicture grid = lightPicture(sights, even("grid", glm::vec3(2.0f)), 1),
-                   other = lightPicture(sights, even("other", glm::vec3(5.0f)), 1);
-  EXPECT_EQ(panelExposure({&truth, &grid, &other}, 0.0), automaticExposure(grid));
-  EXPECT_EQ(panelExposure({&truth}, 0.0), automaticExposure(truth));
-}
-
-TEST(Panel, HasOneColumnAMethodAndErrorsBelow) {
-  const Image picture(100, 60, {10, 20, 30}), error(100, 60, {200, 0, 0});
-  const Image two = drawPanel({{"truth", {"noise"}, picture, std::nullopt}, {"grid", {"RMSE"}, picture, error}},
-                              {{}, ErrorKind::with_sign, 0.5});
-  const Image three =
-      drawPanel({{"truth", {"noise"}, picture, std::nullopt}, {"grid", {"RMSE"}, picture, error}, {"other", {}, picture, error}},
-                {{}, ErrorKind::with_sign, 0.5});
-  EXPECT_EQ(three.height(), two.height());
-  EXPECT_EQ(three.width() - two.width(), two.width() - drawPanel({{"truth", {}, picture, std::nullopt}}, {}).width());
-  EXPECT_GE(two.width(), 200);
-  EXPECT_GE(two.height(), 120);
-  int pixels = 0;
-  for (int y = 0; y < two.height(); ++y) {
-    for (int x = 0; x < two.width(); ++x) pixels += two.at(x, y) == Colour{10, 20, 30};
-  }
-  EXPECT_EQ(pixels, 2 * 100 * 60);
-}
-
 TEST(ChosenView, StandsInAirAndSeesTheRoom) {
   const Rendered r(room(glm::vec3(0.5f), glm::vec3(1.0f)));
   const Camera camera = chooseView(r.transport, 1.0, 1.5, 1);
@@ -206,13 +133,6 @@ TEST(ChosenView, StandsInAirAndSeesTheRoom) {
   // a room of 4 x 6 m is not looked at from before a wall: the way ahead is longer than half of its shorter side
   EXPECT_GT(r.rays.lightHit(glm::vec3(camera.eye_m), camera.forward).distance, 2.0f);
   EXPECT_EQ(chooseView(r.transport, 1.0, 1.5, 1).eye_m, camera.eye_m);
-}
-
-TEST(ChosenView, RefusesASceneWithoutAir) {
-  SceneOfFaces faces;
-  faces.addBox({-1, -1, -1}, {1, 1, 1});
-  const Rendered r(faces.finish());
-  EXPECT_THROW(chooseView(r.transport, 1.0, 1.5, 1), InputError);
 }
 
 }  // namespace

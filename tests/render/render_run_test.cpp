@@ -75,23 +75,6 @@ TEST_F(RenderRun, WritesAPictureThatSaysHowItWasMade) {
   EXPECT_NAMES(bytes, "\"eye_m\"");
 }
 
-TEST_F(RenderRun, SameBytesForAnyThreads) {
-  const Json one = renderScene(request("1.png"), options(1)), three = renderScene(request("3.png"), options(3));
-  EXPECT_EQ(one, three);
-  EXPECT_EQ(readFile(path("1.png")), readFile(path("3.png")));
-}
-
-TEST_F(RenderRun, LooksFromWhereItIsTold) {
-  RenderRequest r = request("view.png");
-  r.eye = {1, 1.5, 2};
-  r.look = {1, 1.5, -8};
-  r.fov = 40.0;
-  const Json camera = renderScene(r, options())["camera"];
-  EXPECT_EQ(camera["eye_m"], Json({1.0, 1.5, 2.0}));
-  EXPECT_EQ(camera["look_m"], Json({1.0, 1.5, 1.0}));
-  EXPECT_NEAR(camera["fov_degrees"].get<double>(), 40.0, 1e-12);
-}
-
 TEST_F(RenderRun, LooksFromTheScenesOwnCamerasByNameOrNumber) {
   RenderRequest r = request("view.png");
   r.scene = "two_rooms";
@@ -113,30 +96,6 @@ TEST_F(RenderRun, ViewFromInsideASolidIsDrawn) {
   r.look = {1, -0.05, 0};
   renderScene(r, options());
   EXPECT_TRUE(std::filesystem::exists(r.out));
-}
-
-TEST_F(RenderRun, RefusesWhatItCannotDraw) {
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.method = "magic"; }), "--method: expected ");
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.panel = {"truth", "magic"}; }), "'magic'");
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.show = "smell"; }), "--show");
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.method = "grid"; }), "--grid");
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.grid = "a", r.bake = true; }), "--bake");
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.eye = {0, 1, 0}; }), "--look");
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.look = {0, 1, 0}; }), "--eye");
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.eye = r.look = {0, 1, 0}; }), "--look");
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.show = "weights", r.grid = "a"; }), "--probe");
-  EXPECT_NAMES(refusal<UsageError>([](auto& r) { r.slice_y = {1e4}; }), "--slice-y");
-  EXPECT_NAMES(refusal<InputError>([](auto& r) { r.scene = "missing.glb"; }), "missing.glb");
-  EXPECT_NAMES(refusal<InputError>([](auto& r) { r.method = "grid", r.grid = "missing.safetensors"; }), "missing.safetensors");
-}
-
-TEST_F(RenderRun, RefusesToReplaceItsGrid) {
-  RenderRequest r = request("grid.safetensors");
-  writeFileAtomically(r.out, "a grid");
-  r.method = "grid";
-  r.grid = r.out;
-  EXPECT_THROW(renderScene(r, options()), UsageError);
-  EXPECT_EQ(readFile(r.out), "a grid");
 }
 
 }  // namespace

@@ -70,17 +70,6 @@ TEST(SplitConnectedComponents, JoinsVerticesThatStandAtTheSamePosition) {
   EXPECT_EQ(scene.objects.back().triangle_count, 8u);
 }
 
-TEST(SplitConnectedComponents, SortsInterleavedTrianglesAndKeepsTheirOrder) {
-  Scene scene = makeScene();
-  std::swap(scene.triangles[5], scene.triangles[9]);
-  scene.triangle_material[9] = 0;
-  const glm::uvec3 moved = scene.triangles[9];
-  splitConnectedComponents(scene, 0.35);
-  ASSERT_EQ(scene.objects.size(), 5u);
-  // the first piece's triangles were the 4th, 9th, 6th and 7th: the 9th comes last of them
-  EXPECT_EQ(scene.triangles[7], moved);
-}
-
 TEST(SplitConnectedComponents, HoldsLargeComponentsForStructure) {
   Scene scene = makeScene();
   scene.objects[0].movable = true;

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-
 #include "scene/scene_source.h"
 #include "tests/input_error.h"
 #include "tests/scene/gltf/gltf_parts.h"
@@ -44,13 +41,6 @@ TEST(SceneSize, BoundsWhatCountsAsACavity) {
       << "a room is wider than four cavities";
 }
 
-TEST(SceneSize, SaysNothingOfLevels) {
-  EXPECT_EQ(noteOf({5, 3, 8}), "") << "a room";
-  EXPECT_EQ(noteOf({1, 0, 0.5f}), "") << "a table's top";
-  EXPECT_EQ(noteOf({4000, 140, 4000}), "") << "a landscape";
-  EXPECT_EQ(sizeNote(Scene(), "empty.obj", 1.0), "");
-}
-
 TEST(SceneSize, SuggestsTheUnitOfWhatIsTooLarge) {
   EXPECT_EQ(
       noteOf({500, 300, 800}),
@@ -65,14 +55,6 @@ TEST(SceneSize, SuggestsTheUnitOfWhatIsTooLarge) {
 TEST(SceneSize, SuggestsTheUnitOfWhatIsTooSmall) {
   EXPECT_EQ(noteOf({0.2f, 0.1f, 0.3f}),
             "at 1 m a unit it is 0.2 x 0.1 x 0.3 m, a size that few levels have; --unit 100 makes it 20 x 10 x 30 m");
-}
-
-TEST(SceneSize, SuggestsInTermsOfTheUnitThatWasAskedFor) {
-  EXPECT_NE(noteOf({500, 300, 800}, 0.5)
-                .find("at 0.5 m a unit it is 500 x 300 x 800 m, a size that few levels have; if it was made in centimetres, "
-                      "--unit 0.005 "),
-            std::string::npos)
-      << noteOf({500, 300, 800}, 0.5);
 }
 
 TEST(SceneSize, RefusesWhatIsNoLevel) {
@@ -128,15 +110,6 @@ TEST_F(SceneFiles, MayNameTheBoxInWhichThingsMove) {
 
   parts.nodes = R"([{"mesh":0},{"name":"nlg_extended","extras":{"nlg_extent":false}}])";
   EXPECT_FALSE(extentOf(1.0));
-}
-
-TEST_F(SceneFiles, TellTheirNotesByLines) {
-  SceneSource source;
-  source.id = "room";
-  source.notes = {"one", "two"};
-  testing::internal::CaptureStderr();
-  tellNotes("nlg-bake", source);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "nlg-bake: room: one\nnlg-bake: room: two\n");
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "tool/atomic_file.h"
 
 #include <gtest/gtest.h>
-#include <sched.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -87,11 +86,6 @@ TEST_F(AtomicFile, ReplacesTheOldFileWhole) {
   EXPECT_EQ(readFile(at("data")), "new");
 }
 
-TEST_F(AtomicFile, MakesMissingFolders) {
-  writeFileAtomically(at("a/b/c/data"), "x");
-  EXPECT_EQ(readFile(at("a/b/c/data")), "x");
-}
-
 TEST_F(AtomicFile, NeverGivesTwoWritersOneTemporaryName) {
   std::string outer, inner;
   writeAtomically(at("data"), [&](const std::string& temporary_path) {
@@ -137,11 +131,6 @@ TEST_F(AtomicFile, LeavesTheOldFileWhenTheProcessDies) {
   EXPECT_EQ(readFile(at("data")), "old");
 }
 
-TEST_F(AtomicFile, SaysThatTheWriterLeftNoFile) {
-  const std::string line = outputErrorOf([&] { writeAtomically(at("data"), [](const std::string&) {}); });
-  EXPECT_NE(line.find("No such file"), std::string::npos) << line;
-}
-
 TEST_F(AtomicFile, SaysThatTheFolderIsNotWritable) {
   const std::string line = outputErrorOf([] { writeFileAtomically("/proc/nlg/data", "x"); });
   EXPECT_EQ(line.rfind("/proc/nlg/data: cannot be written: folder /proc/nlg: ", 0), 0u) << line;
@@ -150,15 +139,6 @@ TEST_F(AtomicFile, SaysThatTheFolderIsNotWritable) {
   const std::string denied = outputErrorOf([&] { writeFileAtomically(at("data"), "x"); });
   fs::permissions(folder_.string(), fs::perms::owner_all);
   EXPECT_NE(denied.find("Permission denied"), std::string::npos) << denied;
-}
-
-TEST_F(AtomicFile, SaysThatAFileStandsWhereAFolderIsNeeded) {
-  writeFileAtomically(at("data"), "x");
-  const std::string line = outputErrorOf([&] { writeFileAtomically(at("data/inner"), "x"); });
-  EXPECT_NE(line.find("cannot be written"), std::string::npos) << line;
-  fs::create_directories(at("taken"));
-  EXPECT_NE(outputErrorOf([&] { writeFileAtomically(at("taken"), "x"); }).find("directory"), std::string::npos);
-  EXPECT_EQ(fileCount(), 2u);
 }
 
 TEST_F(AtomicFile, IsNotWrittenOverALinkOrADevice) {
@@ -194,16 +174,6 @@ TEST_F(AtomicFile, SaysThatTheDiskIsFull) {
   EXPECT_EQ(code, 7);
 }
 
-TEST_F(AtomicFile, RefusesToReadWhatIsMissingTooLargeOrAFolder) {
-  writeFileAtomically(at("data"), "12345");
-  EXPECT_EQ(readFile(at("data"), 5), "12345");
-  EXPECT_THROW(readFile(at("data"), 4), InputError);
-  EXPECT_THROW(readFile(at("missing")), InputError);
-  EXPECT_THROW(readFile(folder_.string()), InputError);
-  EXPECT_THROW(fileSha256(at("missing")), InputError);
-  EXPECT_THROW(fileSha256(folder_.string()), InputError);
-}
-
 TEST_F(AtomicFile, LeavesNothingWhenASignalEndsTheProcessInTheMiddle) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::ofstream(at("grid")) << "before";
@@ -218,20 +188,6 @@ TEST_F(AtomicFile, LeavesNothingWhenASignalEndsTheProcessInTheMiddle) {
     EXPECT_EQ(fileCount(), 1u) << signal;
     EXPECT_EQ(readFile(at("grid")), "before");
   }
-}
-
-TEST_F(AtomicFile, GoesOnAfterASignalThatIsIgnored) {
-  const auto writeAndEnd = [&] {
-    std::signal(SIGHUP, SIG_IGN);
-    removeTemporariesOnSignals();
-    writeAtomically(at("grid"), [&](const std::string& temporary_path) {
-      std::ofstream(temporary_path) << "whole";
-      std::raise(SIGHUP);
-    });
-    return 0;
-  };
-  EXPECT_EQ(exitCodeOfChild(writeAndEnd), 0);
-  EXPECT_EQ(readFile(at("grid")), "whole");
 }
 
 }  // namespace

@@ -53,28 +53,11 @@ class Installed(InFolder):
         self.assertEqual((result.stdout, result.stderr, result.returncode), ("a b|--out=c||", "", 7))
         self.assertEqual(self.nlg("bake", "--die").returncode, -signal.SIGTERM)
 
-    def test_lists_the_tools_that_are_there(self):
-        for arguments in ([], ["--help"], ["-h"]):
-            result = self.nlg(*arguments)
-            self.assertEqual(result.returncode, 0)
-            self.assertIn("  bake ", result.stdout)
-            self.assertNotIn("  view ", result.stdout)
-
     def test_refuses_what_is_no_command_in_one_line(self):
         for name in ("back", "view", "bake.*", "--bake", "../nlg-bake"):
             result = self.nlg(name)
             self.assertEqual((result.returncode, result.stdout), (2, ""))
             self.assertEqual(result.stderr, f"nlg: error: expected one of bake, got '{name}'\n")
-
-    def test_completes_commands_and_options(self):
-        self.write("nlg-bake", '#!/bin/sh\nif [ "$1" = info ]; then echo "  --quiet  x"; else printf "nlg-bake info GRID: x\\n  -h,--help\\n  --spacing-m   x --no\\n  --sky\\n"; fi\n')
-        script = f"""PATH={self.folder}:$PATH; source <(nlg completion bash)
-            try() {{ COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _nlg; echo "${{COMPREPLY[*]}}"; }}
-            try nlg ba; try nlg bake --s; try nlg bake in; try nlg bake ''; try nlg bake info --; try nlg view --"""
-        result = subprocess.run(["bash", "-c", script], capture_output=True, text=True)
-        self.assertEqual(result.stdout.split("\n")[:-1], ["bake", "--spacing-m --sky", "info", "", "--quiet", ""], result.stderr)
-        self.assertTrue(self.nlg("completion", "zsh").stdout.startswith("autoload"))
-        self.assertEqual(self.nlg("completion", "fish").returncode, 2)
 
 
 class Checkout(InFolder):

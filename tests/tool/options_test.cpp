@@ -131,18 +131,6 @@ TEST_F(Options, PreferFlagsToYamlToDefaults) {
   EXPECT_EQ(values_.spacing_m, 0.5) << "default";
 }
 
-TEST_F(Options, ShowThemselvesAsJsonInTableOrder) {
-  values_.seed = 18446744073709551615u;
-  EXPECT_EQ(tableOf(&values_).toJson().dump(),
-            R"({"jobs":2,"seed":18446744073709551615,"spacing_m":0.5,"cull":true,"scene":"box","families":["rooms"]})");
-}
-
-TEST_F(Options, DescribeThemselvesAsJson) {
-  EXPECT_EQ(tableOf(&values_).describeAsJson()[2].dump(),
-            R"({"section":"datagen","name":"spacing_m","default":0.5,"min":0.01,"max":100.0,"group":"Options",)"
-            R"("help":"probe spacing, metres"})");
-}
-
 TEST_F(Options, PassedFromAnotherSectionAreFlagsAlone) {
   OptionTable table = tableOf(&values_);
   int walks = 3;
@@ -156,16 +144,6 @@ TEST_F(Options, PassedFromAnotherSectionAreFlagsAlone) {
   table.readYaml(path_);
   parseFlags({"--walks", "5"}, &table);
   EXPECT_EQ(walks, 5);
-}
-
-TEST_F(Options, DescribeThemselvesInHelp) {
-  OptionTable table = tableOf(&values_);
-  CLI::App app;
-  table.addFlags(app);
-  const std::string help = app.help();
-  EXPECT_NE(help.find("--spacing-m"), std::string::npos) << help;
-  EXPECT_NE(help.find("probe spacing, metres (0.01 to 100; default 0.5)"), std::string::npos) << help;
-  EXPECT_NE(help.find("scene file (default box)"), std::string::npos) << help;
 }
 
 TEST_F(Options, RefuseValuesWithLineAndColumn) {
@@ -202,26 +180,6 @@ TEST_F(Options, RefuseUnknownAndRepeatedKeysWithLineAndColumn) {
   EXPECT_EQ(refusalOfYaml("datagen: {}\ndatagen: {}\n"), ":2:1: expected each key once, got 'datagen' again");
   EXPECT_EQ(refusalOfYaml("datagen:\n  [1, 2]: 1\n"), ":2:3: expected a key, got a sequence");
   EXPECT_EQ(refusalOfYaml("datagen:\n  <<: {jobs: 3}\n").substr(0, 6), ":2:3: ");
-}
-
-TEST_F(Options, RefuseWhatIsNoYaml) {
-  EXPECT_EQ(refusalOfYaml("datagen:\n  jobs: [1\n").substr(0, 3), ":3:");
-  EXPECT_EQ(refusalOfYaml("datagen: *nowhere\n").substr(0, 26), ":1:10: expected readable Y");
-  EXPECT_EQ(refusalOfYaml("a: 1\n---\nb: 2\n"), ":3:1: expected one YAML document, got a second one");
-  // yaml-cpp finds no end to the documents of this one
-  EXPECT_EQ(refusalOfYaml(", # o"), ":1:1: expected one YAML document, got a second one");
-  EXPECT_NE(refusalOfYaml("datagen: {jobs: 1"), "no error");
-  EXPECT_NE(refusalOfYaml("\tdatagen: 1"), "no error");
-}
-
-TEST_F(Options, SurviveRecursionAndDepth) {
-  EXPECT_EQ(refusalOfYaml("datagen: &a\n  scene: *a\n").substr(0, 1), ":");
-  EXPECT_EQ(refusalOfYaml("datagen:\n  families: &a [*a]\n").substr(0, 1), ":");
-  EXPECT_EQ(refusalOfYaml("? &k [*k]\n: 1\n").substr(0, 1), ":");
-  EXPECT_EQ(refusalOfYaml(std::string(100000, '[')).substr(0, 1), ":");
-  EXPECT_EQ(refusalOfYaml("datagen: " + std::string(100000, '{')).substr(0, 1), ":");
-  EXPECT_EQ(refusalOfYaml("datagen:\n  scene: &s hut\n  families: [*s, *s]\n"), "no error");
-  EXPECT_EQ(values_.families, (std::vector<std::string>{"hut", "hut"}));
 }
 
 TEST_F(Options, RefuseAMissingOrHugeFileAsInput) {

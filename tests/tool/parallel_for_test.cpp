@@ -101,15 +101,6 @@ TEST(ParallelFor, BeginsNothingWhenAThreadIsRefused) {
   EXPECT_EQ(begun, 1000) << "what needs no other thread runs";
 }
 
-TEST(Threads, AreAskedForAndRefusedByName) {
-  requireThreads(3);
-  const RefusedThreads refused;
-  requireThreads(0);
-  EXPECT_THROW(requireThreads(1), ThreadError);
-  EXPECT_THROW(startThread([] {}), ThreadError);
-  EXPECT_THROW(onThreads(2, [](int) { ADD_FAILURE() << "work began"; }), ThreadError);
-}
-
 TEST(Threads, EndBeforeWhatTheFirstOneThrowsGoesOn) {
   std::atomic<int> ended{0};
   EXPECT_THROW(onThreads(4,

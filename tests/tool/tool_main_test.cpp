@@ -9,10 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <new>
-#include <thread>
 
-#include "tool/printable.h"
-#include "tool/progress.h"
 #include "tool/provenance.h"
 
 namespace nlg {
@@ -61,48 +58,6 @@ TEST(RunTool, EndsEveryErrorWithItsCodeAndOneLine) {
   expectEnd([](int) { throw InputError("f", "name", "text", "\x1b[2J\t\x7f"); }, ExitCode::input_error,
             "nlg-pca: error: f: name: expected text, got  [2J  \n");
   expectEnd([](int) { throw 5; }, ExitCode::internal_error, "nlg-pca: error: unknown exception\n");
-}
-
-// Runs "nlg-pca" with an option in each of two groups, of which only one is common.
-Outcome helpWith(const std::string& flag) {
-  int jobs = 2, depth = 3;
-  std::string out;
-  CLI::App app("projects functions", "nlg-pca");
-  OptionTable table("basis");
-  table.group("Work");
-  table.add("jobs", &jobs, "threads", 1, 64);
-  table.group("Tree");
-  table.add("depth", &depth, "a text that is so long that no terminal of the usual width holds it behind the option's name", 1,
-            64);
-  table.common({"jobs"});
-  table.addNote("What only few read.");
-  app.add_option("--out", out, "the file to write");
-  app.add_option("--in", out, "the file to read")->required();
-  std::vector<std::string> arguments = {"nlg-pca", flag};
-  std::vector<char*> argv = {arguments[0].data(), arguments[1].data()};
-  testing::internal::CaptureStdout();
-  const int code = runTool(2, argv.data(), app, table, [] { FAIL() << "ran"; });
-  return {code, testing::internal::GetCapturedStdout(), ""};
-}
-
-TEST(RunTool, ShowsInHelpWhatIsCommonAndTheRestInHelpAll) {
-  const Outcome brief = helpWith("--help"), whole = helpWith("--help-all");
-  EXPECT_EQ(brief.code, 0);
-  EXPECT_EQ(whole.code, 0);
-  for (const char* shown : {"--jobs", "--in", "--config", "nlg-pca --help-all: all "})
-    EXPECT_NE(brief.out.find(shown), std::string::npos) << shown << brief.out;
-  for (const char* shown : {"--depth", "--out", "--version", "Work:", "few read"}) {
-    EXPECT_EQ(brief.out.find(shown), std::string::npos) << shown << brief.out;
-    EXPECT_NE(whole.out.find(shown), std::string::npos) << shown << whole.out;
-  }
-  std::istringstream lines(whole.out);
-  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100) << line;
-}
-
-TEST(RunTool, ListsItsOptionsForPrograms) {
-  const Outcome outcome = runWith({"--list-options"}, [](int) { FAIL() << "ran"; });
-  EXPECT_EQ(outcome.code, 0);
-  EXPECT_EQ(outcome.out.rfind(R"([{"section":"basis","name":"jobs",)", 0), 0) << outcome.out;
 }
 
 TEST(RunTool, EndsHelpAndVersionWithSuccessAndWithoutRunning) {
@@ -186,64 +141,6 @@ TEST(Provenance, HoldsWhatItWasGivenAndNothingElse) {
   EXPECT_EQ(json.dump(), std::string(R"({"tool":"nlg-pca","revision":")") + sourceRevision() +
                              R"(","options":{"z":1,"a":2},"inputs":{"dataset":"12ab"}})");
   EXPECT_EQ(provenance("t", options, {})["inputs"].dump(), "{}");
-}
-
-// What a stage of so many milliseconds leaves in a log, by the name of the program that runs it.
-std::string logOf(int milliseconds, bool is_ended_by_exception = false) {
-  testing::internal::CaptureStderr();
-  try {
-    Progress progress("probes", 10);
-    for (int i = 0; i <= 10; ++i) progress.update(i, "note");
-    progress.advance(3);
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-    if (is_ended_by_exception) throw UsageError("--x", "a", "b");
-  } catch (const UsageError&) {
-  }
-  return testing::internal::GetCapturedStderr();
-}
-
-TEST(RunTool, NamesWhatItDoesNotKnowInTheOrderOfTheCommandLine) {
-  EXPECT_EQ(runWith({"--job", "3"}).err,
-            "nlg-pca: error: command line: expected an option of --help-all, got '--job'; did you mean --jobs?\n");
-  EXPECT_EQ(runWith({"--nothing-like-it=3"}).err,
-            "nlg-pca: error: command line: expected an option of --help-all, got '--nothing-like-it'\n");
-  const Outcome numbers = runWith({"--jobs", "4", "50", "3,2.8"});
-  EXPECT_EQ(numbers.code, codeOf(ExitCode::usage_error));
-  EXPECT_NE(numbers.err.find("got '50', which belongs to no option; write a list of numbers with commas"), std::string::npos)
-      << numbers.err;
-}
-
-TEST(Progress, LeavesALineInALogOfStagesThatTookASecond) {
-  const auto begin = std::chrono::steady_clock::now();
-  const std::string quick = logOf(0);
-  const bool was_quick = std::chrono::steady_clock::now() - begin < std::chrono::seconds(1);  // on a busy machine it may not be
-  EXPECT_TRUE(quick.empty() || !was_quick) << quick;
-  const std::string line = logOf(1010);
-  EXPECT_NE(line.find(": probes: "), std::string::npos) << line;
-  EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
-  EXPECT_EQ(logOf(1010, true), "") << "an error is one line";
-  ASSERT_EQ(::setenv("NLG_PROGRESS", "off", 1), 0);
-  EXPECT_EQ(logOf(1010), "");
-  ASSERT_EQ(::setenv("NLG_PROGRESS", "lines", 1), 0);
-  const std::string lines = logOf(0);  // the first of eleven; the others come within a tenth of a second
-  EXPECT_NE(lines.find(": probes: 0 of 10 (0.0 %)"), std::string::npos) << lines;
-  EXPECT_EQ(lines.find_first_of("\r\033"), std::string::npos) << lines;
-  EXPECT_EQ(lines.back(), '\n') << lines;
-  ::unsetenv("NLG_PROGRESS");
-}
-
-TEST(Quantity, IsInWords) {
-  EXPECT_EQ(countText(1, "function"), "1 function");
-  EXPECT_EQ(countText(0, "function"), "0 functions");
-  EXPECT_EQ(countText(1234567, "probe"), "1,234,567 probes");
-  EXPECT_EQ(roughCountText(1866000, "probe"), "1,900,000 probes");
-  EXPECT_EQ(bytesText(45e3), "45 kB");
-  EXPECT_EQ(bytesText(3.14e6), "3.1 MB");
-  EXPECT_EQ(bytesText(2e9), "2.0 GB");
-  EXPECT_EQ(durationText(2.34), "2.3 s");
-  EXPECT_EQ(durationText(9.97), "10 s");
-  EXPECT_EQ(durationText(185), "3 min 05 s");
-  EXPECT_EQ(durationText(7620), "2 h 07 min");
 }
 
 }  // namespace

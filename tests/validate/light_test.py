@@ -11,10 +11,11 @@ import sys
 import tempfile
 import unittest
 
-import matplotlib.image
+sys.dont_write_bytecode = True
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from tools import INPUT_ERROR, USAGE_ERROR
 
 BIN, WEIGHTS = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
-USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
 HOUSE = ["house:1", "--light-error", "0.001", "--extent-m", "0,0,0,5,5,3", "--air-samples", "100", "--surface-samples", "80", "--walks", "3", "--truth-rays", "64", "--probe-rays", "64"]
 
 
@@ -113,13 +114,6 @@ class Light(unittest.TestCase):
             first, second = spacing["blends"]
             self.assertEqual([some["points"] for some in first["surface"]], [some["points"] for some in second["surface"]])
 
-    def test_places_are_the_same_at_every_spacing(self):
-        fine, coarse = (spacing["methods"][0] for spacing in self.result["spacings"])
-        self.assertEqual(fine["air"]["places"], coarse["air"]["places"])
-        for group in ("dark", "beside_light", "edge", "corner"):
-            self.assertEqual((fine[group]["places"], fine[group]["truth"]), (coarse[group]["places"], coarse[group]["truth"]))
-        self.assertEqual(fine["jumps"]["steps"], coarse["jumps"]["steps"])
-
     def test_threads_change_nothing_but_times(self):
         again = os.path.join(self.folder.name, "again.json")
         run = light(*HOUSE, *weights("tent_mlp4", "pf3 pf5"), "--spacings", "1.5", "3", "--words", "--threads", "3", "--out", again)
@@ -168,20 +162,6 @@ class Light(unittest.TestCase):
         pictures = named.pop((1.5, "pf3 or pf5", "solved"))
         self.assertEqual(pictures, [f"places/drawn/house_1_pf3-or-pf5_{rank:02}.png" for rank in range(1, 11)])
         self.assertFalse(any(named.values()), "pictures of other methods or spacings")
-        shown = [matplotlib.image.imread(os.path.join(self.folder.name, picture)) for picture in pictures]
-        for picture, image in zip(pictures, shown):
-            # from left to right: truth, answer, error; captions may set the columns apart further than their width
-            truth, answer = (image[60:180, start:start + 180] for start in (20, image.shape[1] // 3 + 10))
-            self.assertGreater(abs(truth - answer).mean(), 0.01, picture)
-        self.assertGreater(len({image.tobytes() for image in shown}), 9, "the same picture twice")
-
-    def test_refuses_folders_for_pictures_before_it_measures(self):
-        for folder in (self.out, os.path.join(self.out, "below"), "/proc/none"):
-            out = os.path.join(self.folder.name, "unmeasured.json")
-            run = light("house:1", "--pictures", folder, "--out", out)  # a whole house, by default settings: minutes
-            self.assertEqual(run.returncode, OUTPUT_ERROR, run.stderr)
-            self.assertRegex(run.stderr.strip(), f"^nlg-validate light: error: {folder}: cannot be written: [^\n]+$")
-            self.assertFalse(os.path.exists(out))
 
     def test_refuses_what_cannot_be_measured(self):
         self.assertEqual(light(*HOUSE).returncode, USAGE_ERROR)

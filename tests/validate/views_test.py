@@ -12,8 +12,11 @@ import unittest
 
 import matplotlib.image
 
+sys.dont_write_bytecode = True
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from tools import INPUT_ERROR, OUTPUT_ERROR, USAGE_ERROR
+
 BIN, WEIGHTS = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
-USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR = 2, 3, 5  # tool/error.h
 WIDTH, HEIGHT = 48, 27
 HOUSE = ["house:1", "--extent-m", "0,0,0,5,5,3", "--weights", os.path.join(WEIGHTS, "tent_mlp4.safetensors"), "--most-views", "2",
          "--width", str(WIDTH), "--height", str(HEIGHT), "--truth-rays", "16", "--probe-rays", "64", "--target-functions"]

@@ -206,10 +206,10 @@ class ViewsMeasurement {
     const ViewTruth& truth = ready_[view].truth;
     return {
         fmt::format("view {}, room {}{}", view + 1, views_.views[view].room + 1, views_.views[view].has_roof ? "" : ", no roof"),
-        fmt::format("noise {:.1f} %, ", 100.0 * truth.median_noise) +
-            (!truth.isLit()     ? "no light, not counted"
-             : !truth.isKnown() ? "not counted"
-                                : fmt::format("HyAB {:.1f}", truth.colour_noise))};
+        fmt::format("noise {:.1f} %, ", 100.0 * truth.median_noise) + (!truth.isLit() ? "no light, not counted"
+                                                                       : !truth.isKnown()
+                                                                           ? "not counted"
+                                                                           : fmt::format("HyAB {:.1f}", truth.colour_noise))};
   }
 
   // That of the figures, which is truth's; where truth is not known, that of what has no noise.
@@ -264,7 +264,7 @@ class ViewsMeasurement {
   LightTransport transport_;
   SceneViews views_;
   std::vector<ReadyView> ready_;                         // by view
-  size_t counted_views_ = 0;                               // whose truth is known
+  size_t counted_views_ = 0;                             // whose truth is known
   std::vector<MeasuredViews> measured_;                  // by method
   size_t grid_count_ = 0;                                // of these, the first
   std::map<size_t, std::vector<ShownMethod>> pictures_;  // by view, all methods

@@ -14,7 +14,6 @@
 #include "tests/bake/house_corner.h"
 #include "tests/damage.h"
 #include "tests/input_error.h"
-#include "tests/runtime_eval/sample_generator.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -152,30 +151,6 @@ class KeptFile : public KeptFunctions {
   const nlohmann::ordered_json origin_ = {{"revision", "a"}, {"options", {{"adam_steps", 20}}}};
   void TearDown() override { std::filesystem::remove(path_); }
 };
-
-TEST_F(KeptFile, HoldsWhatTheNextBakeTakes) {
-  const std::string bytes = keptBytes(kept_, origin_);
-  KeptProbes on_one_thread;
-  bakeHouse(leaveAsItIs, &on_one_thread, 1);
-  for (KeptProbe& probe : on_one_thread) EXPECT_TRUE(!probe.function || !probe.function->packed.empty());
-  EXPECT_TRUE(bytes == keptBytes(on_one_thread, origin_)) << "the same bytes on any number of threads";
-  write(bytes);
-  kept_ = read(origin_);
-  EXPECT_EQ(told_, "");
-  expectWholeBakesBytes(leaveAsItIs);
-  EXPECT_EQ(now_.statistics.function_times.seen_probes, 0u);
-  EXPECT_TRUE(bytes == keptBytes(kept_, origin_));
-}
-
-TEST_F(KeptFile, IsNotUsedWhereSettingsAreOthers) {
-  EXPECT_TRUE(read(origin_).empty());
-  EXPECT_NE(told_.find("not there yet"), std::string::npos) << told_;
-  write(keptBytes(kept_, origin_));
-  nlohmann::ordered_json other = origin_;
-  other["options"]["adam_steps"] = 10;
-  EXPECT_TRUE(read(other).empty());
-  EXPECT_NE(told_.find("adam_steps was 20 and is 10"), std::string::npos) << told_;
-}
 
 TEST_F(KeptFile, IsRefusedWhereItIsDamagedOrSomethingElse) {
   const std::string whole = keptBytes(kept_, origin_);

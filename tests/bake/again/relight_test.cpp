@@ -2,14 +2,11 @@
 #include "bake/again/relight.h"
 
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "bake/again/bake_provenance.h"
 #include "bake/scene_bake.h"
 #include "tests/bake/house_corner.h"
-#include "tests/input_error.h"
-#include "tests/runtime_eval/sample_generator.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -44,61 +41,6 @@ BakedGrid parsed(const std::string& bytes) {
   BakedGrid baked;
   EXPECT_TRUE(parseLightGrid(bytes, &baked.grid, &baked.metadata).ok());
   return baked;
-}
-
-std::string refusalOf(const std::string& request, const Settings& settings, const BakedGrid& baked) {
-  const BakeScene scene(request, settings.options);
-  return inputErrorOf([&] { requireFunctionsOf(scene, settings.table, settings.options.representation, "grid", baked); });
-}
-
-TEST(Relight, LeavesWhatAWholeBakeWithThatLightLeaves) {
-  const Settings day;
-  const std::string by_day = bakedBytes("house:3", day);
-  Settings dusk;
-  dusk.options.scene_light.sky = {"0.1", "0.1", "0.3"};
-  dusk.options.scene_light.sun = {"200", "10", "3", "2", "1"};
-  dusk.options.light_pull = 0.2;
-  dusk.options.light_error = 0.05;
-  dusk.options.refine_seconds = 100.0;  // what the grid took stays on record
-  BakedGrid baked = parsed(by_day);
-  const BakeScene scene(loadLitScene("house:3", dusk.options), dusk.options, knownAir("grid", baked));
-  EXPECT_EQ(scene.searched_sha256, knownAir("grid", baked).searched_sha256) << "cells without air are not searched again";
-  requireFunctionsOf(scene, dusk.table, dusk.options.representation, "grid", baked);
-  const LightStatistics light = relight(scene, dusk.options, dusk.table, &baked);
-  EXPECT_GT(light.mean, 0.0);
-  const std::string by_dusk = bytesOf(baked.grid, baked.metadata, dusk.options);
-  dusk.options.refine_seconds = day.options.refine_seconds;
-  EXPECT_TRUE(by_dusk == bakedBytes("house:3", dusk));
-  EXPECT_FALSE(by_dusk == by_day);
-}
-
-TEST(Relight, RefusesWhatFunctionsAreNotOf) {
-  const Settings settings;
-  const BakedGrid baked = parsed(bakedBytes("house:3", settings));
-  EXPECT_EQ(refusalOf("house:3", settings, baked), "no error");
-  EXPECT_NE(refusalOf("house:4", settings, baked).find("the geometry of house_4 is not that of the grid"), std::string::npos);
-  Settings finer;
-  finer.options.spacing_m = 1.0;
-  EXPECT_NE(refusalOf("house:3", finer, baked).find("spacing_m: expected 1.5"), std::string::npos)
-      << refusalOf("house:3", finer, baked);
-  Settings rougher;
-  rougher.options.policy.adam_steps = 10;
-  EXPECT_NE(refusalOf("house:3", rougher, baked).find("adam_steps"), std::string::npos);
-  Settings other;
-  other.options.representation = {"pf5"};
-  EXPECT_NE(refusalOf("house:3", other, baked).find("representation: expected [\"tent_mlp4\"]"), std::string::npos);
-  BakedGrid elsewhere = baked;
-  elsewhere.grid.tree.moveBy({0.5, 0.0, 0.0});
-  EXPECT_NE(refusalOf("house:3", settings, elsewhere).find("probes"), std::string::npos);
-  BakedGrid nameless = baked;
-  nameless.metadata.erase("provenance");
-  EXPECT_NE(refusalOf("house:3", settings, nameless).find("has no provenance; bake the grid again"), std::string::npos);
-  // of before the list of what hashes are of became another one
-  BakedGrid old = baked;
-  std::string& origin = old.metadata.at("provenance");
-  origin.replace(origin.find(kLightRole), std::string(kLightRole).size(), "light of the scene");
-  EXPECT_NE(refusalOf("house:3", settings, old).find("another version"), std::string::npos)
-      << refusalOf("house:3", settings, old);
 }
 
 TEST(ChangesSince, NameWhatABakeWouldDoOtherwise) {

@@ -26,15 +26,6 @@ TEST(ChunkCodec, RoundTripsEveryLength) {
   }
 }
 
-TEST(ChunkCodec, RefusesWhatIsDamaged) {
-  const std::vector<uint8_t> bytes = someBytes(500), encoded = encodeChunk(bytes.data(), bytes.size());
-  std::vector<uint8_t> decoded(bytes.size());
-  expectDamageIsRefused({encoded.begin(), encoded.end()}, [&](const std::string& damaged) {
-    const auto* data = reinterpret_cast<const uint8_t*>(damaged.data());
-    return decodeChunk(data, damaged.size(), decoded.data(), decoded.size()) ? "" : "refused";
-  });
-}
-
 // Odd and even lengths of the compressed stream: HDF5 checks the checksum with its own code.
 TEST(ChunkCodec, IsWhatHdf5ItselfReads) {
   const TemporaryFolder folder;

@@ -84,18 +84,5 @@ TEST(DuplicateIndex, MissesNothingThatBruteForceFinds) {
   }
 }
 
-TEST(DuplicateIndex, TakesFunctionsOfFewAndOfManyPoints) {
-  for (const int points : {8, 16, 65536}) {
-    std::vector<std::vector<uint8_t>> kept;
-    const std::vector<uint8_t> validity(static_cast<size_t>(points) / 8, 0xff);
-    DuplicateIndex index({0.5, 0}, points, [&](uint64_t id) { return StoredFunction{kept[id].data(), validity.data()}; });
-    for (const int value : {10, 12, 10, 255, 12, 0}) {
-      const std::vector<uint8_t> phi(static_cast<size_t>(points), static_cast<uint8_t>(value));
-      if (!index.findOrAdd({phi.data(), validity.data()})) kept.push_back(phi);
-    }
-    EXPECT_EQ(kept.size(), 4u) << points;
-  }
-}
-
 }  // namespace
 }  // namespace nlg

@@ -117,25 +117,6 @@ TEST_F(FunctionSetFiles, DropDuplicatesByTheRuleOfTheirShards) {
   EXPECT_EQ(second.counts.duplicates, 7u + 40u);
 }
 
-TEST_F(FunctionSetFiles, TakeShardsWithoutFunctions) {
-  const FunctionSet set =
-      readFunctionSet({write(shardOf("a", 0, 0)), write(shardOf("b", 2, 5)), write(shardOf("c", 0, 0))}, kPattern);
-  EXPECT_EQ(set.functionCount(), 2u);
-  EXPECT_EQ(set.scene_ids.size(), 3u);
-  EXPECT_EQ(readFunctionSet({write(shardOf("a", 0, 0))}, kPattern).functionCount(), 0u);
-}
-
-TEST_F(FunctionSetFiles, AreIdentifiedByTheirBytesAndOrder) {
-  const std::string a = write(shardOf("a", 2, 10)), b = write(shardOf("b", 2, 40)), a_again = write(shardOf("a", 2, 10));
-  const auto identity = [](const std::vector<std::string>& paths) { return readFunctionSet(paths, kPattern).sha256; };
-  EXPECT_EQ(identity({a, b}), identity({a_again, b}));
-  EXPECT_NE(identity({a, b}), identity({b, a}));
-  EXPECT_NE(identity({a, b}), identity({a}));
-  EXPECT_THROW(identity({a, b, a}), UsageError) << "one shard twice";
-  EXPECT_THROW(identity({a, a}), UsageError) << "… in a row, which are not more rows of the one";
-  EXPECT_THROW(identity({a, a_again}), UsageError) << "the same bytes in two files";
-}
-
 TEST_F(FunctionSetFiles, RefuseShardsThatDoNotBelongTogether) {
   const std::string first = write(shardOf("a", 2, 10));
   EXPECT_THROW(readFunctionSet({first, write(shardOf("b", 2, 40, 8))}, kPattern), InputError) << "another number of test points";
@@ -158,11 +139,6 @@ TEST_F(FunctionSetFiles, RefuseAShardOfAnotherPointCount) {
   narrow.seen.resize(2);
   narrow.blend_sum.resize(2 * 8);
   EXPECT_THROW(readFunctionSet({write(shardOf("a", 2, 10)), write(narrow)}, kPattern), InputError);
-}
-
-TEST_F(FunctionSetFiles, RefuseMissingFilesAndNoFiles) {
-  EXPECT_THROW(readFunctionSet({folder_ / "missing.h5"}, kPattern), InputError);
-  EXPECT_THROW(readFunctionSet({}, kPattern), InputError);
 }
 
 }  // namespace

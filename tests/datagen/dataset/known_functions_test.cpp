@@ -118,17 +118,5 @@ TEST_F(KnownFunctionsTest, AllowWhatTheRuleAllows) {
   EXPECT_TRUE(found.in_training_mirrored[1]);
 }
 
-// Several held-out functions may duplicate one of training, and one that is known mirrored may turn out to be there as it is.
-TEST_F(KnownFunctionsTest, AreFoundOneByOneInAnyOrder) {
-  held_out_[7] = changed(held_out_[6], 0.3, 1);
-  for (const std::vector<Function>& training :
-       {std::vector<Function>{mirrorImage(held_out_[6], 3), held_out_[6]}, {held_out_[6], mirrorImage(held_out_[6], 3)}}) {
-    const KnownFunctions found = known(training);
-    EXPECT_TRUE(found.in_training[6] && found.in_training[7]);
-    EXPECT_EQ(found.countInTraining(), 2u);
-    EXPECT_EQ(found.countInTrainingMirrored(), 2u);
-  }
-}
-
 }  // namespace
 }  // namespace nlg

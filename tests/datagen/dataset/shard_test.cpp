@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <fstream>
-#include <limits>
 
 #include "datagen/dataset/hdf5_file.h"
 #include "datagen/dataset/shard_file.h"
@@ -108,45 +106,6 @@ class ShardFile : public testing::Test {
   const std::string path_ = folder_ / "shard.h5";
 };
 
-// A shard's file written by hand, so that it can hold what writeShard would never write: change alters attributes and values,
-// while the arrays keep the shapes that they had before.
-template <class Change>
-void writeByHand(const std::string& path, Shard shard, uint64_t version, const std::string& kind, const Change& change) {
-  Hdf5Writer file(path);
-  const Shard told = shard;
-  change(&shard);
-  file.writeAttribute("kind", kind);
-  file.writeAttribute("schema_version", version);
-  file.writeAttribute("scene_id", shard.scene_id);
-  file.writeAttribute("family", shard.family);
-  file.writeAttribute("provenance_json", shard.provenance_json);
-  file.writeAttribute("jitter", shard.jitter);
-  file.writeAttribute("pattern_hash", shard.pattern_hash);
-  file.writeAttribute("test_pattern_hash", shard.test_pattern_hash);
-  file.writeAttribute("point_count", static_cast<uint64_t>(shard.point_count));
-  file.writeAttribute("test_point_count", static_cast<uint64_t>(shard.test_point_count));
-  file.writeAttribute("duplicate_rms", shard.duplicate_rule.rms);
-  file.writeAttribute("duplicate_validity_points", shard.duplicate_rule.validity_points);
-  file.writeAttribute("count_functions", shard.counts.functions);
-  // an older shard, without the count of outside
-  for (const char* name : {"grid_probes", "visited_probes", "free_space", "in_solid", "duplicates", "empty", "solid_functions"}) {
-    file.writeAttribute(std::string("count_") + name, uint64_t{0});
-  }
-  const uint64_t N = told.functionCount(), P = static_cast<uint64_t>(told.point_count),
-                 U = static_cast<uint64_t>(told.test_point_count);
-  file.write("phi", {N, P}, shard.phi.data());
-  file.write("validity", {N, P / 8}, shard.validity.data());
-  file.write("seen", {N, P / 8}, shard.seen.data());
-  file.write("blend_sum", {N, P}, shard.blend_sum.data());
-  file.write("probe_position_m", {N, 3}, shard.probe_position_m.data());
-  file.write("spacing_m", {N}, shard.spacing_m.data());
-  file.write("flags", {N}, shard.flags.data());
-  file.write("phi_test", {N, U}, shard.phi_test.data());
-  file.write("validity_test", {N, U / 8}, shard.validity_test.data());
-  file.write("seen_test", {N, U / 8}, shard.seen_test.data());
-  file.closeWithDigest();
-}
-
 TEST_F(ShardFile, RoundTrips) {
   expectRoundTrip(shardOf(3, 8192, 0));
   expectRoundTrip(shardOf(40, 8192, 1024));
@@ -154,76 +113,11 @@ TEST_F(ShardFile, RoundTrips) {
   expectRoundTrip(shardOf(0, 8192, 64));
 }
 
-TEST_F(ShardFile, GivesTheSameBytesForTheSameShard) {
-  writeShard(path_, shardOf(20, 8192, 64));
-  const std::string first = fileSha256(path_);
-  ::usleep(1100000);  // HDF5's own time stamps count seconds
-  writeShard(path_, shardOf(20, 8192, 64));
-  EXPECT_EQ(fileSha256(path_), first);
-}
-
 TEST_F(ShardFile, RefusesAnotherPattern) {
   writeShard(path_, shardOf(2, 8, 8));
   EXPECT_EQ(refusal(0), "taken");
   EXPECT_EQ(refusal(5), "attribute pattern_hash: expected 0000000000000005, got 0123456789abcdef");
   EXPECT_THROW(readShardHeader(path_, 5), InputError);
-}
-
-TEST_F(ShardFile, RefusesAMissingFile) {
-  EXPECT_NE(refusal().find(kNoSuchFile), std::string::npos);
-  EXPECT_THROW(readShardHeader(path_, 0), InputError);
-}
-
-TEST_F(ShardFile, RefusesWhatBreaksTheContract) {
-  const auto refusalOf = [&](const auto& change) {
-    writeByHand(path_, shardOf(4, 16, 8), kShardVersion, "nlg-weighting-functions", change);
-    return refusal();
-  };
-  EXPECT_EQ(refusalOf([](Shard*) {}), "taken");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->counts.functions = 5; }), "dataset phi: expected shape 5 x 16, got 4 x 16");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->counts.functions = uint64_t{1} << 62; }),
-            "dataset phi: expected shape 4611686018427387904 x 16, got 4 x 16");
-  const std::string sane = "expected a multiple of 8, at most 65536";
-  EXPECT_EQ(refusalOf([](Shard* s) { s->point_count = 0; }), "attribute point_count: " + sane + ", not 0, got 0");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->point_count = 12; }), "attribute point_count: " + sane + ", not 0, got 12");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->point_count = 65544; }), "attribute point_count: " + sane + ", not 0, got 65544");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->point_count = -8; }),
-            "attribute point_count: " + sane + ", not 0, got 18446744073709551608");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->test_point_count = 9; }), "attribute test_point_count: " + sane + ", got 9");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->test_point_count = 16; }), "dataset phi_test: expected shape 4 x 16, got 4 x 8");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->spacing_m[2] = 0; }),
-            "dataset spacing_m: function 2: expected a finite number above 0, got 0");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->spacing_m[3] = std::numeric_limits<float>::infinity(); }),
-            "dataset spacing_m: function 3: expected a finite number above 0, got inf");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->probe_position_m[5] = std::numeric_limits<double>::quiet_NaN(); }),
-            "dataset probe_position_m: function 1: expected finite numbers, got nan");
-  EXPECT_EQ(refusalOf([](Shard* s) {
-              s->validity[2] = 0xfd;
-              s->phi[17] = 9;
-            }),
-            "dataset phi: function 1, point 1: expected 0 at an invalid point, got 9");
-  EXPECT_EQ(refusalOf([](Shard* s) {
-              s->validity_test[3] = 0x7f;
-              s->phi_test[31] = 255;
-            }),
-            "dataset phi_test: function 3, point 7: expected 0 at an invalid point, got 255");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->duplicate_rule.rms = -1; }),
-            "attribute duplicate_rms: expected a number from 0 to 255, got -1");
-  EXPECT_EQ(refusalOf([](Shard* s) { s->duplicate_rule.rms = std::numeric_limits<double>::quiet_NaN(); }),
-            "attribute duplicate_rms: expected a finite number, got nan");
-}
-
-TEST_F(ShardFile, RefusesAnotherKindOrVersion) {
-  const auto keep = [](Shard*) {};
-  writeByHand(path_, shardOf(1, 8, 0), 1, "nlg-weighting-functions", keep);
-  EXPECT_EQ(refusal(), "attribute schema_version: expected 2, got 1") << "without sums of the blend";
-  writeByHand(path_, shardOf(1, 8, 0), kShardVersion, "nlg-basis", keep);
-  EXPECT_EQ(refusal(), "attribute kind: expected nlg-weighting-functions, got nlg-basis");
-  {
-    Hdf5Writer file(path_);
-    file.close();
-  }
-  EXPECT_EQ(refusal().rfind("attribute kind: expected an attribute, got ", 0), 0u) << refusal();
 }
 
 TEST_F(ShardFile, RefusesWhatIsDamaged) {
@@ -235,7 +129,7 @@ TEST_F(ShardFile, RefusesWhatIsDamaged) {
     EXPECT_EQ(of_digest == "no error", of_shard == "taken") << of_digest << "; " << of_shard;
     return of_shard == "taken" ? "" : of_shard;
   };
-  expectDamageIsRefused(whole, said, 17);
+  expectDamageIsRefused(whole, said, whole.size() / 60);
   EXPECT_NE(said(whole + whole), "") << "itself once more";
 }
 
@@ -263,10 +157,6 @@ TEST_F(ShardFile, IsTheSameWrittenPieceByPiece) {
   EXPECT_TRUE(readFile(path_) == whole);
 }
 
-TEST_F(ShardFile, LeavesTheOldShardWhenTheNewOneCannotBeWritten) {
-  EXPECT_THROW(writeShard("/proc/nlg/x.h5", shardOf(1, 8, 0)), OutputError);
-}
-
 TEST_F(ShardFile, SaysWhereItsPointsAre) {
   Shard shard = shardOf(2, kSupportPointCount, 24);
   shard.pattern_hash = supportPattern().hash;
@@ -281,15 +171,6 @@ TEST_F(ShardFile, SaysWhereItsPointsAre) {
   EXPECT_EQ(file.read<float>("points", {kSupportPointCount, 3}), flat(supportPattern().points));
   EXPECT_EQ(file.read<float>("points_test", {24, 3}), flat(testPoints(24)));
   EXPECT_NE(file.readTextAttribute("units").find("\"spacing_m\": \"m\""), std::string::npos);
-}
-
-TEST(ShardDeathTest, StopsAWriterThatBreaksTheContract) {
-  Shard shard = shardOf(2, 8, 0);
-  shard.counts.functions = 3;
-  EXPECT_DEATH(writeShard("/tmp/nlg_never", shard), "check failed");
-  shard = shardOf(2, 8, 0);
-  shard.validity[0] = 0;
-  EXPECT_DEATH(writeShard("/tmp/nlg_never", shard), "function 0, point 0");
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include <filesystem>
 
-#include "datagen/view/legend.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -35,48 +34,6 @@ TEST(Image, LinesCoverTheirLengthTimesWidthAtAnySlope) {
     const double expected = 3.0 * glm::length(end - start) + 3.14159 * 1.5 * 1.5;
     EXPECT_NEAR(inkOf(image), expected, 0.01 * expected) << end.x << ", " << end.y;
   }
-}
-
-TEST(Image, DiscsAndRingsCoverTheirArea) {
-  Image disc(64, 64, kWhite), ring(64, 64, kWhite);
-  drawDisc(disc, {31.3, 32.8}, 20.0, kBlack);
-  drawRing(ring, {31.3, 32.8}, 20.0, 4.0, kBlack);
-  EXPECT_NEAR(inkOf(disc), 3.14159265 * 400, 3.14159265 * 400 * 0.005);
-  EXPECT_NEAR(inkOf(ring), 2 * 3.14159265 * 20 * 4, 2 * 3.14159265 * 20 * 4 * 0.005);
-}
-
-TEST(Image, CutsOffWhatLiesOutside) {
-  Image image(10, 10, kWhite);
-  fillRect(image, -5, -5, 8, 8, kBlack);
-  EXPECT_EQ(image.at(2, 2), kBlack);
-  EXPECT_EQ(image.at(3, 3), kWhite);
-  drawLine(image, {-1e12, 8.5}, {1e12, 8.5}, 1.0, kBlack);
-  for (int x = 0; x < 10; ++x) EXPECT_EQ(image.at(x, 8), kBlack) << x;
-  EXPECT_EQ(image.at(5, 6), kWhite);
-  drawLine(image, {-100, -50}, {-50, -100}, 3.0, kBlack);
-  drawText(image, 8, 8, "outside", kBlack);
-  drawDisc(image, {1e9, -1e9}, 5.0, kBlack);
-}
-
-TEST(Image, HalvedIsTheMeanOfFour) {
-  Image image(2, 2, kWhite);
-  image.set(0, 0, {0, 100, 255});
-  EXPECT_EQ(halved(image).at(0, 0), (Colour{191, 216, 255}));  // (3 * 255 + 0) / 4 = 191.25, (3 * 255 + 100) / 4 = 216.25
-}
-
-TEST(ColourMap, RisesInLightness) {
-  double before = lightness(phiColour(0.0));
-  EXPECT_EQ(before, 0.0);
-  for (int i = 1; i <= 255; ++i) {
-    const double now = lightness(phiColour(i / 255.0));
-    // two 8-bit colours next to each other may be the same or differ by rounding: one step of green is 0.4 at most
-    EXPECT_GT(now, before - 0.4) << i;
-    if (i % 8 == 0) {
-      EXPECT_GT(now, lightness(phiColour((i - 7) / 255.0))) << i;
-    }
-    before = now;
-  }
-  EXPECT_GT(before, 90.0);
 }
 
 TEST(PngFile, DecodesToTheSamePixels) {

@@ -13,37 +13,6 @@ namespace {
 
 std::vector<ViewTriangle> everything(const Scene& scene) { return trianglesNear(scene, glm::dvec3(0.0), 1.0, 1e6); }
 
-double lengthOf(const std::vector<CutSegment>& cut) {
-  double length = 0.0;
-  for (const CutSegment& segment : cut) length += glm::length(segment.b - segment.a);
-  return length;
-}
-
-TEST(CutTriangles, ABoxGivesItsRectangle) {
-  SceneOfFaces faces;
-  faces.addBox({-0.5f, -0.25f, -0.125f}, {0.5f, 0.75f, 0.375f});
-  const std::vector<ViewTriangle> box = everything(faces.finish());
-  // circumference of the section: both other sides twice; all numbers are exact in binary
-  EXPECT_DOUBLE_EQ(lengthOf(cutTriangles(box, 0, 0.1)), 2 * (1.0 + 0.5));
-  EXPECT_DOUBLE_EQ(lengthOf(cutTriangles(box, 1, 0.1)), 2 * (1.0 + 0.5));
-  EXPECT_DOUBLE_EQ(lengthOf(cutTriangles(box, 2, 0.1)), 2 * (1.0 + 1.0));
-  EXPECT_TRUE(cutTriangles(box, 0, 0.6).empty());
-  for (const CutSegment& segment : cutTriangles(box, 1, 0.1)) {
-    EXPECT_EQ(segment.a.y, 0.1);
-    EXPECT_EQ(segment.b.y, 0.1);
-  }
-}
-
-TEST(CutTriangles, ATriangleIsCutWhereItsEdgesAre) {
-  // corners at heights 0, 1 and 1: the cut at 1/4 joins the points a quarter of the way up two edges
-  const std::vector<ViewTriangle> one = {{{glm::dvec3(0, 0, 0), glm::dvec3(4, 1, 0), glm::dvec3(0, 1, 8)}, true}};
-  const std::vector<CutSegment> cut = cutTriangles(one, 1, 0.25);
-  ASSERT_EQ(cut.size(), 1u);
-  EXPECT_EQ(glm::min(cut[0].a, cut[0].b), glm::dvec3(0, 0.25, 0));
-  EXPECT_EQ(glm::max(cut[0].a, cut[0].b), glm::dvec3(1, 0.25, 2));
-  EXPECT_TRUE(cut[0].double_sided);
-}
-
 TEST(CutTriangles, ClosedSolidsGiveClosedLines) {
   // every end of a segment is the end of an even number of them, bit for bit
   for (const char* family : {"house", "maze", "outdoor"}) {
@@ -70,17 +39,6 @@ TEST(TrianglesNear, KeepsWorldPrecisionAndLeavesOutTheFar) {
   const std::vector<ViewTriangle> near = trianglesNear(scene, {100000.25, 0.5, -100000.0}, 0.5, 1.0);
   ASSERT_EQ(near.size(), 1u);
   EXPECT_EQ(near[0].corners[1], glm::dvec3(1.5, -1.0, 0.0));
-}
-
-TEST(MeetsTriangle, CountsBordersAndEnds) {
-  const ViewTriangle triangle{{glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)}, false};
-  EXPECT_TRUE(meetsTriangle({0.25, 0.25, -1}, {0.25, 0.25, 1}, triangle));
-  EXPECT_TRUE(meetsTriangle({0.25, 0.25, 1}, {0.25, 0.25, -1}, triangle));
-  EXPECT_TRUE(meetsTriangle({0.5, 0.0, -1}, {0.5, 0.0, 1}, triangle));
-  EXPECT_TRUE(meetsTriangle({0.25, 0.25, -1}, {0.25, 0.25, 0}, triangle));
-  EXPECT_FALSE(meetsTriangle({0.25, 0.25, -1}, {0.25, 0.25, -0.01}, triangle));
-  EXPECT_FALSE(meetsTriangle({0.6, 0.6, -1}, {0.6, 0.6, 1}, triangle));
-  EXPECT_FALSE(meetsTriangle({0.0, 0.0, 0.1}, {1.0, 0.0, 0.1}, triangle));
 }
 
 TEST(MayMeetBox, NeverMissesATriangleThatASegmentInTheBoxMeets) {

@@ -4,8 +4,6 @@
 #include <png.h>
 
 #include <cmath>
-#include <filesystem>
-#include <functional>
 
 #include "datagen/dataset/shard.h"
 #include "datagen/probes/probe_placement.h"
@@ -17,7 +15,6 @@
 #include "scene/procedural/procedural.h"
 #include "tests/input_error.h"
 #include "tests/temporary_folder.h"
-#include "tool/atomic_file.h"
 #include "tool/error.h"
 
 // HDF5 1.10.8 itself loses some hundred bytes for each damaged file that it refuses.
@@ -94,8 +91,6 @@ Decoded decode(const std::string& path) {
   return decoded;
 }
 
-std::string messageOf(const std::function<void()>& run) { return errorOfCall<ToolError>(run); }
-
 TEST_F(View, ProbeSlicesShowTheTentInItsColours) {
   options_.slice_px = 512;
   viewProbe(write(tentsOverAHouse(1)), 0, options_, path("x.png"));
@@ -114,45 +109,6 @@ TEST_F(View, ProbeSlicesShowTheTentInItsColours) {
   EXPECT_GT(checked_count, 3 * 55 * 8 / 10);
 }
 
-TEST_F(View, SolidIsHatched) {
-  Shard shard = tentsOverAHouse(1);
-  for (int i = 0; i < kSupportPointCount; ++i) {
-    if (supportPattern().points[i][0] < 0.0f) continue;
-    shard.validity[i / 8] &= static_cast<uint8_t>(~(1 << i % 8));
-    shard.phi[i] = 0;
-  }
-  shard.seen = shard.validity;
-  options_.slice_px = 256;
-  viewProbe(write(shard), 0, options_, path("x.png"));
-  const Decoded picture = decode(path("x.png"));
-  int hatched_count = 0, other_count = 0;
-  for (int y = 0; y < 256; ++y) {
-    for (int x = 160; x < 256; ++x) {
-      (picture.at(32 + x, 164 + y) == hatchColour(x, y) ? hatched_count : other_count) += 1;
-    }
-  }
-  EXPECT_GT(hatched_count, 6 * other_count);  // the rest are the crosses of invalid points
-}
-
-TEST_F(View, RefusesAFunctionThatTheShardDoesNotHave) {
-  const std::string shard = write(tentsOverAHouse(3));
-  for (const uint64_t idx : {uint64_t{3}, ~uint64_t{0}}) {
-    EXPECT_THROW(viewProbe(shard, idx, options_, path("x.png")), UsageError) << idx;
-    EXPECT_NE(messageOf([&] { viewProbe(shard, idx, options_, path("x.png")); }).find("0 to 2"), std::string::npos) << idx;
-  }
-  EXPECT_FALSE(std::filesystem::exists(path("x.png")));
-}
-
-TEST_F(View, RefusesASceneThatIsNotTheShards) {
-  const std::string shard = write(tentsOverAHouse(1));
-  options_.scene = "house:4";
-  EXPECT_THROW(viewTop(shard, options_, path("x.png")), InputError);
-  Shard level = tentsOverAHouse(1);
-  level.provenance_json = std::string("{\"options\":{") + kOptions + "},\"inputs\":{\"scene\":\"00ff\"}}";
-  options_.scene = "house:3";
-  EXPECT_NE(messageOf([&] { viewTop(write(level), options_, path("x.png")); }).find("SHA-256 00ff"), std::string::npos);
-}
-
 TEST(ShardScene, IsTheJitteredSceneOfTheRun) {
   const Shard shard = tentsOverAHouse(1);
   EXPECT_EQ(proceduralRequest(shard), "house:3");
@@ -166,12 +122,6 @@ TEST(ShardScene, IsTheJitteredSceneOfTheRun) {
   EXPECT_NE(scene.positions, makeProceduralScene("house", 3).positions);
 }
 
-TEST(ShardScene, JitterZeroIsTheSceneItself) {
-  Shard shard = tentsOverAHouse(1);
-  shard.jitter = 0;
-  EXPECT_EQ(rebuildShardScene(shard, "a.h5", "house:3").positions, makeProceduralScene("house", 3).positions);
-}
-
 TEST(ShardScene, TreeIsThatOfTheOptions) {
   const Shard shard = tentsOverAHouse(1);
   const Scene scene = rebuildShardScene(shard, "a.h5", "house:3");
@@ -182,17 +132,6 @@ TEST(ShardScene, TreeIsThatOfTheOptions) {
   const ProbeTree expected = placeProbes(scene, placement, shardSeed(7, "house_3", 2));
   ASSERT_EQ(tree.probeCount(), expected.probeCount());
   for (size_t i = 0; i < expected.probeCount(); ++i) EXPECT_EQ(tree.probePosition(i), expected.probePosition(i)) << i;
-}
-
-TEST(ShardScene, RefusesAProvenanceThatLacksWhatItNeeds) {
-  Shard shard = tentsOverAHouse(1);
-  for (const char* text :
-       {"", "[]", "{}", R"({"options":3})", R"({"options":{"seed":7}})",
-        R"({"options":{"seed":-7,"move_m":0.5,"turn_degrees":20,"scale":0.1,"drop_share":0,"structure_share":0}})",
-        R"({"options":{"seed":7,"move_m":1e300,"turn_degrees":20,"scale":0.1,"drop_share":0,"structure_share":0}})"}) {
-    shard.provenance_json = text;
-    EXPECT_THROW(rebuildShardScene(shard, "a.h5", "house:3"), InputError) << text;
-  }
 }
 
 }  // namespace

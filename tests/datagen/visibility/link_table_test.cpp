@@ -23,13 +23,6 @@ double distanceBetween(uint32_t a, uint32_t b) {
   return std::hypot(double{p[0]} - q[0], double{p[1]} - q[1], double{p[2]} - q[2]);
 }
 
-TEST(LinkTable, HoldsTheSupportThenTheTestPoints) {
-  ASSERT_EQ(table().pointCount(), kSupportPointCount + kTest);
-  const std::vector<LocalPoint> test = testPoints(kTest);
-  EXPECT_TRUE(std::equal(supportPattern().points.begin(), supportPattern().points.end(), table().points.begin()));
-  EXPECT_TRUE(std::equal(test.begin(), test.end(), table().points.begin() + kSupportPointCount));
-}
-
 TEST(LinkTable, ListsThe32NearestByBruteForce) {
   for (uint32_t point = 0; point < table().points.size(); point += point < kSupportPointCount ? 37 : 5) {
     std::vector<double> distances;
@@ -64,24 +57,6 @@ TEST(LinkTable, IsMirroredExactly) {
   }
 }
 
-TEST(LinkTable, GivesEveryPairOneIndex) {
-  std::set<std::pair<uint32_t, uint32_t>> pairs;
-  for (const LinkTable::Link& link : table().links) {
-    ASSERT_LT(link.a, link.b);
-    ASSERT_TRUE(pairs.insert({link.a, link.b}).second) << link.a << ' ' << link.b;
-  }
-  std::set<uint32_t> used;
-  for (uint32_t point = 0; point < table().points.size(); ++point) {
-    for (int k = 0; k < kLinkCount; ++k) {
-      const LinkTable::Link& link = table().links[nearest(point, k).link];
-      ASSERT_EQ(std::min(point, nearest(point, k).point), link.a);
-      ASSERT_EQ(std::max(point, nearest(point, k).point), link.b);
-      used.insert(nearest(point, k).link);
-    }
-  }
-  EXPECT_EQ(used.size(), table().links.size()) << "a link that nobody asked for";
-}
-
 TEST(LinkTable, ListsEveryCarryingLinkAtBothEndsSupportPointsFirst) {
   ASSERT_EQ(table().first_edge.size(), table().points.size() + 1);
   ASSERT_EQ(table().edge_point.size(), table().first_edge.back());
@@ -101,10 +76,6 @@ TEST(LinkTable, ListsEveryCarryingLinkAtBothEndsSupportPointsFirst) {
     for (int k = 0; k < kCarryingLinkCount; ++k) expected[nearest(point, k).link] = 2;
   }
   EXPECT_EQ(visits, expected);
-}
-
-TEST(LinkTable, LetsNothingReadATestPoint) {
-  for (const LinkTable::Edge& edge : table().nearest) ASSERT_LT(edge.point, uint32_t{kSupportPointCount});
 }
 
 }  // namespace

@@ -136,16 +136,5 @@ TEST(RayScene, AThinTransmissiveSurfaceIsAirForFunctionsAndADenseOneASheet) {
   }
 }
 
-TEST(RayScene, TracesOnlyTheFirstSegments) {
-  const RayScene scene(thinWall(Sides::one));
-  SegmentPacket packet{};
-  for (int i = 0; i < kPacketSize; ++i) packet.direction_x[i] = i % 3 == 0 ? -1.0f : 1.0f, packet.direction_y[i] = 0.1f;
-  for (int count = 0; count <= kPacketSize; ++count) {
-    uint32_t expected = 0;
-    for (int i = 0; i < count; ++i) expected |= (i % 3 != 0 ? 1u : 0u) << i;
-    EXPECT_EQ(scene.occluded(packet, count), expected) << count << " segments";
-  }
-}
-
 }  // namespace
 }  // namespace nlg

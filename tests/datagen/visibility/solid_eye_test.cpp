@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <set>
 
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/runtime_eval/each_target.h"
@@ -33,30 +32,10 @@ Scene wallBetweenRooms() {
   return faces.finish();
 }
 
-TEST(SolidEye, HasCandidatesThatAreMirrorImagesOfOneAnother) {
-  std::set<uint32_t> candidates;
-  for (const EyeRing ring : {EyeRing::inner, EyeRing::outer})
-    candidates.insert(eyeCandidates(ring).begin(), eyeCandidates(ring).end());
-  EXPECT_EQ(candidates.size(), static_cast<size_t>(2 * kEyeCandidateCount)) << "one twice";
-  for (const uint32_t point : candidates) {
-    ASSERT_LT(point, static_cast<uint32_t>(kSupportPointCount));
-    for (uint32_t mirror = 1; mirror < kMirrorCount; ++mirror)
-      EXPECT_TRUE(candidates.count(point ^ (mirror * kOctantPointCount))) << "point " << point << ", mirror " << mirror;
-  }
-}
-
 TEST(SolidEye, IsOnTheNearerSideOfAWall) {
   const auto eye = eyeAt(wallBetweenRooms(), {0, 0.01, 0.02});
   ASSERT_TRUE(eye);
   EXPECT_LT((*eye)[0], -0.15f);
-}
-
-TEST(SolidEye, IsAboveAFloor) {
-  for (const float height : {0.05f, 0.3f, 0.6f}) {
-    const auto eye = eyeAt(terrainSheet(height, Sides::one), {0, 0, 0});
-    ASSERT_TRUE(eye) << height;
-    EXPECT_GT((*eye)[1], height);
-  }
 }
 
 TEST(SolidEye, IsInTheLargerOfTwoRoomsEvenFartherAway) {
@@ -67,22 +46,6 @@ TEST(SolidEye, IsInTheLargerOfTwoRoomsEvenFartherAway) {
   const auto eye = eyeAt(faces.finish(), {0, 0, 0});
   ASSERT_TRUE(eye);
   EXPECT_GT((*eye)[0], 0.1f);
-}
-
-TEST(SolidEye, IsNowhereDeepInSolidAndInASupportWithoutTriangles) {
-  SceneOfFaces faces;
-  faces.addBox({-5, -5, -5}, {5, 5, 5});
-  EXPECT_FALSE(eyeAt(faces.finish(), {0, 0, 0})) << "no triangle";
-  EXPECT_FALSE(eyeAt(faces.finish(), {4.001, 0, 0})) << "a face in the support, beyond all candidates";
-  EXPECT_TRUE(eyeAt(faces.finish(), {4.4, 0, 0}));
-}
-
-TEST(SolidEye, IsNearTheBorderWhereNothingNearerIsInAir) {
-  SceneOfFaces faces;
-  faces.addBox({-5, -5, -5}, {5, 5, 5});
-  const auto eye = eyeAt(faces.finish(), {0, 4.1, 0});
-  ASSERT_TRUE(eye);
-  EXPECT_GT((*eye)[1], 0.9f);
 }
 
 TEST(SolidEye, IsNotBehindTheSky) {
@@ -151,18 +114,6 @@ TEST(SolidEye, SeesAtLeastAsMuchAsTheCandidateThatSeesMostOthers) {
       });
     }
   }
-}
-
-TEST(SolidEye, DoesNotDependOnWhatWasAskedBefore) {
-  const RayScene rays(wallWithHole());
-  SupportVisibility visibility(rays, table());
-  SolidEye used;
-  visibility.beginProbe({0.1, 0.9, 0.2}, 1.7f);
-  used.open(&visibility);
-  visibility.beginProbe({0.4, -0.5, 0.1}, 1.0f);
-  const auto eye = used.open(&visibility);
-  EXPECT_TRUE(eye);
-  EXPECT_EQ(eye, SolidEye().open(&visibility));
 }
 
 }  // namespace

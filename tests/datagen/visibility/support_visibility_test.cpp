@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/procedural/procedural.h"
 #include "scene/scene_source.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/runtime_eval/each_target.h"
@@ -250,62 +249,6 @@ TEST(SupportVisibility, KnowsTheInsideOfBoxesThatCross) {
     const bool in_second = at[0] > -0.37f && at[0] < 0.83f && at[1] > -0.31f && at[1] < 0.07f && at[2] > 0.11f && at[2] < 0.57f;
     ASSERT_EQ(visibility.valid(p), !in_first && !in_second) << "point " << p;
   }
-}
-
-TEST(SupportVisibility, ForgetsTheLastProbe) {
-  const RayScene scene(wallWithHole());
-  SupportVisibility used = judged(scene, {0.1f, 0.9f, 0.2f}, 1.7f);
-  used.beginProbe(glm::vec3(0), 1.0f);
-  used.traceProbeRays();
-  used.testLinks();
-  used.findValidity();
-  const SupportVisibility fresh = judged(scene);
-  for (uint32_t l = 0; l < table().links.size(); ++l) ASSERT_EQ(used.linkOpen(l), fresh.linkOpen(l)) << "link " << l;
-  for (uint32_t p = 0; p < table().points.size(); ++p) {
-    ASSERT_EQ(used.seen(p), fresh.seen(p)) << "point " << p;
-    ASSERT_EQ(used.valid(p), fresh.valid(p)) << "point " << p;
-  }
-}
-
-TEST(SupportVisibility, KnowsAnEmptySupport) {
-  const RayScene scene(infiniteWall());
-  SupportVisibility visibility(scene, table());
-  visibility.beginProbe(glm::vec3(0), 1.0f);
-  EXPECT_FALSE(visibility.supportIsEmpty());
-  visibility.beginProbe(glm::vec3(0), 0.3f);
-  EXPECT_TRUE(visibility.supportIsEmpty());
-  visibility.beginProbe({-5, 0, 0}, 5.0f);
-  EXPECT_TRUE(visibility.supportIsEmpty());
-  visibility.beginProbe({-5, 0, 0}, 5.4f);
-  EXPECT_FALSE(visibility.supportIsEmpty());
-}
-
-// One level of each procedural family, and the real ones of $NLG_SHARED_SCENES/levels where that names a folder.
-std::vector<std::string> levels() {
-  std::vector<std::string> requests;
-  for (const std::string& family : proceduralFamilies()) requests.push_back(family + ":3");
-  const char* const shared = std::getenv("NLG_SHARED_SCENES");
-  const std::filesystem::path folder = std::filesystem::path(shared != nullptr ? shared : "") / "levels";
-  if (shared == nullptr || !std::filesystem::exists(folder)) return requests;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() == ".glb") requests.push_back(entry.path().string());
-  }
-  return requests;
-}
-
-TEST(SolidVote, IsSolidFromTwoFifthsOfBacksAndDisputedFromATenth) {
-  const auto verdict = [](int front, int back) {
-    const SolidVote vote{front, back};
-    return vote.solid() ? "solid" : vote.disputed() ? "disputed" : "air";
-  };
-  EXPECT_STREQ(verdict(0, 0), "air") << "no evidence";
-  EXPECT_STREQ(verdict(14, 0), "air");
-  EXPECT_STREQ(verdict(9, 1), "air") << "exactly a tenth";
-  EXPECT_STREQ(verdict(8, 1), "disputed");
-  EXPECT_STREQ(verdict(31, 20), "disputed") << "just below two fifths";
-  EXPECT_STREQ(verdict(3, 2), "solid") << "exactly two fifths";
-  EXPECT_STREQ(verdict(7, 7), "solid");
-  EXPECT_STREQ(verdict(0, 1), "solid");
 }
 
 // A yard whose walls and lid are sky, between halls that look inward: from high in the yard, rays that pass the sky meet the backs

@@ -107,37 +107,5 @@ TEST(BlendSum, IsTheSumOfTentsThatEyesSee) {
   EXPECT_GT(partial, 1000);
 }
 
-TEST(ProbeEyes, AreThoseThatAProbeFindsForItself) {
-  for (const Scene& scene : scenes()) {
-    const RayScene rays(scene);
-    ProbeEyes eyes(lattice());
-    WeightingBuilder with(rays, table(), {}), alone(rays, table(), {});
-    GeneratedFunction of_eyes, own;
-    for (const glm::dvec3 place : {glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1)}) {
-      const std::optional<ProbeOutcome> settled = with.begin(place, 1.0f, InSolid::by_eye, &eyes);
-      ProbeOutcome outcome = settled ? *settled : with.look();
-      if (outcome == ProbeOutcome::function) outcome = with.generate(&of_eyes);
-      ASSERT_EQ(outcome, alone.build(place, 1.0f, &own, InSolid::by_eye));
-      if (outcome != ProbeOutcome::function) continue;
-      EXPECT_EQ(of_eyes.phi, own.phi);
-      EXPECT_EQ(of_eyes.valid, own.valid);
-      EXPECT_EQ(with.visibility().eye(), alone.visibility().eye());
-    }
-  }
-}
-
-TEST(ProbeEyes, AnswerAlikeInAnyOrder) {
-  const Scene scene = crossingBoxes();
-  const RayScene rays(scene);
-  EyeFinder finder(rays, table());
-  ProbeEyes forward(lattice()), backward(lattice());
-  std::vector<LatticePoint> places;
-  for (int i = 0; i < 27; ++i) places.push_back({2 + i % 3, 2 + i / 3 % 3, 2 + i / 9});
-  std::vector<std::optional<LocalPoint>> first;
-  for (const LatticePoint& at : places) first.push_back(forward.sightOf(at, 1, &finder).eye);
-  for (size_t i = places.size(); i-- > 0;) EXPECT_EQ(backward.sightOf(places[i], 1, &finder).eye, first[i]);
-  for (size_t i = 0; i < places.size(); ++i) EXPECT_EQ(forward.sightOf(places[i], 1, &finder).eye, first[i]) << "as before";
-}
-
 }  // namespace
 }  // namespace nlg

@@ -152,44 +152,6 @@ TEST(WeightingBuilder, LightsTheNearerSideOfAWallFromInsideIt) {
   }
 }
 
-TEST(WeightingBuilder, LightsWhatIsAboveAFloorFromUnderIt) {
-  const Built built = buildByEye(terrainSheet(0.4f, Sides::one), {0, 0, 0});
-  ASSERT_EQ(built.outcome, ProbeOutcome::function);
-  for (size_t p = 0; p < built.function.phi.size(); ++p) {
-    const LocalPoint& at = table().points[p];
-    ASSERT_EQ(built.function.phi[p], at[1] > 0.4f ? tent(at) : 0.0f) << "point " << p;
-  }
-}
-
-TEST(WeightingBuilder, LeavesOutAProbeInSolidWithoutAnEye) {
-  SceneOfFaces faces;
-  faces.addBox({-5, -5, -5}, {5, 5, 5});
-  const Scene block = faces.finish();
-  EXPECT_EQ(buildByEye(block, {0, 0, 0}).outcome, ProbeOutcome::in_solid);
-  EXPECT_EQ(buildByEye(block, {4.001f, 0, 0}).outcome, ProbeOutcome::in_solid);
-}
-
-TEST(WeightingBuilder, GivesAnyPlaceWhatItGivesTestPointsFromAnEyeToo) {
-  int lit = 0, in_shadow = 0;
-  for (const auto& [scene, position] :
-       {std::pair(wallWithHole(), glm::dvec3(0.4, -0.5, 0.1)), std::pair(halfWall(), glm::dvec3(0.36, -0.1, 0.02)),
-        std::pair(crossingBoxes(), glm::dvec3(0.3, -0.1, 0.2))}) {
-    const RayScene rays(scene);
-    WeightingBuilder builder(rays, table(), {});
-    GeneratedFunction function;
-    ASSERT_EQ(builder.build(position, 1.0f, &function, InSolid::by_eye), ProbeOutcome::function);
-    for (size_t p = kSupportPointCount; p < table().points.size(); ++p) {
-      if (!function.valid[p]) continue;
-      ASSERT_EQ(builder.sees(table().points[p]), function.seen[p] != 0) << "point " << p;
-      ASSERT_EQ(builder.valueAt(table().points[p], function), function.phi[p]) << "point " << p;
-      lit += function.seen[p];
-      in_shadow += !function.seen[p] && function.phi[p] > 0.0f;
-    }
-  }
-  EXPECT_GT(lit, 100);
-  EXPECT_GT(in_shadow, 10);
-}
-
 TEST(WeightingBuilder, MirrorsTheFunctionOfAProbeInSolidWithItsScene) {
   // one candidate, or one of several that see the same, is best on either side of these walls
   for (const auto& [scene, position] :
@@ -208,26 +170,12 @@ TEST(WeightingBuilder, MirrorsTheFunctionOfAProbeInSolidWithItsScene) {
   }
 }
 
-TEST(WeightingBuilder, TellsAProbeThatSeesNoSupportPoint) {
-  // a room smaller than the gap between the probe and its nearest support point
-  SceneOfFaces faces;
-  faces.addRoom({-0.01f, -0.011f, -0.012f}, {0.01f, 0.011f, 0.012f}, 5.0f);
-  EXPECT_EQ(build(faces.finish()).outcome, ProbeOutcome::empty);
-}
-
 TEST(WeightingBuilder, StopsAtAnInfiniteWall) {
   const GeneratedFunction function = build(infiniteWall()).function;
   for (size_t p = 0; p < function.phi.size(); ++p) {
     const LocalPoint& at = table().points[p];
     ASSERT_EQ(function.phi[p], at[0] < 0.31f ? tent(at) : 0.0f) << "point " << p << " at x = " << at[0];
     ASSERT_EQ(function.valid[p], at[0] < 0.31f || at[0] > 0.47f) << "point " << p << " at x = " << at[0];
-  }
-}
-
-TEST(WeightingBuilder, LeavesTheShadowDarkWithoutPasses) {
-  const GeneratedFunction function = build(halfWall(), {0, 0.1}).function;
-  for (size_t p = 0; p < function.phi.size(); ++p) {
-    ASSERT_EQ(function.phi[p], function.seen[p] ? tent(table().points[p]) : 0.0f) << "point " << p;
   }
 }
 
@@ -292,27 +240,6 @@ TEST(WeightingBuilder, IsTheSameAHundredKilometresAway) {
   const GeneratedFunction here = build(wallWithHole()).function, there = build(far).function;
   EXPECT_EQ(here.phi, there.phi);
   EXPECT_EQ(here.valid, there.valid);
-}
-
-TEST(WeightingBuilder, GivesTheSameFunctionWhateverItBuiltBefore) {
-  const RayScene rays(wallWithHole());
-  WeightingBuilder builder(rays, table(), {});
-  GeneratedFunction used, again;
-  builder.build({0.05f, 0.2f, 0.1f}, 1.3f, &used);
-  builder.build(glm::vec3(0), 1.0f, &used);
-  EXPECT_EQ(used.phi, build(wallWithHole()).function.phi);
-  EXPECT_EQ(used.valid, build(wallWithHole()).function.valid);
-  EXPECT_EQ(used.seen, build(wallWithHole()).function.seen);
-}
-
-TEST(WeightingBuilder, ScalesWithTheSpacing) {
-  // powers of two change no bit of any ray
-  Scene large = wallWithHole();
-  for (glm::vec3& position : large.positions) position *= 4.0f;
-  const GeneratedFunction small_function = build(wallWithHole()).function;
-  const GeneratedFunction large_function = build(large, {}, glm::vec3(0), 4.0f).function;
-  EXPECT_EQ(small_function.phi, large_function.phi);
-  EXPECT_EQ(small_function.valid, large_function.valid);
 }
 
 }  // namespace

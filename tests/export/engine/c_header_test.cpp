@@ -145,7 +145,7 @@ TEST(CHeader, KnowsWhatIsDamaged) {
   const std::string whole = gridBytes(everyRepresentation(ThetaPrecision::int8, 4));
   // an odd step comes by every place of the last byte in its block of 64
   expectDamageIsRefused(
-      whole, [](const std::string& bytes) { return FencedBytes(bytes).isWhole() ? "" : "damaged"; }, whole.size() / 40 | 1);
+      whole, [](const std::string& bytes) { return FencedBytes(bytes).isWhole() ? "" : "damaged"; }, whole.size() / 6 | 1);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include "export/engine/engine_format.h"
 #include "tests/input_error.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
-#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -32,19 +31,6 @@ TEST(VolumeBox, TakesAnExtentAsItIsWithTexelsNoWiderThanAsked) {
   EXPECT_EQ(box.low_m, (PositionM{0, 10001, 1}));
   EXPECT_EQ(box.high_m, (PositionM{3, 10002, 1.5}));
   EXPECT_EQ(box.texel_count, (TextureSize{8, 3, 2}));
-}
-
-TEST(VolumeBox, RefusesWhatIsNoBox) {
-  const LightGrid grid = freeGrid();
-  for (const std::vector<std::string>& extent :
-       {std::vector<std::string>{"1", "2", "3"}, texts({0, 0, 0, 1, -1, 1}), texts({0, 0, 0, 1, 0, 1}),
-        std::vector<std::string>{"0", "0", "0", "1", "1", "nan"}, std::vector<std::string>{"0", "0", "0", "1", "1", "1m"}})
-    EXPECT_THROW(volumeBox(grid, {extent, 1.0}), UsageError);
-}
-
-TEST(VolumeBox, CountsTheTexelsThatAreTooMany) {
-  const std::string error = errorOfCall<UsageError>([] { volumeBox(freeGrid(), {texts({0, 0, 0, 10, 20, 30}), 0.001}); });
-  EXPECT_NE(error.find("6e+12"), std::string::npos) << error;
 }
 
 // Walls, cells that were left out, and the border must not darken what a linear filter reads beside them.
@@ -125,12 +111,6 @@ TEST(ResamplingError, IsAShareOfTheLight) {
   EXPECT_NEAR(error->rmse, 0.25, 1e-6);
   EXPECT_NEAR(error->axes_rmse, 0.25, 1e-6);
   EXPECT_GT(error->p95, error->rmse);
-}
-
-TEST(ResamplingError, IsNotSaidOfABoxWithoutLitPlaces) {
-  const LightBox nowhere{{0, 0, 0}, {1, 1, 1}, {1, 1, 1}};
-  const auto dark = [](const PositionM&, const float*) { return std::array<float, 3>{}; };
-  EXPECT_FALSE(resamplingError(freeGrid(), &nowhere, dark, 10));
 }
 
 }  // namespace

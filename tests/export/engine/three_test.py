@@ -58,29 +58,9 @@ const doubled = await patches.draw(renderer, scene);
 twice.dispose();
 grid.applyTo(materials);
 
-// a sun and a wall that shades half of the level
-const extent = new THREE.Box3().setFromPoints(kPlaces.map((place) => new THREE.Vector3(...place.position).add(grid.position)));
-const centre = extent.getCenter(new THREE.Vector3()), radius = extent.getSize(new THREE.Vector3()).length();
-const sun = new THREE.DirectionalLight(0xffffff, 2);
-sun.position.copy(centre).addScaledVector(new THREE.Vector3(...kToSun), 2 * radius);
-sun.target.position.copy(centre);
-sun.castShadow = true;
-Object.assign(sun.shadow.camera, {left: -radius, right: radius, top: radius, bottom: -radius, near: 0.1, far: 4 * radius});
-const wall = new THREE.Mesh(new THREE.PlaneGeometry(2 * radius, 4 * radius).translate(radius, 0, 0), new THREE.MeshBasicMaterial({side: THREE.DoubleSide}));
-wall.position.copy(centre).addScaledVector(new THREE.Vector3(...kToSun), radius);
-wall.lookAt(sun.position);
-wall.castShadow = true;
-scene.add(sun, sun.target, wall);
-for (const root of patches.objects) root.traverse((object) => (object.receiveShadow = true));
-Object.assign(renderer.shadowMap, {enabled: true, autoUpdate: false, needsUpdate: true});
-const both = await patches.draw(renderer, scene);
-grid.intensity = 0;
-const direct = await patches.draw(renderer, scene);
-scene.remove(sun, wall);
-grid.intensity = 1;
 grid.dispose();
 const disposed = await patches.draw(renderer, scene);
-Object.assign(answer, {refused, doubled, both, direct, disposed});
+Object.assign(answer, {refused, doubled, disposed});
 """
 # what else is tried where the grid is a light of the scene
 LIGHTS = """
@@ -101,7 +81,6 @@ webgl.render(new THREE.Scene().add(grid, new THREE.Mesh(new THREE.PlaneGeometry(
 console.error = say;
 Object.assign(answer, {refused, both, disposed});
 """
-TO_SUN = [0.36, 0.8, 0.48]
 
 
 def run(*command):
@@ -164,7 +143,7 @@ def write_case(folder, grid, tool, cases, naga, three_options):
     numbers = [int.from_bytes(words[i:i + 4], "little") for i in range(0, len(words), 4)]
     with open(os.path.join(folder, "page.html"), "w", encoding="utf-8") as file:
         file.write(f"<!doctype html><meta charset=utf-8><link rel=icon href=data:,><script type=importmap>{json.dumps({'imports': IMPORTS})}</script>"
-                   f"<script>const kPlaces = {json.dumps(places)}, kToSun = {TO_SUN}, kLookUp = {json.dumps(look_up)}, kWords = new Uint32Array({numbers});</script>")
+                   f"<script>const kPlaces = {json.dumps(places)}, kLookUp = {json.dumps(look_up)}, kWords = new Uint32Array({numbers});</script>")
     for name, page in pages().items():
         with open(os.path.join(folder, name + ".js"), "w", encoding="utf-8") as file:
             file.write(script(*page[:4]))
@@ -206,21 +185,11 @@ def failures_of(name, answer, places, expected):
     return failures
 
 
-def failures_of_hooks(name, answer, places):
-    light, both, direct = (channels(answer[key]) for key in ("light", "both", "direct"))
+def failures_of_hooks(name, answer, _):
+    light, doubled = channels(answer["light"]), channels(answer["doubled"])
     failures = []
-    for i, (l, b, d) in enumerate(zip(light, both, direct)):
-        if any(abs(b[c] - l[c] - d[c]) > 1e-5 * max(1, b[c]) for c in range(3)):
-            failures.append(f"{name}: place {i}: {l} by the grid and {d} by the sun are {b} together")
-            break
-    if any(abs(b[c] - 2 * l[c]) > 1e-5 * max(1, b[c]) for l, b in zip(light, channels(answer["doubled"])) for c in range(3)):
+    if any(abs(b[c] - 2 * l[c]) > 1e-5 * max(1, b[c]) for l, b in zip(light, doubled) for c in range(3)):
         failures.append(f"{name}: a second grid is looked up by the first one's text")
-    facing = [sum(a * b for a, b in zip(place["normal"], TO_SUN)) for place in places]
-    sunlit = sum(max(rgb) > 0 for rgb in direct)
-    shaded = sum(cosine > 0.1 and max(rgb) == 0 for cosine, rgb in zip(facing, direct))
-    print(f"{name}: the sun lights {sunlit} places, and {shaded} that face it lie in shadow")
-    if sunlit < 50 or shaded < 50:
-        failures.append(f"{name}: the sun lights {sunlit} places and leaves {shaded} in shadow; expected 50 of each")
     return failures + failures_of_end(name, answer, ["MeshPhongMaterial '' has the light of another grid", "grid.bin and look_up.glsl are not of one grid",
                 "MeshBasicMaterial 'plain' is not lit by three.js: no #include <lights_fragment_begin>"])
 

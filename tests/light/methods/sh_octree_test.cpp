@@ -77,37 +77,5 @@ TEST_F(ShOctreeTest, PutsSmallCellsWhereLightChangesAndNotElsewhere) {
   EXPECT_LE(nearest_m, 2.0);
 }
 
-TEST_F(ShOctreeTest, GrowsToItsBudgetsAndErrsLess) {
-  const auto light_at = [](const glm::dvec3& p) {
-    return grey(static_cast<float>(2.0 + std::sin(2.0 * p.x) * std::cos(3.0 * p.z)));
-  };
-  const std::vector<size_t> budgets = {32 * 200, 32 * 500, 32 * 1200};
-  const std::vector<ShOctree> octrees = grown(budgets, light_at);
-  ASSERT_EQ(octrees.size(), 3u);
-  double before = 1e9;
-  for (size_t i = 0; i < 3; ++i) {
-    const ShOctreeWeighting weighting(octrees[i].tree);
-    double squares = 0.0;
-    for (const glm::dvec3& place : *places_) {
-      const ProbeBlend blend = weighting.blendAt(place, {});
-      float answer = 0.0f;
-      for (int j = 0; j < blend.count; ++j) answer += blend.weight[j] * octrees[i].light[blend.probe[j]][0].r;
-      const double difference = answer - light_at(place)[0].r;
-      squares += difference * difference;
-    }
-    EXPECT_LT(octrees[i].tree.probeCount() * 32, budgets[i] * 1.3);
-    EXPECT_GT(octrees[i].tree.probeCount() * 32, budgets[i] * 0.6);
-    EXPECT_LT(squares, before);
-    before = squares;
-  }
-}
-
-TEST_F(ShOctreeTest, IsTheSameOnAnyNumberOfThreads) {
-  const auto light_at = [](const glm::dvec3& p) { return grey(static_cast<float>(1.5 + std::sin(p.y + p.z))); };
-  const std::vector<ShOctree> one = grown({8192}, light_at, 1), three = grown({8192}, light_at, 3);
-  ASSERT_EQ(one[0].light.size(), three[0].light.size());
-  for (size_t p = 0; p < one[0].light.size(); ++p) EXPECT_EQ(one[0].light[p], three[0].light[p]);
-}
-
 }  // namespace
 }  // namespace nlg

@@ -108,26 +108,6 @@ TEST(CApi, GivesAnEngineInCTheNumbersOfTheLibrary) {
   std::free(values);
 }
 
-TEST(CApi, DescribesWhatItLoaded) {
-  const Loaded loaded(sampleData()), field(fieldData());
-  EXPECT_STREQ(nlg_representation_name(field.generator), "pf5");
-  EXPECT_EQ(nlg_theta_count(field.generator), 250u);
-  EXPECT_STREQ(nlg_representation_name(loaded.generator), "tent_mlp");
-  EXPECT_EQ(nlg_representation_slope(loaded.generator), 0.02f);
-  ASSERT_EQ(nlg_theta_count(loaded.generator), sampleData().theta0.size());
-  EXPECT_EQ(std::memcmp(nlg_theta0(loaded.generator), sampleData().theta0.data(), sampleData().theta0.size() * sizeof(float)), 0);
-}
-
-TEST(CApi, NamesTheSupportPointsAndTheirHash) {
-  const float* points = nullptr;
-  uint64_t hash = 0;
-  ASSERT_EQ(nlg_support_pattern(&points, &hash), NLG_OK);
-  EXPECT_EQ(hash, supportPattern().hash);
-  for (int p : {0, 1, 1024, NLG_SUPPORT_POINT_COUNT - 1}) {
-    for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(points[3 * p + axis], supportPattern().points[p][axis]) << p;
-  }
-}
-
 TEST(CApi, EvaluatesAnyNumberOfPointsAndWritesNoMore) {
   const std::vector<LocalPoint> points = testPoints(1025);
   std::vector<float> x, y, z;
@@ -145,18 +125,6 @@ TEST(CApi, EvaluatesAnyNumberOfPointsAndWritesNoMore) {
       EXPECT_EQ(values.back(), -7.0f) << count;
     }
   }
-}
-
-TEST(CApi, GeneratesThetaOfAnyLength) {
-  const Loaded loaded(fieldData());
-  const std::vector<uint8_t> phi = sampleFunctions(5);
-  std::vector<float> theta(5 * 250 + 1, -7.0f), expected(5 * 250);
-  nlg_generate(loaded.generator, phi.data(), 5, theta.data(), loaded.scratch);
-  const Generator generator(fieldData());
-  GeneratorScratch scratch(generator);
-  generator.generate(phi.data(), 5, expected.data(), &scratch);
-  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), theta.begin()));
-  EXPECT_EQ(theta.back(), -7.0f);
 }
 
 TEST(CApi, RefusesWithAStatusAndAReason) {
@@ -179,48 +147,6 @@ TEST(CApi, RefusesWithAStatusAndAReason) {
   EXPECT_EQ(statusOf(sampleBytes()), NLG_OK);
   EXPECT_STREQ(detail, "");
   nlg_generator_free(generator);
-}
-
-TEST(CApi, CutsTheReasonToTheBufferBetweenCharacters) {
-  nlg_generator* generator = nullptr;
-  const std::string path = "/né";
-  char detail[8] = "unsized";
-  nlg_generator_load(path.c_str(), &generator, nullptr, 0);
-  EXPECT_STREQ(detail, "unsized");
-  nlg_generator_load(path.c_str(), &generator, detail, 1);
-  EXPECT_STREQ(detail, "");
-  nlg_generator_load(path.c_str(), &generator, detail, 4);  // room for three bytes; é has two
-  EXPECT_STREQ(detail, "/n");
-  nlg_generator_load(path.c_str(), &generator, detail, 5);
-  EXPECT_STREQ(detail, "/né");
-}
-
-TEST(CApi, NamesEveryStatus) {
-  for (int status = NLG_OK; status <= NLG_DIGEST_MISMATCH; ++status) {
-    EXPECT_STRNE(nlg_status_name(static_cast<nlg_status>(status)), "unknown") << status;
-  }
-  EXPECT_STREQ(nlg_status_name(NLG_TENSOR_MISSING), "tensor_missing");
-  EXPECT_STREQ(nlg_status_name(NLG_OUT_OF_MEMORY), "out_of_memory");
-  EXPECT_STREQ(nlg_status_name(NLG_INVALID_ARGUMENT), "invalid_argument");
-  EXPECT_STREQ(nlg_status_name(static_cast<nlg_status>(NLG_DIGEST_MISMATCH + 1)), "unknown");
-}
-
-// Of every option: what a scratch without options does is what the library does by default (GivesAnEngineInC…).
-TEST(CApi, ItsDefaultPolicyIsWhatNoOptionsMean) {
-  constexpr size_t kCount = 9;
-  const EngineFunctions functions(kCount);
-  const nlg_policy_options options = nlg_default_policy();
-  std::vector<float> with_options(kCount * ThetaLayout::count), without(with_options);
-  std::vector<nlg_made> made(kCount);
-  for (const bool are_given : {true, false}) {
-    const Loaded loaded(exactData(), are_given ? &options : nullptr);
-    ASSERT_EQ(nlg_make_theta(loaded.generator, functions.phi.data(), functions.validity.data(), functions.blend_sum.data(),
-                             kCount, (are_given ? with_options : without).data(), made.data(), loaded.scratch),
-              NLG_OK);
-  }
-  EXPECT_EQ(with_options, without);
-  const auto took_fit = [](const nlg_made& one) { return one.took_fit != 0; };
-  EXPECT_TRUE(std::any_of(made.begin(), made.end(), took_fit)) << "no option of fits had a say";
 }
 
 // Any other number would be taken for what it is not: a negative count of steps for one that never ends.
@@ -301,67 +227,6 @@ TEST(CApi, AnswersArgumentsThatAreNoneWithAStatus) {
   nlg_look_up_scratch_free(nullptr);
   nlg_generator_free(nullptr);
   nlg_scratch_free(nullptr);
-}
-
-TEST(CApi, LooksAtEveryPointer) {
-  EXPECT_EQ(nlg_representation_name(nullptr), nullptr);
-  EXPECT_EQ(nlg_representation_slope(nullptr), 0.0f);
-  EXPECT_EQ(nlg_theta_count(nullptr), 0u);
-  EXPECT_EQ(nlg_theta0(nullptr), nullptr);
-  EXPECT_EQ(nlg_light_grid_probe_count(nullptr), 0u);
-  EXPECT_EQ(nlg_light_grid_has_light(nullptr), 0);
-  EXPECT_EQ(nlg_light_grid_group_count(nullptr), 0u);
-  EXPECT_EQ(nlg_light_grid_group_name(nullptr, 0), nullptr);
-  LightGrid lit = litGrid(smallTree(), 1);
-  lit.groups = {{"a", lit.light}, {"b", std::vector<float>(lit.light.size(), 0.0f)}};
-  std::string bytes;
-  ASSERT_TRUE(serializeLightGrid(lit, {}, {}, &bytes).ok());
-  nlg_light_grid* grid = nullptr;
-  nlg_look_up_scratch* look_up = nullptr;
-  ASSERT_EQ(nlg_light_grid_load_bytes(bytes.data(), bytes.size(), &grid, nullptr, 0), NLG_OK);
-  ASSERT_EQ(nlg_look_up_scratch_create(&look_up), NLG_OK);
-  const float colours[6] = {1, 1, 1, 1, 1, 1};
-  EXPECT_EQ(nlg_light_grid_mix(nullptr, colours), NLG_INVALID_ARGUMENT);
-  EXPECT_EQ(nlg_light_grid_mix(grid, nullptr), NLG_INVALID_ARGUMENT);
-  EXPECT_EQ(nlg_light_grid_mix(grid, colours), NLG_OK);
-  // one pointer after another is null: each call is a bit of `missing`
-  const auto here = [](unsigned missing, unsigned bit, auto* pointer) { return missing >> bit & 1 ? nullptr : pointer; };
-  const double position[3] = {0, 1e4, 1};
-  const float normal[3] = {0, 1, 0};
-  const Loaded loaded(sampleData());
-  const EngineFunctions functions(1);
-  for (unsigned bit = 0; bit < 7; ++bit) {
-    const unsigned missing = 1u << bit;
-    float rgb[3] = {-7, -7, -7};
-    uint8_t status = 9;
-    if (bit < 4) {
-      EXPECT_EQ(
-          nlg_irradiance(here(missing, 0, grid), here(missing, 1, position), here(missing, 2, normal), here(missing, 3, rgb)),
-          NLG_OUTSIDE);
-    }
-    if (bit < 6)
-      nlg_irradiances(here(missing, 0, grid), here(missing, 1, position), here(missing, 2, normal), 1, here(missing, 3, rgb),
-                      here(missing, 4, &status), here(missing, 5, look_up));
-    EXPECT_EQ(rgb[0], -7.0f) << bit;
-    EXPECT_EQ(status, 9) << bit;
-    std::vector<float> theta(nlg_theta_count(loaded.generator), -7.0f);
-    if (bit < 4)
-      nlg_generate(here(missing, 0, loaded.generator), here(missing, 1, functions.phi.data()), 1, here(missing, 2, theta.data()),
-                   here(missing, 3, loaded.scratch));
-    EXPECT_EQ(theta[0], -7.0f) << bit;
-    float value = -7.0f;
-    const float x = 0.5f;
-    nlg_evaluate(here(missing, 0, loaded.generator), here(missing, 1, nlg_theta0(loaded.generator)), 1, here(missing, 2, &x),
-                 here(missing, 3, &x), here(missing, 4, &x), here(missing, 5, &value), here(missing, 6, loaded.scratch));
-    EXPECT_EQ(value, -7.0f) << bit;
-    if (bit >= 5) continue;
-    const nlg_check check = nlg_check_theta(here(missing, 0, loaded.generator), here(missing, 1, functions.phi.data()),
-                                            here(missing, 2, functions.validity.data()), nullptr,
-                                            here(missing, 3, nlg_theta0(loaded.generator)), here(missing, 4, loaded.scratch));
-    EXPECT_TRUE(std::isnan(check.rmse) && check.passes == 0) << bit;
-  }
-  nlg_look_up_scratch_free(look_up);
-  nlg_light_grid_free(grid);
 }
 
 // Every option has a value of its own, so that two of them taken for one another would show.

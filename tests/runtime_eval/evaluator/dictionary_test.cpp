@@ -1,8 +1,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "runtime_eval/evaluator/evaluate.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/sample_dictionary.h"
@@ -64,38 +62,6 @@ Case makeCase(int resolution, int count, uint64_t seed) {
   return made;
 }
 
-TEST(DictionaryData, IsRefusedWithTheReason) {
-  const DictionaryData good = sampleDictionaryData(3, 16, 1);
-  EXPECT_EQ(whatIsWrong(good), "");
-  const auto reason = [&](const auto& change) {
-    DictionaryData data = good;
-    change(data);
-    return whatIsWrong(data);
-  };
-  using Data = DictionaryData;
-  for (const int resolution : {-1, 0, 1, 2, 4, 8, 11, 1 << 30}) {
-    EXPECT_NE(reason([&](Data& d) { d.resolution = resolution; }).find("resolution"), std::string::npos) << resolution;
-  }
-  // one that does not fit the numbers that are there
-  EXPECT_NE(reason([](Data& d) { d.resolution = 5; }), "");
-  for (const int count : {-8, 0, 4, 12, 136, 1 << 30}) {
-    EXPECT_NE(reason([&](Data& d) { d.code_count = count; }).find("codes"), std::string::npos) << count;
-  }
-  EXPECT_NE(reason([](Data& d) { d.code_count = 8; }), "");
-  EXPECT_NE(reason([](Data& d) { d.nodes.pop_back(); }), "");
-  EXPECT_NE(reason([](Data& d) { d.exponents.push_back(0); }), "");
-  EXPECT_NE(reason([](Data& d) { d.deviations.pop_back(); }), "");
-  for (const int exponent : {-128, -25, 25, 127}) {
-    EXPECT_NE(reason([&](Data& d) { d.exponents[3] = static_cast<int8_t>(exponent); }), "") << exponent;
-  }
-  for (const float deviation : {0.0f, -1.0f, 1e-7f, 1e7f, NAN, INFINITY}) {
-    EXPECT_NE(reason([&](Data& d) { d.deviations[7] = deviation; }).find("deviations"), std::string::npos) << deviation;
-  }
-  for (const int count : {8, 16, 32, 48, 64, 128}) {
-    for (const int resolution : kResolutions) EXPECT_EQ(whatIsWrong(sampleDictionaryData(resolution, count, 2)), "");
-  }
-}
-
 // Rows whose sums a float must round: of exponents up to 13 apart, and a step of 2^3.
 DictionaryData roundingData(int resolution, int count) {
   DictionaryData data = sampleDictionaryData(resolution, count, 3);
@@ -119,55 +85,6 @@ TEST(ExpandCode, GivesTheSameBitsOnEveryTarget) {
           }
           for (size_t n = dictionary.nodeCount(); n < logits.size(); ++n) ASSERT_EQ(logits[n], 0.0f) << "behind, " << n;
         }
-      });
-    }
-  }
-}
-
-TEST(StepOfLogits, IsTheLeastPowerOfTwoThatHoldsTheLargest) {
-  const auto stepOf = [](float largest) {
-    AlignedFloats logits(32, 0.0f);
-    logits[21] = -largest;
-    return stepOfLogits(logits.size(), logits.data());
-  };
-  forEachTarget([&] {
-    EXPECT_EQ(stepOf(0.0f), 0x1p-4f);
-    EXPECT_EQ(stepOf(127 * 0x1p-4f), 0x1p-4f);
-    EXPECT_EQ(stepOf(std::nextafter(127 * 0x1p-4f, 100.0f)), 0x1p-3f);
-    EXPECT_EQ(stepOf(127.0f), 1.0f);
-    EXPECT_EQ(stepOf(127.5f), 2.0f);
-    EXPECT_EQ(stepOf(1e30f), std::ldexp(1.0f, 93));  // 127 * 2^92 = 6.3e29
-    EXPECT_FALSE(std::isfinite(stepOf(INFINITY)));
-    EXPECT_FALSE(std::isfinite(stepOf(NAN)));
-    // wherever it stands, and whatever stands behind it
-    for (size_t at = 0; at < 48; ++at) {
-      AlignedFloats logits(48, 1.0f);
-      logits[at] = NAN;
-      EXPECT_FALSE(std::isfinite(stepOfLogits(logits.size(), logits.data()))) << at;
-    }
-  });
-}
-
-TEST(PackBrick, HoldsTheRoundedLogitsInSteps) {
-  for (const int resolution : kResolutions) {
-    for (const int count : {8, 64, 128}) {
-      const Case made = makeCase(resolution, count, 5);
-      const int nodes = made.dictionary->nodeCount();
-      forEachTarget([&] {
-        std::vector<int8_t> brick(static_cast<size_t>(nodes), 99);
-        const float step = packBrick(*made.dictionary, made.z.data(), brick.data());
-        AlignedFloats rounded(made.dictionary->nodeStride());
-        roundedLogits(*made.dictionary, made.z.data(), rounded.data());
-        int most = 0;
-        for (int n = 0; n < nodes; ++n) {
-          const double exact = logitInOrder(made.dictionary->data(), made.z, count, n);
-          ASSERT_EQ(brick[n], std::nearbyint(exact / step)) << "node " << n;
-          ASSERT_EQ(rounded[n], step * brick[n]) << "node " << n;
-          most = std::max(most, std::abs(int{brick[n]}));
-        }
-        // of half the step they would not fit
-        EXPECT_LE(most, kMostLogitSteps);
-        EXPECT_TRUE(step == 0x1p-4f || most > kMostLogitSteps / 2 - 1) << step << ", " << most;
       });
     }
   }
@@ -253,49 +170,6 @@ TEST(Code, StaysBetween0AndTheTentWhateverTheCode) {
       point[static_cast<size_t>(axis)] = bad;
       const float value = evaluateBrick(9, point, step, brick.data());
       EXPECT_TRUE(std::isnan(bad) ? std::isnan(value) : value >= 0.0f && value <= 1.0f) << bad;
-    }
-  }
-}
-
-TEST(FitTables, HoldTheRowsAtTheSupportPointsAndTheirTentSquares) {
-  for (const int resolution : kResolutions) {
-    const SharedDictionary dictionary = sampleDictionary(resolution, 16, 11);
-    const PointOrder& order = cellOrder(resolution);
-    const Dictionary::FitTables& tables = dictionary->fitTables();
-    double largest_row = 0.0;
-    for (int k = 0; k < 16; ++k) {
-      for (int n = 0; n < dictionary->nodeCount(); ++n)
-        largest_row = std::max<double>(largest_row, std::fabs(dictionary->row(k)[n]));
-    }
-    std::vector<double> squares(16 * 16, 0.0);
-    for (int place = 0; place < order.placeCount(); ++place) {
-      const LocalPoint at = placePosition(order, place);
-      double row[16] = {};
-      for (int n = 0; order.pattern_index[place] >= 0 && n < dictionary->nodeCount(); ++n) {
-        const int node[3] = {n % resolution, n / resolution % resolution, n / (resolution * resolution)};
-        double weight = 1.0;
-        for (int axis = 0; axis < 3; ++axis) {
-          weight *= std::max(0.0, 1.0 - std::fabs((static_cast<double>(at[axis]) + 1.0) * 0.5 * (resolution - 1) - node[axis]));
-        }
-        for (int k = 0; weight > 0.0 && k < 16; ++k) row[k] += weight * dictionary->row(k)[n];
-      }
-      for (int k = 0; k < 16; ++k) {
-        // weights of three shares, each off by the rounding of a coordinate up to r - 1; sums of eight
-        ASSERT_NEAR(tables.at_places[static_cast<size_t>(place * 16 + k)], row[k],
-                    3 * (resolution + 16) * kFloatRounding * largest_row)
-            << resolution << "³, place " << place << ", " << k;
-      }
-      const double tent = order.points.tent[place];
-      for (int i = 0; i < 16; ++i) {
-        for (int k = 0; k < 16; ++k) squares[i * 16 + k] += tent * tent * row[i] * row[k];
-      }
-    }
-    for (int i = 0; i < 16; ++i) {
-      for (int k = 0; k < 16; ++k) {
-        // a sum of 8192 floats at worst, each a rounding of what has been summed
-        const double bound = 8192 * kFloatRounding * std::sqrt(squares[i * 17] * squares[k * 17]);
-        EXPECT_NEAR(tables.tent_squares[static_cast<size_t>(i * 16 + k)], squares[i * 16 + k], bound) << i << ", " << k;
-      }
     }
   }
 }

@@ -59,21 +59,6 @@ TEST(Evaluate, WritesNothingBehindThePaddedCount) {
   });
 }
 
-TEST(EvaluateReference, FollowsALayoutWrittenOutByHand) {
-  // one path through the network: x -> unit 2 -> unit 5 -> output, both units below zero
-  using L = ThetaLayout;
-  std::vector<double> theta(ThetaLayout::count, 0.0);
-  theta[L::w1 + 3 * 2 + 0] = -2.0;            // unit 2 of layer 1: -2 x
-  theta[L::b1 + 2] = -1.0;                    //                    - 1
-  theta[L::w2 + kHiddenCount * 5 + 2] = 4.0;  // unit 5 of layer 2: 4 * that
-  theta[L::w3 + 5] = 10.0;
-  theta[L::b3] = 0.5;
-  const LocalPoint point{0.25f, 0.5f, -0.5f};
-  const double expected = 0.5 + 10.0 * 0.25 * (4.0 * (0.25 * (-2.0 * 0.25 - 1.0)));
-  EXPECT_DOUBLE_EQ(evaluateReference(Representation::mlp(0.25f), point, theta.data()), expected);
-  EXPECT_DOUBLE_EQ(evaluateReference(Representation::tentMlp(0.25f), point, theta.data()), expected * 0.75 * 0.5 * 0.5);
-}
-
 TEST(EvaluateReference, FollowsASmallNetworkWrittenOutByHand) {
   const Representation four{RepresentationKind::tent_mlp4, 0.25f};
   ASSERT_EQ(four.thetaCount(), 21);
@@ -93,18 +78,6 @@ TEST(EvaluateReference, FollowsASmallNetworkWrittenOutByHand) {
   theta[36 + 1] = 2.0;          // output: 2 * that
   theta[40] = -1.0;             //         - 1
   EXPECT_DOUBLE_EQ(evaluateReference(four_four, point, theta.data()), 0.25 / (1.0 + std::exp(1.0 - 2.0 * 0.25 * -0.25)));
-}
-
-TEST(Representation, IsFoundByItsNameAlone) {
-  Representation representation = Representation::tentMlp(0.5f);
-  for (const char* name : kRepresentationNames) {
-    ASSERT_TRUE(findRepresentation(name, &representation)) << name;
-    EXPECT_STREQ(representationName(representation), name);
-    EXPECT_EQ(representation.slope, Representation{}.slope) << name;
-  }
-  for (const char* name :
-       {"", "MLP", "mlp ", "tent", "pf4", "pf", "tent_mlpx", "tent_mlp44_", "code", "code8", "code064", "code64 "})
-    EXPECT_FALSE(findRepresentation(name, &representation)) << name;
 }
 
 }  // namespace

@@ -73,26 +73,5 @@ TEST(Multiply, AddsTheInputAfterTheLeakyUnit) {
   });
 }
 
-TEST(Multiply, TouchesNothingForNoRows) {
-  const std::vector<float> weights = randomValues(6, 1), bias = randomValues(2, 2);
-  const PackedMatrix matrix(weights.data(), 2, 3);
-  float output = 5.0f;
-  multiply({weights.data(), 3}, 0, matrix, bias.data(), Epilogue::none, 1.0f, &output, 2);
-  EXPECT_EQ(output, 5.0f);
-}
-
-TEST(PackedMatrix, FillsItsLastPanelWithZeros) {
-  const std::vector<float> weights = randomValues(35 * 4, 1);
-  const PackedMatrix matrix(weights.data(), 35, 4);
-  ASSERT_EQ(matrix.panelCount(), 2);
-  for (int i = 0; i < 4; ++i) {
-    for (int o = 0; o < 2 * PackedMatrix::kPanelWidth; ++o) {
-      const float packed =
-          matrix.panel(o / PackedMatrix::kPanelWidth)[i * PackedMatrix::kPanelWidth + o % PackedMatrix::kPanelWidth];
-      ASSERT_EQ(packed, o < 35 ? weights[o * 4 + i] : 0.0f) << "output " << o << ", input " << i;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace nlg

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/runtime_eval/sample_dictionary.h"
@@ -17,19 +16,6 @@ Theta randomThetaOf(const Representation& representation, double size, uint64_t 
   Theta theta;
   for (int d = 0; d < representation.thetaCount(); ++d) theta.push_back(static_cast<float>(size * random.normal()));
   return theta;
-}
-
-TEST(ThetaForm, HoldsAllNumbersInTheBytesThatItSays) {
-  for (const Representation& representation : sampleRepresentations()) {
-    for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16, ThetaPrecision::int8}) {
-      const ThetaForm form = thetaForm(representation, precision);
-      EXPECT_EQ(form.floats + form.halves + form.steps, representation.thetaCount());
-    }
-  }
-  EXPECT_EQ(thetaForm(Representation::tentMlp(), ThetaPrecision::int8).bytes(), 104u + 9 * 2);
-  EXPECT_EQ(thetaForm({RepresentationKind::tent_mlp4}, ThetaPrecision::int8).bytes(), 16u + 5 * 2);
-  EXPECT_EQ(thetaForm(Representation::productField(3), ThetaPrecision::int8).bytes(), 54u * 2);
-  EXPECT_EQ(thetaForm(Representation::code(sampleDictionary(3, 16, 1)), ThetaPrecision::int8).bytes(), 16u);
 }
 
 // Every unit is multiplied and divided by the same number: without rounding the network would be what it was. Rounding moves each
@@ -86,17 +72,6 @@ TEST(RoundHiddenLayers, ScalesUnitsWithoutChangingTheNetwork) {
   }
 }
 
-TEST(RoundHiddenLayers, LeavesUnitsOfNothingAndRoundsSmallestNumbersToNothing) {
-  const Representation representation = Representation::tentMlp();
-  Theta theta = randomThetaOf(representation, 1.0, 5);
-  for (int i = 0; i < 3; ++i) theta[i] = 0.0f, theta[3 + i] = 1e-44f;
-  theta[ThetaLayout::b1] = 0.0f;
-  theta[ThetaLayout::b1 + 1] = -1e-44f;
-  roundHiddenLayers(representation, theta.data());
-  for (const float value : theta) EXPECT_TRUE(std::isfinite(value));
-  for (int i = 0; i < 6; ++i) EXPECT_EQ(theta[i], 0.0f);
-}
-
 TEST(RoundTheta, IsWhatAFileGivesBack) {
   for (const Representation& representation : sampleRepresentations()) {
     PackedTheta packed;
@@ -126,29 +101,6 @@ TEST(RoundTheta, IsWhatAFileGivesBack) {
       EXPECT_EQ(read, rounded[n]) << representationName(representation) << ", " << n;
     }
   }
-}
-
-// A file says each code in one way alone: what is longer, or of a larger step, than it has to be is of another writer.
-TEST(UnpackCode, RefusesWhatNoFileHolds) {
-  std::vector<int8_t> steps(16, 0);
-  Theta read(16);
-  steps[0] = 127;
-  EXPECT_TRUE(unpackCode(16, 1, steps.data(), read.data()));
-  EXPECT_TRUE(unpackCode(16, 1 + 7 * kCodeExponentUnit, steps.data(), read.data()));
-  EXPECT_EQ(read[0], 127.0f * 128.0f);
-  EXPECT_TRUE(unpackCode(16, 0, steps.data(), read.data()));
-  EXPECT_EQ(read, Theta(16, 0.0f));
-  EXPECT_FALSE(unpackCode(16, 2, steps.data(), read.data())) << "a group of zeros at the end";
-  EXPECT_FALSE(unpackCode(16, 3, steps.data(), read.data())) << "more groups than the code has numbers";
-  EXPECT_FALSE(unpackCode(16, 31, steps.data(), read.data()));
-  steps[0] = 63;
-  EXPECT_FALSE(unpackCode(16, 1 + kCodeExponentUnit, steps.data(), read.data())) << "half the step would do";
-  EXPECT_FALSE(unpackCode(16, kCodeExponentUnit, steps.data(), read.data())) << "a step of nothing";
-  steps[0] = -128;
-  EXPECT_FALSE(unpackCode(16, 1, steps.data(), read.data())) << "no number of a code";
-  steps[0] = 0, steps[15] = -1;
-  EXPECT_TRUE(unpackCode(16, 2, steps.data(), read.data()));
-  EXPECT_FALSE(unpackCode(16, 1, steps.data(), read.data()));
 }
 
 TEST(RoundTheta, RefusesWhatFloat16CannotHoldAndLeavesIt) {
@@ -184,30 +136,6 @@ TEST(RoundTheta, RoundsACodeToBytesOfTheLeastStepThatHoldsIt) {
     ASSERT_TRUE(roundTheta(code, ThetaPrecision::int8, theta.data()));
     EXPECT_EQ(theta, once) << largest;
     EXPECT_EQ(std::ldexp(1.0f, codeExponent(16, theta.data())), step) << largest;
-  }
-}
-
-TEST(RoundTheta, RefusesACodeThatIsNotFiniteAndLeavesIt) {
-  const Representation code = Representation::code(sampleDictionary(3, 16, 1));
-  for (const ThetaPrecision precision : {ThetaPrecision::float16, ThetaPrecision::int8}) {
-    for (const float bad : {NAN, INFINITY, -INFINITY}) {
-      Theta theta(16, 0.4f);
-      theta[9] = bad;
-      EXPECT_FALSE(roundTheta(code, precision, theta.data())) << thetaPrecisionName(precision) << ", " << bad;
-      EXPECT_EQ(theta[0], 0.4f);
-    }
-  }
-}
-
-TEST(CodeLength, IsOfWholeGroupsUpToTheLastNumberThatIsNot0) {
-  Theta z(64, 0.0f);
-  EXPECT_EQ(codeLength(64, z.data()), 0);
-  for (int last = 0; last < 64; ++last) {
-    z[last] = -1.0f;
-    EXPECT_EQ(codeLength(64, z.data()), (last / 8 + 1) * 8) << last;
-    // a 0 before it is no end
-    if (last > 0) z[last - 1] = 0.0f;
-    EXPECT_EQ(codeLength(64, z.data()), (last / 8 + 1) * 8) << last;
   }
 }
 

@@ -186,44 +186,6 @@ TEST(CodeFit, ReturnsTheStartWhenNumbersAreNotFinite) {
   EXPECT_TRUE(sameBits(result.theta, start));
 }
 
-TEST(CodeFit, ReturnsTheStartWithoutAnyValidPoint) {
-  const Representation code = sampleCodeOf(5, 16, 12);
-  StoredSample sample = noiseSample(1);
-  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
-  for (const Theta& start : {randomTheta(code, 7), Theta(16, NAN)}) {
-    const FitResult result = fitted(code, functionOf(code, sample), start, {});
-    EXPECT_EQ(result.stop, FitStop::no_points);
-    EXPECT_TRUE(sameBits(result.theta, start));
-    EXPECT_EQ(result.rmse, 0.0);
-  }
-}
-
-TEST(CodeFit, TakesNoStepFromABudgetOfNone) {
-  const Representation code = sampleCodeOf(5, 16, 13);
-  const Theta start = randomTheta(code, 8);
-  const FitResult result = fitted(code, functionOf(code, wallSample(8)), start, {.iterations = 0});
-  EXPECT_TRUE(sameBits(result.theta, start));
-  EXPECT_EQ(result.steps, 0);
-  EXPECT_EQ(result.stop, FitStop::budget);
-}
-
-// What the sigmoid can only come near to must not drive a code away: the prior holds it.
-TEST(CodeFit, ComesNearToFunctionsThatAreDarkOrLitEverywhere) {
-  const Representation code = sampleCodeOf(9, 64, 14);
-  for (const StoredSample& sample : {darkSample(), litSample()}) {
-    const WeightingFunction function = functionOf(code, sample, kDarkWeight);
-    for (const Theta& start : {Theta(64, 0.0f), randomTheta(code, 3)}) {
-      const FitResult result = fitted(code, function, start, {.iterations = 40});
-      EXPECT_LT(result.rmse, 0.2 * functionRmse(code, function, start.data()));
-      // the prior is what is left to lower: a cost of at most what the start had
-      double over = 0.0;
-      for (int k = 0; k < 64; ++k) over += std::pow(result.theta[k] / code.dictionary->deviations()[k], 2);
-      EXPECT_TRUE(std::isfinite(over));
-      EXPECT_LT(CodeFitOptions{}.prior * over, 0.1 * function.validCount());
-    }
-  }
-}
-
 // The code that made a function is a place where the cost is its bytes' rounding and the prior's share. The fit ends no higher, but for the
 // rounding of its logits to a brick: half a step times the tent times a slope of 1/4.
 TEST(CodeFit, FindsWhatItsOwnDictionaryMade) {
@@ -248,66 +210,6 @@ TEST(CodeFit, FindsWhatItsOwnDictionaryMade) {
       EXPECT_LT(fitted(code, function, start, {.iterations = 40, .progress_tolerance = 1e-6}).rmse, bound) << "seed " << seed;
     }
   }
-}
-
-// For a given dictionary the fit is as good as convex: wherever it starts it ends at one code. (Of real functions under real dictionaries
-// nlg-validate stability counts it.)
-TEST(CodeFit, EndsAtOneCodeFromTenStarts) {
-  const Representation code = sampleCodeOf(9, 16, 16);
-  for (uint64_t seed = 1; seed < 6; ++seed) {
-    Random random(seed);
-    const WeightingFunction function = functionOf(code, codeSample(code.dictionary, sampleCode(*code.dictionary, 16, random)));
-    const CodeFitOptions options{.iterations = 200, .progress_tolerance = 1e-9};
-    const Theta first = fitted(code, function, Theta(16, 0.0f), options).theta;
-    for (uint64_t start = 1; start < 10; ++start) {
-      Theta from = randomTheta(code, start);
-      // the last of them far out
-      for (float& number : from) number *= start > 7 ? 3.0f : 1.0f;
-      const Theta end = fitted(code, function, from, options).theta;
-      for (int k = 0; k < 16; ++k)
-        EXPECT_NEAR(end[k], first[k], 0.5) << "seed " << seed << ", start " << start << ", number " << k;
-    }
-  }
-}
-
-// Where a fit of all points ends its gradient is none but for rounding, by finite differences of what it minimises.
-TEST(CodeFit, OfAllPointsEndsWhereNothingLeadsDown) {
-  const Representation code = sampleCodeOf(5, 16, 33);
-  for (uint64_t seed = 1; seed < 4; ++seed) {
-    const WeightingFunction function = functionOf(code, wallSample(seed), kDarkWeight);
-    const CodeFitOptions options{.iterations = 500, .progress_tolerance = 1e-12, .all_points = true};
-    const FitResult end = fitted(code, function, Theta(16, 0.0f), options);
-    const PointOrder& order = pointOrder(code);
-    const CodeAtPlaces at = atPlaces(*code.dictionary, order, toDouble(end.theta));
-    for (int k = 0; k < 16; ++k) {
-      const double deviation = code.dictionary->deviations()[k];
-      double slope = 2.0 * options.prior * end.theta[k] / (deviation * deviation), magnitude = std::fabs(slope);
-      for (int place = 0; place < order.placeCount(); ++place) {
-        const double sigmoid = 1.0 / (1.0 + std::exp(-at.logits[place])), tent = order.points.tent[place],
-                     weight = function.mask[place];
-        const double by_z =
-            2.0 * weight * weight * (tent * sigmoid - function.phi[place]) * tent * sigmoid * (1.0 - sigmoid) * at.rows[place][k];
-        slope += by_z;
-        magnitude += std::fabs(by_z);
-      }
-      // a float sum of the cost hides what changes it by less than its rounding: the last steps are of the root of that
-      EXPECT_LT(std::fabs(slope), 2e-3 * magnitude) << "seed " << seed << ", number " << k;
-    }
-  }
-}
-
-TEST(CodeFit, SaysWhyItEnded) {
-  const Representation code = sampleCodeOf(5, 16, 34);
-  const WeightingFunction function = functionOf(code, wallSample(35));
-  EXPECT_EQ(fitted(code, function, Theta(16, 0.0f), {.iterations = 3}).stop, FitStop::budget);
-  EXPECT_EQ(fitted(code, function, Theta(16, 0.0f), {.iterations = 300}).stop, FitStop::progress);
-  const FitResult end =
-      fitted(code, function, Theta(16, 0.0f), {.iterations = 1000, .progress_tolerance = 0.0, .all_points = true});
-  EXPECT_EQ(end.stop, FitStop::damping);
-  // … without a prior too
-  CodeFitOptions free;
-  free.prior = 0.0;
-  EXPECT_LT(fitted(code, function, Theta(16, 0.0f), free).rmse, 0.5 * functionRmse(code, function, Theta(16, 0.0f).data()));
 }
 
 TEST(CodeFit, OfAPrefixIsThatOfADictionaryOfItsNumbers) {
@@ -358,20 +260,6 @@ TEST(CodeFit, GivesTheSameBitsFromAUsedWorkspace) {
     EXPECT_EQ(used.iterate(code, function, {}, 32, z.data()).rmse, fresh.rmse);
     EXPECT_TRUE(sameBits(z, fresh.theta));
   }
-}
-
-TEST(LevenbergMarquardt, OnACodeIsItsOwnFit) {
-  const Representation code = sampleCodeOf(5, 32, 29);
-  const WeightingFunction function = functionOf(code, wallSample(30));
-  LevenbergMarquardtOptions options = refinementLevenbergMarquardt(code, 9);
-  NormalEquationsKernel kernel;
-  const FitResult general = fitLevenbergMarquardt(code, function, randomTheta(code, 31), options, &kernel);
-  const FitResult own = fitted(code, function, randomTheta(code, 31),
-                               {.iterations = 9, .damping = options.damping, .progress_tolerance = options.progress_tolerance});
-  EXPECT_TRUE(sameBits(general.theta, own.theta));
-  EXPECT_EQ(general.rmse, own.rmse);
-  EXPECT_EQ(general.steps, own.steps);
-  EXPECT_EQ(general.stop, own.stop);
 }
 
 }  // namespace

@@ -30,20 +30,6 @@ inline StoredSample fallingSample(const SharedDictionary& dictionary, uint64_t s
   return codeSample(dictionary, z, 3);
 }
 
-// phi is the tent, or 0, at every point.
-inline StoredSample litSample() {
-  StoredSample sample;
-  for (int p = 0; p < kSupportPointCount; ++p)
-    sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
-  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
-  return sample;
-}
-inline StoredSample darkSample() {
-  StoredSample sample;
-  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
-  return sample;
-}
-
 // By place of a cell order: where it holds a point the b_k there, and the logit of a code that is not rounded.
 struct CodeAtPlaces {
   std::vector<std::vector<double>> rows;

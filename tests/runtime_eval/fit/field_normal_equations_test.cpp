@@ -97,22 +97,5 @@ TEST(FieldNormalEquations, HasHalfTheGradientOfTheLoss) {
   }
 }
 
-TEST(FieldNormalEquations, GivesTheSameForTheSameWhateverItHeld) {
-  const PointOrder& order = cellOrder(5);
-  const Theta theta = randomField(5, 25, -0.5, 1.5);
-  const WeightingFunction function = decoded(wallSample(26).view(), order);
-  NormalEquations fresh, used;
-  const PointOrder& other = cellOrder(7);
-  fieldNormalEquations(other, decoded(wallSample(27).view(), other), randomField(7, 28, 0.0, 1.0).data(), &used);
-  std::vector<double> right(used.gradient);
-  for (int i = 0; i < used.hessian.count(); ++i) used.hessian.at(i, i) += 1.0;
-  ASSERT_TRUE(used.hessian.solve(right.data()));
-  fieldNormalEquations(order, function, theta.data(), &fresh);
-  fieldNormalEquations(order, function, theta.data(), &used);
-  EXPECT_EQ(used.hessian, fresh.hessian);
-  EXPECT_EQ(used.gradient, fresh.gradient);
-  EXPECT_EQ(used.square_sum, fresh.square_sum);
-}
-
 }  // namespace
 }  // namespace nlg

@@ -16,12 +16,6 @@ Theta filled(float value) {
   return theta;
 }
 
-WeightingFunction withoutPoints() {
-  StoredSample sample = noiseSample(1);
-  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
-  return decoded(sample.view());
-}
-
 struct Fitter {
   const char* name;
   FitResult (*fit)(const Representation&, const WeightingFunction&, const Theta&);
@@ -48,25 +42,6 @@ FitResult expectNeverWorse(const Fitter& fitter, const Representation& represent
   return result;
 }
 
-TEST(FunctionRmse, IsTheRootOfTheMeanOverValidPoints) {
-  const StoredSample sample = wallSample(3);
-  const Theta theta = randomTheta({}, 3);
-  double sum = 0.0, magnitude = 0.0;
-  int count = 0;
-  for (int p = 0; p < kSupportPointCount; ++p) {
-    if (!sample.valid(p)) continue;
-    const LocalPoint& point = supportPattern().points[p];
-    const double residual = evaluateReference({}, point, toDouble(theta).data()) - sample.phi[p] / 255.0;
-    sum += residual * residual, ++count;
-    magnitude = std::max(magnitude, evaluateReference({}, magnitudes(point), magnitudes(theta).data()) + 1.0);
-  }
-  // residuals are off by 25 roundings of their magnitude, and so is the root of their mean square; the sums by 66
-  EXPECT_NEAR(functionRmse({}, decoded(sample.view()), theta.data()), std::sqrt(sum / count),
-              (25 + 66) * kFloatRounding * magnitude);
-  EXPECT_EQ(functionRmse({}, withoutPoints(), theta.data()), 0.0);
-  EXPECT_FALSE(std::isfinite(functionRmse({}, decoded(sample.view()), filled(NAN).data())));
-}
-
 TEST(Fit, NeverReturnsWorseThanItsStart) {
   for (const Fitter& fitter : kFitters) {
     for (const Representation& representation : kNetworkRepresentations) {
@@ -74,20 +49,6 @@ TEST(Fit, NeverReturnsWorseThanItsStart) {
         const WeightingFunction function = decoded(seed % 3 ? wallSample(seed).view() : noiseSample(seed).view());
         expectNeverWorse(fitter, representation, function, randomTheta(representation, seed), "seed " + std::to_string(seed));
       }
-    }
-  }
-}
-
-TEST(Fit, TakesExtremeStarts) {
-  Theta mixed = randomTheta({}, 1);
-  for (int i = 0; i < ThetaLayout::count; i += 2) mixed[i] *= 1e-30f;
-  const WeightingFunction function = decoded(wallSample(5).view());
-  for (const Fitter& fitter : kFitters) {
-    for (const Representation& representation : kBothRepresentations) {
-      for (const float value : {0.0f, 1e3f, -1e3f, 1e-40f, -1e-40f, 1e-20f}) {
-        expectNeverWorse(fitter, representation, function, filled(value), "start " + std::to_string(value));
-      }
-      expectNeverWorse(fitter, representation, function, mixed, "start of mixed scales");
     }
   }
 }
@@ -111,41 +72,6 @@ TEST(Fit, ReturnsTheStartWhenNumbersAreNotFinite) {
     }
     EXPECT_EQ(fitter.fit({}, broken, randomTheta({}, 6)).stop, FitStop::not_finite) << fitter.name << ", function of NaN";
   }
-}
-
-TEST(Fit, RefusesAnInfiniteStartWhoseErrorIsFinite) {
-  // a sigmoid of +-Inf is 0 or 1: the sum of squares alone does not tell
-  const WeightingFunction function = decoded(wallSample(6).view());
-  const Representation network{RepresentationKind::tent_mlp4, 0.01f};
-  for (const Fitter& fitter : kFitters) {
-    for (const float bad : {INFINITY, -INFINITY}) {
-      Theta start = randomTheta(network, 6);
-      start[network.shape().w1()] = bad;
-      const FitResult result = fitter.fit(network, function, start);
-      EXPECT_EQ(result.stop, FitStop::not_finite) << fitter.name << ", " << bad;
-      EXPECT_EQ(result.steps, 0) << fitter.name << ", " << bad;
-      EXPECT_EQ(result.theta, start) << fitter.name << ", " << bad;
-    }
-  }
-}
-
-TEST(Fit, ReturnsTheStartWithoutAnyValidPoint) {
-  for (const Fitter& fitter : kFitters) {
-    for (const Theta& start : {randomTheta({}, 7), filled(NAN)}) {
-      const FitResult result = fitter.fit({}, withoutPoints(), start);
-      EXPECT_EQ(result.stop, FitStop::no_points) << fitter.name;
-      EXPECT_TRUE(sameBits(result.theta, start)) << fitter.name;
-      EXPECT_EQ(result.rmse, 0.0) << fitter.name;
-    }
-  }
-}
-
-TEST(Fit, TakesNoStepFromABudgetOfNone) {
-  const WeightingFunction function = decoded(wallSample(8).view());
-  const Theta start = randomTheta({}, 8);
-  NormalEquationsKernel kernel;
-  EXPECT_EQ(fitAdam({}, function, start, refinementAdam({}, 0)).theta, start);
-  EXPECT_EQ(fitLevenbergMarquardt({}, function, start, {.iterations = 0}, &kernel).theta, start);
 }
 
 // A bake keeps one workspace a thread: what it holds of the function before must not reach the next one.
@@ -197,42 +123,6 @@ TEST(LevenbergMarquardt, ReachesTheTentExactlyWithTheTentFactor) {
   const FitResult result = fitLevenbergMarquardt(tent_mlp, tentFunction(), filled(0.0f), {.iterations = 8}, &kernel);
   EXPECT_LE(result.rmse, 1e-7);
   EXPECT_NEAR(result.theta[ThetaLayout::b3], 1.0, 2e-7);
-}
-
-TEST(LevenbergMarquardt, StopsAtASolution) {
-  Theta exact(ThetaLayout::count);
-  exact[ThetaLayout::b3] = 1.0f;
-  const Representation tent_mlp = Representation::tentMlp(0.01f);
-  ASSERT_EQ(functionRmse(tent_mlp, tentFunction(), exact.data()), 0.0);
-  NormalEquationsKernel kernel;
-  const FitResult result = fitLevenbergMarquardt(tent_mlp, tentFunction(), exact, {}, &kernel);
-  EXPECT_EQ(result.stop, FitStop::gradient);
-  EXPECT_EQ(result.steps, 0);
-  EXPECT_EQ(result.theta, exact);
-  EXPECT_EQ(fitAdam(tent_mlp, tentFunction(), exact, refinementAdam(tent_mlp, 20)).rmse, 0.0);
-}
-
-TEST(LevenbergMarquardt, TakesARankDeficientJacobian) {
-  // fewer valid points than parameters, down to one
-  for (const int valid_points : {1, 2, 16, 64}) {
-    StoredSample sample = wallSample(12);
-    std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
-    for (int p = 0; p < valid_points; ++p) sample.validity[9 * p] = static_cast<uint8_t>(1 << (p % 8));
-    const WeightingFunction function = decoded(sample.view());
-    ASSERT_EQ(function.validCount(), valid_points);
-    expectNeverWorse(kFitters[2], {}, function, randomTheta({}, 12), std::to_string(valid_points) + " points");
-    // fewer equations than unknowns: there are networks through all points, and 300 iterations must come near one
-    NormalEquationsKernel kernel;
-    const FitResult result = fitLevenbergMarquardt({}, function, randomTheta({}, 12), {.iterations = 300}, &kernel);
-    EXPECT_LT(result.rmse, 0.1 * functionRmse({}, function, randomTheta({}, 12).data())) << valid_points << " points";
-  }
-  // units that nothing reads, and units that read nothing
-  Theta dead = randomTheta({}, 13);
-  for (int j = 0; j < 4; ++j) dead[ThetaLayout::w3 + j] = 0.0f;
-  for (int i = 0; i < 4 * kHiddenCount; ++i) dead[ThetaLayout::w2 + i] = 0.0f;
-  const WeightingFunction function = decoded(wallSample(13).view());
-  const FitResult result = expectNeverWorse(kFitters[2], {}, function, dead, "dead units");
-  EXPECT_LT(result.rmse, 0.9 * functionRmse({}, function, dead.data()));
 }
 
 TEST(LevenbergMarquardt, ArrivesAtTheBestConstantFromZero) {

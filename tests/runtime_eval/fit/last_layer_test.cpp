@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/fit/reference_loss.h"
 #include "tests/runtime_eval/sample_functions.h"
@@ -35,21 +34,6 @@ TEST(LastLayer, LeavesNoGradientInItself) {
       }
     }
   });
-}
-
-TEST(LastLayer, RefusesAnOutputThatIsNotLinear) {
-  const Representation representation{RepresentationKind::tent_mlp4};
-  Theta theta = randomTheta(representation, 9);
-  EXPECT_FALSE(solveLastLayer(representation, decoded(wallSample(9).view()), theta.data()));
-  EXPECT_EQ(theta, randomTheta(representation, 9));
-}
-
-TEST(LastLayer, TouchesNothingElse) {
-  const WeightingFunction function = decoded(wallSample(7).view());
-  const Theta start = randomTheta({}, 7);
-  Theta theta = start;
-  ASSERT_TRUE(solveLastLayer({}, function, theta.data()));
-  for (int i = 0; i < ThetaLayout::w3; ++i) EXPECT_EQ(theta[i], start[i]) << i;
 }
 
 TEST(LastLayer, SurvivesDeadUnitsAndRefusesBrokenTheta) {

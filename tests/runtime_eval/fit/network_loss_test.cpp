@@ -130,27 +130,6 @@ TEST(LossKernel, IgnoresWhatStandsAtMaskedPoints) {
   }
 }
 
-TEST(LossKernel, AddsUpOverStrata) {
-  const Theta theta = randomTheta({}, 7);
-  const WeightingFunction function = decoded(wallSample(7).view());
-  const auto over = [&](int first, int count) {
-    return vectorised(Representation::tentMlp(0.01f), first, count, &function.phi[first], &function.mask[first], theta);
-  };
-  const Gradient whole = over(0, kSupportPointCount);
-  Gradient parts{0.0, std::vector<double>(ThetaLayout::count)};
-  double largest = 0.0;
-  for (int k = 0; k < kStratumCount; ++k) {
-    const Gradient part = over(k * kStratumPointCount, kStratumPointCount);
-    parts.sum += part.sum;
-    for (int i = 0; i < ThetaLayout::count; ++i)
-      parts.values[i] += part.values[i], largest = std::max(largest, std::fabs(part.values[i]));
-  }
-  // block sums are the same; the loss adds them in double, the gradient in float
-  EXPECT_NEAR(whole.sum, parts.sum, 1e-12 * whole.sum);
-  for (int i = 0; i < ThetaLayout::count; ++i)
-    EXPECT_NEAR(whole.values[i], parts.values[i], 64 * kFloatRounding * 8 * largest) << i;
-}
-
 // phi, mask, theta and the gradient lie where the caller has them, and the gradient holds whatever stood there.
 TEST(LossKernel, GivesTheSameBitsWhereverItsArraysLie) {
   const WeightingFunction function = decoded(noiseSample(8).view());

@@ -3,9 +3,6 @@
 #include <unistd.h>
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
@@ -86,13 +83,6 @@ std::map<std::string, Place> placesIn(const std::string& bytes) {
   return places;
 }
 
-template <class T>
-void put(std::string& bytes, const std::string& tensor, size_t index, T value) {
-  const Place place = placesIn(bytes).at(tensor);
-  ASSERT_LE((index + 1) * sizeof(T), place.count) << tensor;
-  std::memcpy(bytes.data() + place.begin + index * sizeof(T), &value, sizeof value);
-}
-
 using Columns = std::vector<uint16_t>;
 
 std::vector<uint8_t> decoded(const std::string& bytes, const std::string& tensor, const Columns& columns = {}) {
@@ -158,31 +148,6 @@ TEST(LightGridFile, HoldsFunctionsOfProbesByTheirOrderOrByTheirNames) {
   }
 }
 
-TEST(LightGridFile, TakesLittleBesideThetaAndLight) {
-  // a level's tree: cells of one size in a few roots, some left out
-  ProbeTree tree;
-  const CellJudge judge = [](const ProbeCell& cell) {
-    if (cell.side > 4) return CellVerdict::too_coarse;
-    return (cell.low[0] ^ cell.low[1] ^ cell.low[2]) & 16 ? CellVerdict::unneeded : CellVerdict::fits;
-  };
-  ASSERT_EQ(ProbeTree::build({{}, 0.25, {3, 3, 1}}, judge, kMaxTreeProbes, &tree), ProbeTreeStatus::ok);
-  const LightGrid grid = litGrid(std::move(tree), 1);
-  const LightGridBytes bytes = lightGridBytes(grid, {});
-  const size_t probes = grid.tree.probeCount();
-  // which function a probe has: a quarter of a byte, and a name of those that are drawn at random here
-  EXPECT_LE(bytes.tree + bytes.probe_function, 1.5 * static_cast<double>(probes));
-  EXPECT_LE(bytes.light, 32 * probes + 27 * 59 + 5);
-}
-
-TEST(LightGridFile, ReadsBackAnEmptyGrid) {
-  LightGrid read;
-  GridMetadata metadata;
-  const FileResult result = parseLightGrid(bytesOf(LightGrid{}, {ThetaPrecision::float16}, {}), &read, &metadata);
-  ASSERT_TRUE(result.ok()) << result.detail;
-  expectSameGrid(read, {});
-  EXPECT_TRUE(metadata.empty());
-}
-
 TEST(LightGridFile, RoundsThetaToTheNearestHalf) {
   LightGrid grid = randomGrid(smallTree(), 2), read;
   GridMetadata metadata;
@@ -243,69 +208,6 @@ TEST(LightGridFile, HoldsOfCodesAndTheirDictionaryWhatIsNeeded) {
   EXPECT_EQ(bytesOf(read, {ThetaPrecision::int8}), bytes);
 }
 
-TEST(LightGridFile, HoldsCodesBeyondAByteInCoarserSteps) {
-  const Representation code = Representation::code(sampleDictionary(5, 16, 4));
-  LightGrid grid = gridOfCodes(code, {16, 8});
-  for (float& z : grid.theta) z *= 5.0f;
-  grid.makeBricks();
-  const std::string bytes = bytesOf(grid, {ThetaPrecision::int8});
-  LightGrid read;
-  ASSERT_TRUE(parse(bytes, &read).ok());
-  for (size_t f = 0; f < 2; ++f) ASSERT_TRUE(roundTheta(code, ThetaPrecision::int8, &grid.theta[grid.theta_begin[f]]));
-  grid.makeBricks();
-  EXPECT_EQ(read.theta, grid.theta);
-  EXPECT_EQ(read.quads, grid.quads);
-  EXPECT_GT(decoded(bytes, "theta.groups").front(), kCodeExponentUnit);
-  EXPECT_EQ(bytesOf(read, {ThetaPrecision::int8}), bytes);
-}
-
-TEST(LightGridFile, HoldsAllNumbersOfACodeInFloats) {
-  for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::float16}) {
-    const LightGrid grid = gridOfCodes(Representation::code(sampleDictionary(5, 32, 4)), {32, 8});
-    const std::string bytes = bytesOf(grid, {precision});
-    EXPECT_EQ(placesIn(bytes)["theta"].count, 64 * (precision == ThetaPrecision::float32 ? 4u : 2u));
-    LightGrid read;
-    ASSERT_TRUE(parse(bytes, &read).ok());
-    EXPECT_EQ(read.quads, grid.quads);
-    EXPECT_EQ(bytesOf(read, {precision}), bytes);
-  }
-}
-
-TEST(LightGridFile, HoldsADictionaryThatNoFunctionUses) {
-  const LightGrid grid = gridOfCodes(Representation::code(sampleDictionary(3, 16, 4)), {});
-  for (const ThetaPrecision precision : {ThetaPrecision::float32, ThetaPrecision::int8}) {
-    const std::string bytes = bytesOf(grid, {precision});
-    EXPECT_EQ(placesIn(bytes)["dictionary.0.nodes"].count, 27u);
-    LightGrid read;
-    ASSERT_TRUE(parse(bytes, &read).ok());
-    EXPECT_EQ(bytesOf(read, {precision}), bytes);
-  }
-}
-
-TEST(LightGridFile, RefusesCodesAndDictionariesThatNoFileHas) {
-  const LightGrid grid = gridOfCodes(Representation::code(sampleDictionary(5, 16, 4)), {16, 8});
-  const std::string bytes = bytesOf(grid, {ThetaPrecision::int8}), floats = bytesOf(grid, {ThetaPrecision::float32});
-  const auto renamed = [](std::string other, const std::string& from, const std::string& to) {
-    return other.replace(other.find(from), from.size(), to);
-  };
-  std::string exponent = bytes, zeros = floats;
-  put(exponent, "dictionary.0.exponents", 3, int8_t{99});
-  for (size_t i = 8; i < 16; ++i) put(zeros, "theta", i, 0.0f);
-  const std::tuple<std::string, FileStatus, const char*> cases[] = {
-      {exponent, FileStatus::value_out_of_range, "dictionary.0: exponents"},
-      {zeros, FileStatus::tensor_unexpected, "dictionary.0.exponents: expected 9 values, got 17"},
-      {renamed(bytes, "dictionary.0.nodes", "dictionary.0.knots"), FileStatus::tensor_missing, ""},
-      {renamed(bytes, "theta.groups", "theta.graups"), FileStatus::tensor_unexpected, "theta.groups: expected 2 values, got 0"},
-      {renamed(bytes, "code16", "code17"), FileStatus::value_out_of_range, "metadata representation.0"},
-      {renamed(floats, "code16", "code32"), FileStatus::tensor_unexpected, "theta has 32 entries"}};
-  for (const auto& [spoilt, status, detail] : cases) {
-    LightGrid read;
-    const FileResult result = parse(stamped(spoilt), &read);
-    EXPECT_EQ(result.status, status) << result.detail;
-    EXPECT_EQ(result.detail.substr(0, std::strlen(detail)), detail);
-  }
-}
-
 TEST(LightGridFile, HoldsTheLightOfProbesWithWeight) {
   const LightGrid grid = litGrid(smallTree(), 3);
   for (const GridPrecision& precision : kPrecisions) {
@@ -346,17 +248,6 @@ TEST(LightGridFile, WritesThePackedLightThatTheGridHolds) {
   EXPECT_NEAR(read.probeLight(probe)[0], grid.probeLight(probe)[0], 0.05f * std::abs(grid.probeLight(probe)[0]));
 }
 
-TEST(LightGridFile, RefusesToWriteLightThatNoReaderTakes) {
-  LightGrid grid = litGrid(smallTree(), 3);
-  std::fill(grid.probe_function.begin(), grid.probe_function.end(), kFreeSpace);
-  std::string bytes;
-  grid.light[0] = 0.9f * kMaxGridLight;
-  EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32, 0.005}, {}, &bytes).ok());
-  grid.light[1] = 1.01f * kMaxGridLight;
-  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32, 0.005}, {}, &bytes).status, FileStatus::value_out_of_range);
-  EXPECT_TRUE(bytes.empty());
-}
-
 TEST(LightGridFile, RefusesToWriteAThetaThatHalfCannotHold) {
   LightGrid grid = randomGrid(smallTree(), 2);
   grid.theta[grid.theta_begin[3] + 5] = -65505.0f;
@@ -368,21 +259,6 @@ TEST(LightGridFile, RefusesToWriteAThetaThatHalfCannotHold) {
   EXPECT_TRUE(serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes).ok());
 }
 
-TEST(LightGridFile, RefusesToWriteWhatItWouldNotRead) {
-  LightGrid grid = randomGrid(smallTree(), 2);
-  std::string bytes;
-  for (const char* key :
-       {"file_sha256", "kind", "version", "pattern_hash", "representation_count", "representation.0", "slope.7"}) {
-    EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {{key, ""}}, &bytes).status, FileStatus::value_out_of_range)
-        << key;
-  }
-  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {{"scene", "\xc0"}}, &bytes).status,
-            FileStatus::header_malformed);
-  grid.probe_function[0] = 1000;
-  EXPECT_EQ(serializeLightGrid(grid, {ThetaPrecision::float32}, {}, &bytes).status, FileStatus::value_out_of_range);
-  EXPECT_TRUE(bytes.empty());
-}
-
 TEST(LightGridFile, IsTheSameBytesForTheSameGrid) {
   for (const GridPrecision& precision : kPrecisions) {
     const std::string bytes = bytesOf(litGrid(smallTree(), 5), precision);
@@ -391,21 +267,6 @@ TEST(LightGridFile, IsTheSameBytesForTheSameGrid) {
     LightGrid read;
     ASSERT_TRUE(parse(bytes, &read).ok());
     EXPECT_TRUE(bytes == bytesOf(read, precision)) << thetaPrecisionName(precision.theta);
-  }
-}
-
-TEST(LightGridFile, AlignsEveryTensor) {
-  for (const GridPrecision& precision : kPrecisions) {
-    const std::string bytes = bytesOf(litGrid(smallTree(), 5), precision);
-    uint64_t length = 0;
-    std::memcpy(&length, bytes.data(), sizeof length);
-    const nlohmann::json header = nlohmann::json::parse(bytes.substr(8, length));
-    int fillers = 0;
-    for (const auto& [name, place] : placesIn(bytes)) {
-      EXPECT_EQ(place.begin % dtypeBytes(header[name]["dtype"].get<std::string>()), 0u) << name;
-      fillers += isPadding(name);
-    }
-    EXPECT_LE(fillers, 2);
   }
 }
 
@@ -430,115 +291,15 @@ TEST(LightGridFile, AccountsForItsBytes) {
   }
 }
 
-TEST(LightGridFile, IsReadFromAFile) {
-  const std::string path = testing::TempDir() + "light_grid_" + std::to_string(getpid()) + ".safetensors";
-  const LightGrid grid = randomGrid(smallTree(), 6);
-  const std::string bytes = bytesOf(grid);
-  std::ofstream(path, std::ios::binary) << bytes;
-  LightGrid read;
-  GridMetadata metadata;
-  FileResult result = readLightGridFile(path, &read, &metadata);
-  ASSERT_TRUE(result.ok()) << result.detail;
-  expectSameGrid(read, grid);
-  std::filesystem::resize_file(path, bytes.size() - 1);
-  result = readLightGridFile(path, &read, &metadata);
-  EXPECT_EQ(result.status, FileStatus::too_short);
-  EXPECT_EQ(result.detail.substr(0, path.size()), path);
-  std::filesystem::remove(path);
-  EXPECT_EQ(readLightGridFile(path, &read, &metadata).status, FileStatus::cannot_open);
-}
-
 TEST(LightGridFile, RefusesWhatIsDamaged) {
   LightGrid grid;
-  expectDamageIsRefused(bytesOf(litGrid(smallTree(), 1), {}),
-                        [&](const std::string& bytes) { return parse(bytes, &grid).detail; });
+  expectDamageIsRefused(
+      bytesOf(litGrid(smallTree(), 1), {}), [&](const std::string& bytes) { return parse(bytes, &grid).detail; }, 13);
 }
 
 TEST(LightGridFile, RefusesAFileWithoutADigest) {
   LightGrid read;
   EXPECT_EQ(parse(withoutDigest(bytesOf(litGrid(smallTree(), 1))), &read).status, FileStatus::digest_mismatch);
-}
-
-// One number changed, and what the reader says.
-struct Hostile {
-  const char* what;
-  FileStatus status;
-  const char* detail;  // its beginning
-  std::function<void(std::string&)> spoil;
-};
-
-// Of numbers that stand as they are; of coded ones the fuzz target makes what there is.
-TEST(LightGridFile, NamesHostileNumbers) {
-  constexpr FileStatus kRange = FileStatus::value_out_of_range;
-  const double infinity = std::numeric_limits<double>::infinity();
-  const Hostile cases[] = {
-      {"far origin", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.first_m", 1, infinity); }},
-      {"spacing 0", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.spacing_m", 0, 0.0); }},
-      {"many roots", kRange, "probe tree: frame", [=](std::string& b) { put(b, "frame.root_count", 0, int32_t{1} << 30); }},
-      {"more roots than nodes", kRange, "probe tree: frame",
-       [=](std::string& b) {
-         for (size_t axis = 0; axis < 3; ++axis) put(b, "frame.root_count", axis, int32_t{32767});
-       }},
-      {"no roots", kRange, "probe tree: nodes", [=](std::string& b) { put(b, "frame.root_count", 0, int32_t{0}); }},
-      {"more probes than there are kinds", FileStatus::tensor_unexpected, "probe.kind",
-       [=](std::string& b) { put(b, "probe.count", 0, uint32_t{1u << 12}); }},
-      {"more probes than the file stands for", kRange, "memory: expected",
-       [=](std::string& b) { put(b, "probe.count", 0, uint32_t{1u << 20}); }},
-      {"theta NaN", FileStatus::value_not_finite, "theta: value 9", [=](std::string& b) { put(b, "theta", 9, std::nanf("")); }},
-      {"an axis NaN", FileStatus::value_not_finite, "light.axes: value 9",
-       [=](std::string& b) { put(b, "light.axes", 9, uint16_t{0x7e00}); }},
-      {"no unit", kRange, "light.unit", [=](std::string& b) { put(b, "light.unit", 0, 0.0f); }},
-      {"a unit NaN", kRange, "light.unit", [=](std::string& b) { put(b, "light.unit", 0, std::nanf("")); }},
-      {"light beyond what look-ups take", kRange, "light: value", [=](std::string& b) { put(b, "light.unit", 0, 1e30f); }},
-      {"a scale of 12 bits", kRange, "light.bits: value 0", [=](std::string& b) { put(b, "light.bits", 0, uint8_t{12}); }},
-      {"an axis far off", kRange, "light.offsets: value 1", [=](std::string& b) { put(b, "light.offsets", 1, int32_t{4097}); }},
-  };
-  const std::string bytes = bytesOf(litGrid(smallTree(), 1), {ThetaPrecision::float32});
-  for (const Hostile& hostile : cases) {
-    std::string spoilt = bytes;
-    hostile.spoil(spoilt);
-    LightGrid grid;
-    const FileResult result = parse(stamped(spoilt), &grid);
-    EXPECT_EQ(result.status, hostile.status) << hostile.what << ": " << result.detail;
-    EXPECT_EQ(result.detail.substr(0, std::strlen(hostile.detail)), hostile.detail) << hostile.what;
-  }
-}
-
-TEST(LightGridFile, RefusesOtherTextsOfItsOwn) {
-  struct Edit {
-    const char *from, *to;  // of one length, so that the file stays whole
-    FileStatus status;
-  };
-  const Edit edits[] = {
-      {R"("kind":"nlg-light-grid")", R"("kind":"nlg-light-grod")", FileStatus::value_out_of_range},
-      {R"("version":"2")", R"("version":"3")", FileStatus::version_unknown},
-      {R"("light":"axes")", R"("light":"axle")", FileStatus::value_out_of_range},
-      {R"("light.bits":{)", R"("light.bats":{)", FileStatus::tensor_missing},
-      {R"("pattern_hash":")", R"("pattern_hash":"\)", FileStatus::header_malformed},
-      {R"("representation_count":"8")", R"("representation_count":"9")", FileStatus::tensor_missing},
-      {R"("representation_count":"8")", R"("representation_count":"7")", FileStatus::value_out_of_range},
-      {R"("representation.2":"pf3")", R"("representation.2":"pf4")", FileStatus::value_out_of_range},
-      {R"("slope.1":"0.3")", R"("slope.1":"0.x")", FileStatus::value_out_of_range},
-      {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"V8")", FileStatus::tensor_malformed},
-      {R"("node.kind":{"dtype":"U8")", R"("node.kind":{"dtype":"I8")", FileStatus::tensor_unexpected},
-      {R"("frame.spacing_m":{"dtype":"F64","shape":[1])", R"("frame.spacing_m":{"dtype":"F32","shape":[2])",
-       FileStatus::tensor_unexpected},
-  };
-  const std::string bytes = bytesOf(litGrid(smallTree(), 1));
-  for (const Edit& edit : edits) {
-    std::string edited = bytes;
-    const size_t place = edited.find(edit.from);
-    ASSERT_NE(place, std::string::npos) << edit.from;
-    edited.replace(place, std::strlen(edit.from), edit.to);
-    LightGrid grid;
-    const FileResult result = parse(stamped(edited), &grid);
-    EXPECT_EQ(result.status, edit.status) << edit.to << ": " << result.detail;
-  }
-  std::string other_pattern = bytes;
-  char& digit = other_pattern[other_pattern.find(R"("pattern_hash":")") + 16];
-  digit = digit == '0' ? '1' : '0';
-  LightGrid grid;
-  EXPECT_EQ(parse(stamped(other_pattern), &grid).status, FileStatus::pattern_unknown);
 }
 
 }  // namespace

@@ -46,37 +46,6 @@ struct Case {
   size_t words() const { return static_cast<size_t>(lightWords(packed)); }
 };
 
-TEST(LightRecords, NeighboursAreTheNearestWithAWeightThatComeBefore) {
-  const Case of(0.1, true);
-  const std::vector<RecordsBefore> before = of.before();
-  std::vector<LatticePoint> with_weight;
-  for (size_t probe = 0; probe < of.probe_function.size(); ++probe) {
-    if (of.probe_function[probe] != kNoWeight) with_weight.push_back(of.tree.probeLattice(probe));
-  }
-  ASSERT_EQ(before.size(), with_weight.size());
-  std::array<int, 5> apart_count{};
-  for (size_t record = 0; record < before.size(); ++record) {
-    for (size_t axis = 0; axis < 3; ++axis) {
-      uint32_t nearest = kNoRecord;
-      int least = 5;
-      for (size_t other = 0; other < before.size(); ++other) {
-        LatticePoint apart;
-        for (size_t i = 0; i < 3; ++i) apart[i] = with_weight[record][i] - with_weight[other][i];
-        const int units = apart[axis];
-        apart[axis] = 0;
-        if (apart != LatticePoint{} || (units != 1 && units != 2 && units != 4) || units >= least) continue;
-        nearest = static_cast<uint32_t>(other);
-        least = units;
-      }
-      EXPECT_EQ(before[record][axis], nearest) << record << ' ' << axis;
-      if (nearest == kNoRecord) continue;
-      EXPECT_LT(nearest, record);
-      ++apart_count[static_cast<size_t>(least)];
-    }
-  }
-  for (const size_t units : {1u, 2u, 4u}) EXPECT_GT(apart_count[units], 0) << units;
-}
-
 TEST(LightRecords, ComeBack) {
   for (const bool has_holes : {false, true}) {
     Case of(0.1, has_holes);
@@ -112,23 +81,6 @@ TEST(LightRecords, ComeBack) {
     longer.push_back(0);
     EXPECT_EQ(decodeRecords(longer, before, 3, &read).status, FileStatus::tensor_unexpected);
   }
-}
-
-TEST(LightRecords, WhatNeighboursSayIsNotStored) {
-  // all alike
-  Case flat(0.0, false);
-  for (size_t i = flat.words(); i < flat.packed.records.size(); ++i)
-    flat.packed.records[i] = flat.packed.records[i % flat.words()];
-  EXPECT_LT(codedRecords(flat.packed, flat.before()).size(), 60u);
-  // darkness
-  Case dark(0.0, false);
-  std::fill(dark.packed.records.begin(), dark.packed.records.end(), 0u);
-  EXPECT_LT(codedRecords(dark.packed, dark.before()).size(), 12u);
-  // smooth light takes less by neighbours than by the probe before
-  const Case smooth(0.02, false);
-  std::vector<RecordsBefore> last(smooth.before().size(), {kNoRecord, kNoRecord, kNoRecord});
-  EXPECT_LT(codedRecords(smooth.packed, smooth.before()).size(),
-            0.85 * static_cast<double>(codedRecords(smooth.packed, last).size()));
 }
 
 }  // namespace

@@ -116,32 +116,6 @@ TEST(IrradianceBatch, EqualsSingleLookUpsOnEveryTarget) {
   EXPECT_GT(lit, 4000);
 }
 
-TEST(IrradianceBatch, EqualsSingleLookUpsWhereManyPositionsShareCodes) {
-  // whole stages of one cell's bricks, of one resolution and of two in turn
-  LookUpScratch scratch;
-  int64_t lit = 0;
-  forEachTarget([&] {
-    for (const uint32_t resolutions : {1u, 2u}) {
-      LightGrid grid = litGrid(smallTree(), 5);
-      Random random(5);
-      // representations 6 and 7 are codes, and functions go round all 8
-      for (uint32_t& function : grid.probe_function) function = 6 + random.below(resolutions) + 8 * random.below(2);
-      Batch batch;
-      const PositionM first = grid.tree.frame().first_m;
-      for (int i = 0; i < 6000; ++i) {
-        const double side = i < 4000 ? 0.5 : 8.0;  // metres: cells of one unit, then of 16
-        batch.add({first[0] + 2.5 + side * random.uniform(), first[1] + 2.5 + side * random.uniform(),
-                   first[2] + 2.5 + 0.5 * random.uniform()},
-                  randomDirection(random).data());
-      }
-      batch.run(grid, &scratch);
-      expectNear(grid, batch, &lit);
-      if (testing::Test::HasFatalFailure()) return;
-    }
-  });
-  EXPECT_GT(lit, 1000);
-}
-
 TEST(IrradianceBatch, TakesListsOfAnyLength) {
   const LightGrid grid = litGrid(smallTree(), 1);
   LookUpScratch scratch;
@@ -209,25 +183,6 @@ TEST(IrradianceBatch, DoesAsSingleLookUpsWherePositionsOrNormalsAreNone) {
     EXPECT_EQ(batch.status[i], lookUpIrradiance(grid, batch.positions_m[i], &batch.normals[3 * i], rgb)) << i;
     for (size_t c = 0; c < 3; ++c) EXPECT_EQ(batch.rgb[3 * i + c], rgb[c]) << i;
   }
-}
-
-TEST(IrradianceBatch, GivesLightWhoseIrradianceItGives) {
-  const LightGrid grid = litGrid(smallTree(), 4);
-  LookUpScratch scratch;
-  forEachTarget([&] {
-    Batch batch = randomBatch(grid.tree.frame(), 1000, 4);
-    batch.run(grid, &scratch);
-    std::vector<float> light(kShFloats * batch.positions_m.size());
-    std::vector<LightStatus> status(batch.positions_m.size());
-    lookUpLights(grid, batch.positions_m.data(), batch.positions_m.size(), light.data(), status.data(), &scratch);
-    ASSERT_EQ(status, batch.status);
-    for (size_t i = 0; i < status.size(); ++i) {
-      const float* normal = &batch.normals[3 * i];
-      const std::array<float, 3> rgb = shIrradiance(&light[kShFloats * i], normal[0], normal[1], normal[2]);
-      // 9 terms of at most 1.03 times coefficients up to 4
-      for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(batch.rgb[3 * i + c], std::max(0.0f, rgb[c]), 20 * kFloatRounding * 9 * 4) << i;
-    }
-  });
 }
 
 TEST(IrradianceBatch, AllocatesNothing) {

@@ -154,7 +154,7 @@ TEST(Irradiance, PassesFromTheDarkestToTheBlendWithoutAStep) {
   const float up[3] = {0, 0, 1};
   Random random(1);
   int found = 0;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 40; ++i) {
     PositionM at{};
     double before = 0.0, largest = 0.0, first = 0.0;
     constexpr int kSteps = 256;

@@ -79,48 +79,6 @@ TEST(PackedLight, KeepsTheErrorThatIsAskedFor) {
   }
 }
 
-TEST(PackedLight, SaysWhatTheLongestRecordLeaves) {
-  // nothing that probes have in common
-  Random random(1);
-  std::vector<float> light(kProbes * kShFloats);
-  for (float& number : light) number = static_cast<float>(random.uniform(-1.0, 1.0));
-  PackedLight packed;
-  const LightPacking packing = packLight(light, kLeastLightError, &packed);
-  EXPECT_GT(packing.error, kLeastLightError);
-  EXPECT_LT(packing.error, 0.01);
-  EXPECT_EQ(lightWords(packed), kMaxLightWords);
-}
-
-// Grey light from above of many strengths is one axis: nothing is stored but the scale.
-TEST(PackedLight, StoresNoNumberThatAllProbesShare) {
-  std::vector<float> light;
-  for (size_t probe = 0; probe < kProbes; ++probe) {
-    for (int i = 0; i < kShFloats; ++i)
-      light.push_back(std::exp2(static_cast<float>(probe % 160) / 16.0f) *
-                      shBasis(0.0f, 1.0f, 0.0f)[static_cast<size_t>(i) / kShChannels]);
-  }
-  PackedLight packed;
-  const LightPacking packing = packLight(light, 0.01, &packed);
-  EXPECT_LE(packing.error, 0.01);
-  EXPECT_EQ(lightWords(packed), 1);
-  EXPECT_EQ(packed.axes.size(), 1u);
-  EXPECT_EQ(packed.axes[0].bits, 0);
-}
-
-TEST(PackedLight, NumbersStandInWholeWords) {
-  PackedLight packed;
-  packLight(lampLight(2), 0.02, &packed);
-  std::array<uint32_t, kMaxLightWords> used{};
-  for (const LightField& field : lightFields(packed)) {
-    if (field.bits == 0) continue;
-    ASSERT_LE(field.shift + field.bits, 32);
-    const uint32_t bits = ((1u << field.bits) - 1) << field.shift;
-    EXPECT_EQ(used[static_cast<size_t>(field.word)] & bits, 0u);
-    used[static_cast<size_t>(field.word)] |= bits;
-  }
-  EXPECT_EQ(packed.records.size(), kProbes * static_cast<size_t>(lightWords(packed)));
-}
-
 TEST(PackedLight, HoldsAnyLightThatAGridMayHave) {
   for (const float value : {1e-30f, -1e-10f, 65504.0f, -kMaxGridLight, kMaxGridLight}) {
     const std::vector<float> light(2 * kShFloats, value);

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/runtime_eval/light_grid/random_grid.h"
 
 namespace nlg {
@@ -46,12 +44,6 @@ TEST(ResampledLight, IsTheLightAtItsTexels) {
   }
   EXPECT_GT(lit, 1000u);
   EXPECT_LT(lit, box.texelCount());
-}
-
-TEST(ResampledLight, OfNoTexelsIsEmpty) {
-  const LightGrid grid = freeGrid();
-  LookUpScratch scratch;
-  EXPECT_TRUE(resampleLight(grid, boxAround(grid, {0, 3, 3}), &scratch).light.empty());
 }
 
 }  // namespace

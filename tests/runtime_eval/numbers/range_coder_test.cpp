@@ -63,26 +63,5 @@ TEST(RangeCoder, TakesHardlyMoreThanTheEntropy) {
   EXPECT_LE(coded(16, count, [] { return 4711u; }).bytes.size(), count / 20);
 }
 
-TEST(RangeCoder, CodesDifferencesByWhatTwoModelsSay) {
-  Random random(5);
-  std::vector<int> numbers = {0, 1, -1, 4095, -4095};
-  for (int i = 0; i < 40000; ++i) {
-    // now near 0, now far from it, which the first model knows
-    const double spread = i % 2 == 0 ? 3.0 : 300.0;
-    numbers.push_back(static_cast<int>(std::lround(spread * (random.uniform() + random.uniform() + random.uniform() - 1.5))));
-  }
-  std::vector<DifferenceModel> by_spread(2), of_all(1);
-  RangeEncoder encoder;
-  for (size_t i = 0; i < numbers.size(); ++i) encoder.add(numbers[i], &by_spread[(i + 1) % 2], &of_all[0]);
-  const std::vector<uint8_t> bytes = encoder.finish();
-  by_spread.assign(2, {});
-  of_all.assign(1, {});
-  RangeDecoder decoder(bytes.data(), bytes.size());
-  for (size_t i = 0; i < numbers.size(); ++i) ASSERT_EQ(decoder.next(&by_spread[(i + 1) % 2], &of_all[0]), numbers[i]) << i;
-  EXPECT_TRUE(decoder.isAtEnd());
-  // of a normal distribution log2(sigma sqrt(2 pi e)) bits: 2.6 and 9.3
-  EXPECT_LT(8.0 * static_cast<double>(bytes.size()) / static_cast<double>(numbers.size()), 6.35);
-}
-
 }  // namespace
 }  // namespace nlg

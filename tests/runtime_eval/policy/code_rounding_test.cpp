@@ -76,43 +76,6 @@ TEST_F(CodeRoundingTest, GivesBytesAndWhatTheCheckFindsOfThem) {
   }
 }
 
-TEST_F(CodeRoundingTest, StopsWhereTheFunctionNeedsNoMore) {
-  for (const int length : {8, 16, 32}) {
-    for (uint64_t seed = 1; seed < 5; ++seed) {
-      Random random(seed);
-      const Fitted fitted = fit(codeSample(code_.dictionary, sampleCode(*code_.dictionary, length, random)));
-      // what a code of that length can do, and a rounding of its own: 1.5 of the bytes' rounding, 1/255/sqrt(12), twice
-      const RoundedTheta rounded = round(fitted, optionsOf(1.0, 3.4e-3));
-      EXPECT_LE(lengthOf(rounded), length) << "seed " << seed;
-      EXPECT_LE(rounded.check.blend_rmse, std::max(3.4e-3, fitted.present.check.blend_rmse)) << "seed " << seed;
-    }
-  }
-}
-
-TEST_F(CodeRoundingTest, IsNoLongerTheMoreItMayBeOff) {
-  int cut = 0;
-  for (uint64_t seed = 1; seed < 9; ++seed) {
-    const Fitted fitted = fit(fallingSample(code_.dictionary, seed));
-    const double before = fitted.present.check.blend_rmse;
-    int longest = 48;
-    for (const double ratio : {1.0, 1.1, 1.5, 3.0, 1e6}) {
-      // nothing passes, and nothing has to
-      CheckOptions none = check_;
-      none.tau_rmse = 1e-9;
-      const RoundedTheta rounded = CodeRounding(optionsOf(ratio, 0.0)).round(code_, fitted.sample.view(), fitted.present, none);
-      const int length = lengthOf(rounded);
-      EXPECT_LE(length, longest) << "seed " << seed << ", ratio " << ratio;
-      if (length < 48) {
-        EXPECT_LE(rounded.check.blend_rmse, ratio * before) << "seed " << seed << ", ratio " << ratio;
-      }
-      cut += length < 48;
-      longest = length;
-    }
-    EXPECT_LE(longest, 8) << "seed " << seed;
-  }
-  EXPECT_GT(cut, 8) << "some stop between the ends";
-}
-
 TEST_F(CodeRoundingTest, KeepsWhatPassesTheCheck) {
   int shorter = 0, passing = 0;
   for (uint64_t seed = 1; seed < 9; ++seed) {
@@ -145,35 +108,6 @@ TEST_F(CoarseCodeRoundingTest, MakesUpForWhatWasRounded) {
   }
   EXPECT_GT(apart, 1.05 * before) << "there is something to make up for";
   EXPECT_LT(together - before, 0.5 * (apart - before));
-}
-
-// Numbers beyond a byte end at its ends, and those before them make up for it. For a function that is 0 everywhere all second order is off;
-// there it must be a code all the same.
-TEST_F(CodeRoundingTest, TakesNumbersBeyondAByte) {
-  double apart = 0.0, together = 0.0;
-  int beyond = 0;
-  for (uint64_t seed = 1; seed < 9; ++seed) {
-    const Fitted fitted = fit(wallSample(seed));
-    for (const float number : fitted.present.theta) beyond += std::fabs(number) > 127.5f;
-    Theta plain = fitted.present.theta;
-    ASSERT_TRUE(roundTheta(code_, ThetaPrecision::int8, plain.data()));
-    apart += checkOf(fitted, plain).blend_rmse;
-    together += round(fitted, optionsOf(1.0, 0.0)).check.blend_rmse;
-  }
-  EXPECT_GT(beyond, 8) << "the case is one";
-  EXPECT_LT(together, apart);
-  for (const StoredSample& sample : {darkSample(), litSample()}) {
-    const Fitted fitted = fit(sample);
-    const RoundedTheta rounded = round(fitted, {});
-    EXPECT_TRUE(std::isfinite(rounded.check.rmse));
-    EXPECT_LT(rounded.check.blend_rmse, 0.5 * checkOf(fitted, Theta(48, 0.0f)).blend_rmse);
-  }
-}
-
-TEST_F(CodeRoundingTest, StoresNothingOfACodeOfZeros) {
-  const RoundedTheta rounded = round(fit(StoredSample{}), {});
-  EXPECT_EQ(lengthOf(rounded), 0);
-  EXPECT_EQ(rounded.check.rmse, 0.0);
 }
 
 // What a fit would refuse must not become bytes.

@@ -78,22 +78,5 @@ TEST(CompensatedRounding, LosesLessThanRoundingEachNumberForItself) {
   EXPECT_LT(together_sum, 0.7 * alone_sum);
 }
 
-TEST(CompensatedRounding, RefusesAFunctionWithoutAPointAndLeavesTheta) {
-  WeightingFunction none = decoded(wallSample(1).view());
-  std::fill(none.mask.begin(), none.mask.end(), 0.0f);
-  Theta theta = randomTheta({}, 1);
-  EXPECT_FALSE(CompensatedRounding().round({}, none, {}, theta.data()));
-  EXPECT_EQ(theta, randomTheta({}, 1));
-}
-
-// Nothing reads a unit of zeros, and nothing that it reads changes: their derivatives are 0.
-TEST(CompensatedRounding, SurvivesUnitsOfNothing) {
-  const WeightingFunction function = decoded(wallSample(2).view());
-  Theta theta(ThetaLayout::count, 0.0f);
-  theta[ThetaLayout::b3] = 0.3f;
-  ASSERT_TRUE(CompensatedRounding().round({}, function, {}, theta.data()));
-  for (const float number : theta) EXPECT_TRUE(std::isfinite(number));
-}
-
 }  // namespace
 }  // namespace nlg

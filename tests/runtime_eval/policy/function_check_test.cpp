@@ -39,25 +39,25 @@ FunctionCheck expectedCheck(const Representation& representation, const StoredSa
 }
 
 TEST(FunctionCheck, EqualsItsDefinitionOnEveryTarget) {
+  uint64_t seed = 0;
   for (const Representation& representation : sampleRepresentations()) {
-    const char* name = representationName(representation);
-    for (uint64_t seed = 1; seed < 4; ++seed) {
-      const StoredSample sample = seed == 3 ? noiseSample(seed) : seed == 2 ? crowdedSample(seed) : wallSample(seed);
-      const Theta theta = randomTheta(representation, seed);
-      const FunctionCheck expected = expectedCheck(representation, sample, theta, {});
-      forEachTarget([&] {
-        FunctionChecker checker;
-        const FunctionCheck got = checker.check(representation, sample.view(), theta.data(), {});
-        EXPECT_EQ(got.valid_count, expected.valid_count) << name;
-        EXPECT_EQ(got.zero_count, expected.zero_count) << name;
-        // values of a few units, each off by some hundred roundings; sums of 1024 floats
-        EXPECT_NEAR(got.rmse, expected.rmse, 2e-4 * expected.rmse) << name << ", seed " << seed;
-        EXPECT_NEAR(got.blend_rmse, expected.blend_rmse, 2e-4 * expected.blend_rmse) << name << ", seed " << seed;
-        EXPECT_NEAR(got.leak_mean, expected.leak_mean, 2e-4 * expected.leak_mean) << name << ", seed " << seed;
-        // a value within rounding of tau may fall on either side
-        EXPECT_NEAR(got.leak_share, expected.leak_share, 2.5 / expected.zero_count) << name << ", seed " << seed;
-      });
-    }
+    SCOPED_TRACE(representationName(representation));
+    // kinds of functions in turn: the reference of a code takes long
+    const StoredSample sample = ++seed % 3 == 0 ? noiseSample(seed) : seed % 3 == 1 ? crowdedSample(seed) : wallSample(seed);
+    const Theta theta = randomTheta(representation, seed);
+    const FunctionCheck expected = expectedCheck(representation, sample, theta, {});
+    forEachTarget([&] {
+      FunctionChecker checker;
+      const FunctionCheck got = checker.check(representation, sample.view(), theta.data(), {});
+      EXPECT_EQ(got.valid_count, expected.valid_count);
+      EXPECT_EQ(got.zero_count, expected.zero_count);
+      // values of a few units, each off by some hundred roundings; sums of 1024 floats
+      EXPECT_NEAR(got.rmse, expected.rmse, 2e-4 * expected.rmse);
+      EXPECT_NEAR(got.blend_rmse, expected.blend_rmse, 2e-4 * expected.blend_rmse);
+      EXPECT_NEAR(got.leak_mean, expected.leak_mean, 2e-4 * expected.leak_mean);
+      // a value within rounding of tau may fall on either side
+      EXPECT_NEAR(got.leak_share, expected.leak_share, 2.5 / expected.zero_count);
+    });
   }
 }
 
@@ -154,19 +154,6 @@ TEST(FunctionCheck, TakesAnErrorThatIsNoNumberForTheLargest) {
   EXPECT_EQ(check.rmse, INFINITY);
   EXPECT_EQ(check.leak_mean, INFINITY);
   EXPECT_FALSE(check.passes({}));
-}
-
-TEST(FunctionCheck, HandlesNoValidPointAndBrokenTheta) {
-  StoredSample sample = noiseSample(6);
-  FunctionChecker checker;
-  const CheckOptions options;
-  const Theta broken(ThetaLayout::count, NAN);
-  EXPECT_FALSE(checker.check({}, sample.view(), broken.data(), options).passes(options));
-  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{0});
-  const FunctionCheck check = checker.check({}, sample.view(), randomTheta({}, 6).data(), options);
-  EXPECT_EQ(check.valid_count, 0);
-  EXPECT_EQ(check.rmse, 0.0);
-  EXPECT_TRUE(check.passes(options));
 }
 
 }  // namespace

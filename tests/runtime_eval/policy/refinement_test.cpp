@@ -28,20 +28,6 @@ TEST(Refiner, IsNeverInMoreTroubleThanItsStart) {
   }
 }
 
-TEST(Refiner, LeavesAloneWhatPasses) {
-  Theta tent_theta(ThetaLayout::count, 0.0f);
-  tent_theta[ThetaLayout::b3] = 1.0f;
-  StoredSample sample;
-  std::fill(sample.validity.begin(), sample.validity.end(), uint8_t{255});
-  for (int p = 0; p < kSupportPointCount; ++p) {
-    sample.phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
-  }
-  Refiner refiner;
-  const RefinementResult result = refiner.refine(Representation::tentMlp(), sample.view(), tent_theta, {}, {}, {});
-  EXPECT_EQ(result.theta, tent_theta);
-  EXPECT_EQ(result.steps, 0);
-}
-
 TEST(Refiner, BringsMostWallsUnderTheThreshold) {
   Refiner refiner;
   CheckOptions check;
@@ -77,35 +63,6 @@ TEST(Refiner, ClosesALeakAtFewPointsThatThePlainFitLeaves) {
   EXPECT_TRUE(result.check.passes(check)) << result.check.blend_rmse;
 }
 
-TEST(Refiner, GoesOnFromRandomStartsWhenTheStartIsBroken) {
-  Refiner refiner;
-  const StoredSample sample = wallSample(9);
-  CheckOptions check;
-  const RefinementOptions options{.refine_rounds = 1, .refine_first_steps = 50};
-  const RefinementResult result =
-      refiner.refine(Representation::tentMlp(), sample.view(), Theta(ThetaLayout::count, NAN), {}, check, options);
-  for (const float value : result.theta) ASSERT_TRUE(std::isfinite(value));
-  EXPECT_LT(result.check.rmse, 1.0);
-}
-
-TEST(Refiner, TriesOtherStartsBeforeItsLastRound) {
-  Refiner refiner;
-  // nothing passes, so that every round runs: 20 steps, 20 from each other start, 40
-  CheckOptions check;
-  RefinementOptions options{.refine_rounds = 2, .refine_first_steps = 20, .refine_growth = 2};
-  check.tau_rmse = 1e-6;
-  const StoredSample sample = wallSample(9);
-  const Representation tent_mlp = Representation::tentMlp();
-  const Theta start = randomTheta(tent_mlp, 50), theta0 = randomTheta(tent_mlp, 51);
-  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, check, options).steps, 20 + 4 * 20 + 40);
-  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, {}, check, options).steps, 20 + 3 * 20 + 40);
-  // a single round comes first
-  options.refine_rounds = 1;
-  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, check, options).steps, 20 + 4 * 20);
-  options.refine_rounds = 0;
-  EXPECT_EQ(refiner.refine(tent_mlp, sample.view(), start, theta0, check, options).steps, 0);
-}
-
 TEST(Refiner, GoesBackToTheta0WhenTheStartIsBroken) {
   Refiner refiner;
   Theta theta0(ThetaLayout::count, 0.0f);
@@ -132,17 +89,6 @@ TEST(Refiner, BeginsAnewWhereACodeIsFarOut) {
   const RefinementResult result = refiner.refine(code, sample.view(), start, {}, {}, {.refine_rounds = 1});
   EXPECT_LT(result.check.blend_rmse, 0.9 * before);
   EXPECT_LT(std::abs(result.theta[0]), 1e3f);
-}
-
-TEST(WorstFirst, OrdersFailuresByTroubleThenIndex) {
-  std::vector<FunctionCheck> checks(6);
-  checks[0].rmse = 0.03;
-  checks[1].rmse = 0.001;
-  checks[2].blend_rmse = 0.051;  // trouble 1.7, more than an RMSE of one and a half times what is allowed
-  checks[3].rmse = 0.03;
-  checks[4].rmse = NAN;
-  checks[5].rmse = 0.02;  // exactly what is allowed
-  EXPECT_EQ(worstFirst(checks, {}), (std::vector<uint32_t>{4, 2, 0, 3}));
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/fit/levenberg_marquardt.h"
 #include "tests/runtime_eval/sample_generator.h"
 
 namespace nlg {
@@ -57,8 +56,6 @@ Improved improve(const GeneratorData& data, const StoredSample& sample, const St
 
 const Representation kRepresentations[] = {Representation::mlp(), Representation::tentMlp(), Representation::productField(3)};
 const Representation kExactNetworks[] = {Representation::mlp(), Representation::tentMlp()};
-const Representation kTwoFields[] = {Representation::productField(3), Representation::productField(5)};
-
 double rmseOf(const Representation& representation, const StoredSample& sample, const Theta& theta) {
   return functionRmse(representation, decoded(sample.view(), pointOrder(representation)), theta.data());
 }
@@ -89,27 +86,6 @@ TEST(StageRunner, NeverMakesAThetaWorse) {
       ThetaRecord record;
       runner.make(&functions[i], 1, alone.data(), &record);
       EXPECT_EQ(alone, end) << "function " << i;
-    }
-  }
-}
-
-TEST(StageRunner, SolvesTheLastLayerWhenTheWeightsSaySo) {
-  for (const Representation& representation : kExactNetworks) {
-    for (uint64_t seed = 1; seed < 5; ++seed) {
-      const StoredSample sample = wallSample(seed);
-      const Theta start = randomTheta(representation, seed);
-      Theta expected = start, broken = start;
-      ASSERT_TRUE(solveLastLayer(representation, decoded(sample.view()), expected.data()));
-      // one that only its last layer makes infinite, and one that is solved already
-      broken[representation.shape().b3()] = NAN;
-      for (const Theta& from : {start, broken, expected}) {
-        GeneratorData data = generatorOf(representation, from);
-        EXPECT_FALSE(improve(data, sample, kNoFits).changed()) << "seed " << seed;
-        data.exact_last_layer = true;
-        const Improved improved = improve(data, sample, kNoFits);
-        EXPECT_EQ(improved.changed(), from != expected) << "seed " << seed;
-        EXPECT_EQ(improved.theta, expected) << "seed " << seed;
-      }
     }
   }
 }
@@ -164,65 +140,6 @@ TEST(StageRunner, TakesAnInfiniteThetaForNoThetaEvenWhereItsValuesAreFinite) {
   for (const float value : improved.theta) EXPECT_TRUE(std::isfinite(value));
 }
 
-TEST(StageRunner, LeavesWhatIsGoodEnough) {
-  for (const Representation& representation : kRepresentations) {
-    const StoredSample sample = wallSample(1);
-    const Theta start = randomTheta(representation, 1);
-    const double rmse = rmseOf(representation, sample, start);
-    GeneratorData data = generatorOf(representation, start);
-    data.exact_last_layer = !representation.isField();
-    for (const double factor : {0.999, 1.001}) {
-      StageOptions options = kNoFits;
-      options.good_rmse = factor * rmse;
-      options.lm_iterations = 3;
-      EXPECT_EQ(improve(data, sample, options, 1.0).changed(), factor < 1.0) << representationName(representation);
-    }
-  }
-}
-
-// Fits as the stage does, where three iterations in a row are worth going on for only above 5 %.
-FitResult iterated(const Representation& representation, const StoredSample& sample, const Theta& start, int iterations) {
-  LevenbergMarquardtOptions options = refinementLevenbergMarquardt(representation, iterations);
-  options.progress_tolerance = 0.05;
-  NormalEquationsKernel kernel;
-  return fitLevenbergMarquardt(representation, decoded(sample.view(), pointOrder(representation)), start, options, &kernel);
-}
-
-TEST(StageRunner, FitsFieldsByLevenbergMarquardt) {
-  for (const Representation& representation : kTwoFields) {
-    const StoredSample sample = wallSample(4);
-    const Theta start = randomTheta(representation, 4);
-    StageOptions options = kNoFits;
-    options.lm_iterations = 3;
-    const FitResult expected = iterated(representation, sample, start, 3);
-    EXPECT_EQ(improve(generatorOf(representation, start), sample, options).theta, expected.theta);
-    EXPECT_LT(expected.rmse, 0.8 * rmseOf(representation, sample, start));
-  }
-}
-
-TEST(StageRunner, TakesTheta0ForAnotherStartOfAFunctionThatIsStillWrong) {
-  for (const Representation& representation : kTwoFields) {
-    const StoredSample sample = wallSample(4);
-    StageOptions options = kNoFits;
-    options.lm_theta0_iterations = 8;
-    const Theta theta0 = randomTheta(representation, 7), start = randomTheta(representation, 4);
-    const FitResult expected = iterated(representation, sample, theta0, 8);
-    const GeneratorData data = generatorOf(representation, start, theta0);
-    const double before = rmseOf(representation, sample, start);
-    ASSERT_LT(expected.rmse, 0.9 * before) << "a start that theta_0 is not better than says nothing";
-    for (const double factor : {0.45, 1.01}) {
-      options.retry_rmse = factor * before;
-      const Improved improved = improve(data, sample, options);
-      EXPECT_EQ(improved.theta, factor < 1.0 ? expected.theta : improved.start);
-    }
-    // theta_0's fit is no better: kept is what came
-    const Theta best = iterated(representation, sample, expected.theta, 200).theta;
-    options.retry_rmse = 0.0;
-    const Improved improved = improve(generatorOf(representation, best, theta0), sample, options);
-    EXPECT_LE(rmseOf(representation, sample, improved.theta), rmseOf(representation, sample, improved.start));
-  }
-}
-
 // An eighth of the steps from theta and from theta_0 each, the rest from the better; then the last layer is solved.
 FitResult racedAdam(const Representation& representation, const WeightingFunction& function, const Theta& start,
                     const Theta& theta0, int steps) {
@@ -233,40 +150,6 @@ FitResult racedAdam(const Representation& representation, const WeightingFunctio
   FitResult raced = fit(other.rmse < own.rmse ? other.theta : own.theta, steps - 2 * (steps / 8));
   EXPECT_TRUE(solveLastLayer(representation, function, raced.theta.data()));
   return raced;
-}
-
-TEST(StageRunner, FitsNetworksByAdam) {
-  int below_the_cap = 0;
-  for (const Representation& representation : kExactNetworks) {
-    const StoredSample sample = wallSample(1);
-    const WeightingFunction function = decoded(sample.view(), pointOrder(representation));
-    const Theta theta0(representation.thetaCount(), 0.0f), start = randomTheta(representation, 2);
-    const GeneratorData data = generatorOf(representation, start);
-    StageOptions options = kNoFits;
-    options.lm_iterations = options.lm_theta0_iterations = 8;  // not there
-    EXPECT_FALSE(improve(data, sample, options).changed());
-    const double before = rmseOf(representation, sample, start);
-    ASSERT_GT(before, 0.04) << "such functions take four times the steps";
-    const FitResult expected = racedAdam(representation, function, start, theta0, 4 * 60);
-    const double fitted = rmseOf(representation, sample, expected.theta);
-    ASSERT_LT(expected.rmse, 0.9 * before);
-    ASSERT_LT(fitted, expected.rmse) << "behind the steps the last layer is solved";
-    options.adam_steps = 60;
-    options.retry_rmse = 0.0;
-    for (const double factor : {0.99, 1.01}) {
-      options.adam_rmse = factor * before;
-      EXPECT_EQ(improve(data, sample, options).theta, factor < 1.0 ? expected.theta : start);
-    }
-    // an RMSE below .04 takes steps in proportion
-    const auto share = [&](double rmse) { return static_cast<int>(60 * std::min(4.0, rmse / 0.01)); };
-    ASSERT_EQ(share(0.9999 * fitted), share(1.0001 * fitted)) << "a float away from another count";
-    options.adam_rmse = 0.0;
-    const Theta more = racedAdam(representation, function, expected.theta, theta0, share(fitted)).theta;
-    EXPECT_EQ(improve(generatorOf(representation, expected.theta), sample, options).theta,
-              rmseOf(representation, sample, more) < fitted ? more : expected.theta);
-    below_the_cap += fitted < 0.04;
-  }
-  EXPECT_GT(below_the_cap, 0);
 }
 
 TEST(StageRunner, FitsFromTheta0WhereItsThetaLeadsNowhere) {

@@ -1,8 +1,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "runtime_eval/evaluator/generator/generator_data.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/finite.h"
@@ -55,33 +53,6 @@ TEST(TakesBareTent, SaysNoWhereTheTentLeaksIntoFewPointsBehindAWall) {
   EXPECT_FALSE(takesBareTent(leaking, options));
 }
 
-TEST(StagesOf, IsInTheOrderOfTheWords) {
-  for (const char* name : kRepresentationNames) {
-    Representation representation;
-    ASSERT_TRUE(findRepresentation(name, &representation));
-    const std::vector<StagePlan> plan = stagesOf({representation, representation.isNetwork()}, {});
-    for (size_t i = 1; i < plan.size(); ++i) {
-      EXPECT_LT(plan[i - 1].stage, plan[i].stage) << name;
-      EXPECT_LE(wordOf(plan[i - 1].stage), wordOf(plan[i].stage)) << name;
-    }
-    for (const StagePlan& stage : plan) EXPECT_EQ(isFit(stage.stage), wordOf(stage.stage) == ThetaWord::fitted) << name;
-  }
-}
-
-TEST(StagesOf, RaisesThresholdsForWhatIsWrongAboutTheTentUpToTwice) {
-  const PolicyOptions options;
-  const auto retryOf = [&](double tent_rmse) {
-    for (const StagePlan& plan : stagesOf({Representation::productField(5), false, tent_rmse}, options)) {
-      if (plan.stage == ThetaStage::lm_theta0) return plan.above_rmse;
-    }
-    return -1.0;
-  };
-  EXPECT_EQ(retryOf(0.0), options.retry_rmse);
-  EXPECT_DOUBLE_EQ(retryOf(0.006), 1.25 * 0.006);
-  EXPECT_DOUBLE_EQ(retryOf(0.5), 2.0 * options.retry_rmse);
-  EXPECT_EQ(retryOf(NAN), options.retry_rmse);
-}
-
 TEST(ThetaPolicy, GivesAFunctionTheSameThetaWhateverStandsBesideIt) {
   const Functions functions(2 * kBatchCount + 7);
   const auto count = static_cast<int>(functions.views.size());
@@ -93,7 +64,7 @@ TEST(ThetaPolicy, GivesAFunctionTheSameThetaWhateverStandsBesideIt) {
     std::vector<MadeTheta> together(count);
     policy.bake(functions.views.data(), count, together.data());
     int bare = 0;
-    for (int i = 0; i < count; i += 3) {
+    for (int i = 0; i < count; i += 7) {
       MadeTheta alone;
       policy.bake(&functions.views[i], 1, &alone);
       EXPECT_EQ(alone.theta, together[i].theta) << "function " << i;
@@ -107,50 +78,6 @@ TEST(ThetaPolicy, GivesAFunctionTheSameThetaWhateverStandsBesideIt) {
     }
     EXPECT_GT(bare, 0);
   }
-}
-
-TEST(ThetaPolicy, RecordsWhatItsThetaIs) {
-  const Functions functions(kBatchCount);
-  const Generator generator = solvedGenerator(Representation::tentMlp());
-  const PolicyOptions options = shortOptions();
-  ThetaPolicy policy({&generator}, options);
-  FunctionChecker checker;
-  std::vector<MadeTheta> made(functions.views.size());
-  ThetaTrace trace;
-  policy.bake(functions.views.data(), static_cast<int>(made.size()), made.data(), &trace);
-  const size_t D = ThetaLayout::count;
-  size_t n = 0;
-  std::vector<ThetaStage> ended;
-  for (size_t i = 0; i < made.size(); ++i) {
-    const ThetaRecord& record = made[i].record;
-    if (made[i].isBareTent()) {
-      EXPECT_TRUE(made[i].theta.empty());
-      EXPECT_FALSE(record.took_fit);
-      continue;
-    }
-    const auto rmseOf = [&](const float* theta) {
-      return checker.check(generator.representation(), functions.views[i], theta, options.check()).rmse;
-    };
-    EXPECT_EQ(record.at(ThetaWord::network).rmse, rmseOf(&trace.network[n * D])) << "function " << i;
-    EXPECT_EQ(record.at(ThetaWord::corrected).rmse, rmseOf(&trace.corrected[n * D])) << "function " << i;
-    EXPECT_EQ(record.at(ThetaWord::stored).rmse, rmseOf(made[i].theta.data())) << "function " << i;
-    EXPECT_EQ(std::memcmp(made[i].theta.data(), &trace.fitted[n * D], D * sizeof(float)), 0) << "function " << i;
-    EXPECT_EQ(record.refined, !record.at(ThetaWord::stored).passes(options.check()) || record.ended == ThetaStage::refinement)
-        << "function " << i;
-    EXPECT_LE(record.at(ThetaWord::corrected).blend_rmse, record.at(ThetaWord::network).blend_rmse * (1 + 1e-6))
-        << "function " << i;
-    const bool fitted = isFit(record.ended);
-    EXPECT_LE(fitted, record.took_fit) << "function " << i;
-    // a stage that ended it took time
-    EXPECT_GT(record.stage_us[static_cast<size_t>(record.ended)], 0.0f) << "function " << i;
-    double of_stages = 0.0;
-    for (const float us : record.stage_us) of_stages += us;
-    EXPECT_NEAR(of_stages, record.elapsedUs(ThetaWord::stored), 1e-3 * of_stages) << "function " << i;
-    ended.push_back(record.ended);
-    ++n;
-  }
-  EXPECT_EQ(trace.network.size(), n * D);
-  EXPECT_GT(std::count_if(ended.begin(), ended.end(), isFit), 0) << "nothing here says anything about fits";
 }
 
 TEST(ThetaPolicy, ALaterWordIsNeverInTroubleThatTheOneBeforeWasNot) {
@@ -170,32 +97,6 @@ TEST(ThetaPolicy, ALaterWordIsNeverInTroubleThatTheOneBeforeWasNot) {
         }
       }
     }
-  }
-}
-
-TEST(ThetaPolicy, EndsAfterTheStageThatItIsTold) {
-  const Functions functions(20);
-  const Generator generator = solvedGenerator(Representation::tentMlp());
-  const PolicyOptions options = shortOptions();
-  double last_sum = INFINITY;
-  for (const StagePlan& plan : stagesOf(stageFacts(generator), options)) {
-    ThetaPolicy policy({&generator}, options, plan.stage);
-    std::vector<MadeTheta> made(functions.views.size());
-    policy.bake(functions.views.data(), static_cast<int>(made.size()), made.data());
-    double sum = 0.0;
-    for (const MadeTheta& one : made) {
-      sum += one.check().blend_rmse;
-      if (one.isBareTent()) continue;
-      EXPECT_LE(one.record.ended, plan.stage);
-      for (int s = static_cast<int>(plan.stage) + 1; s <= static_cast<int>(ThetaStage::larger); ++s) {
-        EXPECT_EQ(one.record.stage_us[s], 0.0f) << stageName(plan.stage);
-      }
-    }
-    // the refinement may give one RMSE for the other
-    if (plan.stage != ThetaStage::refinement) {
-      EXPECT_LE(sum, last_sum * (1 + 1e-6)) << stageName(plan.stage);
-    }
-    last_sum = sum;
   }
 }
 
@@ -310,28 +211,6 @@ TEST(ThetaPolicy, StoresTheLargestHalfForWhatIsBeyondAndChecksThat) {
       EXPECT_EQ(made.check().rmse, checker.check(representation, functions.views[0], made.theta.data(), options.check()).rmse);
     }
   }
-}
-
-TEST(ThetaPolicy, CountsAFitInWhateverRepresentationItWasMade) {
-  const Functions functions(20);
-  const Generator small = solvedGenerator(Representation::productField(3)), large = solvedGenerator(Representation::tentMlp());
-  PolicyOptions options = shortOptions();
-  options.refine_rounds = 0;
-  options.choice_enough_rmse = 0.0;  // the larger one always runs …
-  options.choice_flat_ratio = 1e-6;  // … and is taken, unless it is no better
-  std::vector<MadeTheta> made(functions.views.size());
-  ThetaPolicy({&small, &large}, options).bake(functions.views.data(), static_cast<int>(made.size()), made.data());
-  int larger = 0;
-  for (const MadeTheta& one : made) {
-    if (one.isBareTent()) continue;
-    EXPECT_TRUE(one.larger_ran);
-    // Levenberg-Marquardt of the small one ran for every function
-    EXPECT_TRUE(one.record.took_fit);
-    EXPECT_GT(one.record.stage_us[static_cast<size_t>(ThetaStage::lm)], 0.0f);
-    larger += one.generator == 1;
-    EXPECT_EQ(one.theta.size(), one.generator == 1 ? 113u : 54u);
-  }
-  EXPECT_GT(larger, 0);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "tests/runtime_eval/probe_tree/random_tree.h"
@@ -84,16 +83,6 @@ TEST(ProbeTree, HasTheCellsOfItsDefinition) {
   }
 }
 
-TEST(ProbeTree, LookUpFindsTheCellAndItsCorners) {
-  forManyLookUps([](const ProbeTree& tree, const ProbeCell& cell, const std::array<double, 3>&, const ProbesAround& around) {
-    ASSERT_EQ(around.cell, cell) << printed(around.cell);
-    for (int c = 0; c < 8; ++c) {
-      ASSERT_LT(around.corners[c].probe, tree.probeCount()) << "corner " << c;
-      ASSERT_EQ(tree.probeLattice(around.corners[c].probe), cornerOf(cell, c)) << "corner " << c;
-    }
-  });
-}
-
 TEST(ProbeTree, LookUpIsOutsideExactlyWhereNoCellIs) {
   for (uint64_t seed = 0; seed < kTreeCount; ++seed) {
     const RandomTree random_tree = randomTree(seed);
@@ -143,37 +132,6 @@ TEST(ProbeTree, WhatIsNotFiniteLiesOutside) {
     }
   }
   EXPECT_FALSE(ProbeTree().lookUp({0, 0, 0}, &around));
-}
-
-TEST(ProbeTree, SupportsHoldThePositionsThatReadThem) {
-  forManyLookUps([](const ProbeTree& tree, const ProbeCell&, const std::array<double, 3>& units, const ProbesAround& around) {
-    const PositionM position = positionAt(tree.frame(), units);
-    for (const ProbeAround& corner : around.corners) {
-      const PositionM probe = tree.probePosition(corner.probe);
-      for (int axis = 0; axis < 3; ++axis) {
-        ASSERT_LE(std::abs(corner.local[axis]), 1.0f);
-        // float local coordinates, and positions of 1e5 m in double: 2^-24 and 1e5 * 2^-52
-        const double expected = (position[axis] - probe[axis]) / tree.probeSpacing(corner.probe);
-        ASSERT_NEAR(corner.local[axis], expected, 2e-7) << "probe " << corner.probe;
-      }
-    }
-  });
-}
-
-TEST(ProbeTree, RatiosAreOneWhereProbesAreAsFarApartAsTheirSpacing) {
-  int same = 0, other = 0;
-  forManyLookUps([&](const ProbeTree& tree, const ProbeCell& cell, const std::array<double, 3>&, const ProbesAround& around) {
-    for (const ProbeAround& corner : around.corners) {
-      const auto cell_spacing = static_cast<float>(tree.frame().spacing_m * cell.side);
-      const bool is_same = tree.probeSpacing(corner.probe) == cell_spacing;
-      if (is_same) {
-        ASSERT_EQ(corner.tent_ratio, 1.0f);
-      }
-      ++(is_same ? same : other);
-    }
-  });
-  EXPECT_GT(same, 1000);
-  EXPECT_GT(other, 1000) << "no level border was looked at";
 }
 
 TEST(ProbeTree, ReproducesLinearFieldsAcrossAllBorders) {
@@ -243,127 +201,6 @@ TEST(ProbeTree, JumpsAtHangingFacesByNoMoreThanTheBound) {
   });
   EXPECT_GT(faces, 1000);
   EXPECT_GT(largest_share, 0.3) << "the bound is far from what happens";
-}
-
-TEST(ProbeTree, StoresTheCornersOfUsedCellsOnceAndNothingElse) {
-  for (uint64_t seed = 0; seed < kTreeCount; ++seed) {
-    const RandomTree random_tree = randomTree(seed);
-    const ProbeTree& tree = random_tree.tree;
-    std::map<LatticePoint, int32_t> side_at;  // the largest of the cells around it
-    for (const ProbeCell& cell : expectedCells(random_tree.frame, random_tree.judge)) {
-      for (int c = 0; c < 8; ++c) {
-        int32_t& side = side_at[cornerOf(cell, c)];
-        side = std::max(side, cell.side);
-      }
-    }
-    ASSERT_EQ(tree.probeCount(), side_at.size()) << random_tree.name;
-    for (size_t i = 0; i < tree.probeCount(); ++i) {
-      const auto found = side_at.find(tree.probeLattice(i));
-      ASSERT_NE(found, side_at.end()) << random_tree.name << ": probe " << i << " is read by no cell, or twice there";
-      ASSERT_EQ(tree.probeSpacing(i), static_cast<float>(random_tree.frame.spacing_m * found->second))
-          << random_tree.name << ", probe " << i;
-      side_at.erase(found);
-    }
-  }
-}
-
-struct BrickCase {
-  int32_t fitting_side;
-  size_t probes, nodes, cells;
-};
-
-TEST(ProbeTree, TakesTheSmallestBrickThatFits) {
-  // uniform trees of one root: side 64 / n gives (n + 1)³ probes
-  for (const BrickCase& expected :
-       {BrickCase{64, 8, 1, 1}, BrickCase{32, 27, 1, 8}, BrickCase{16, 125, 1, 64}, BrickCase{8, 729, 65, 512},
-        BrickCase{4, 4913, 65, 4096}, BrickCase{2, 35937, 4161, 32768}, BrickCase{1, 274625, 4161, 262144}}) {
-    ProbeTree tree;
-    const CellJudge judge = [&](const ProbeCell& cell) {
-      return cell.side <= expected.fitting_side ? CellVerdict::fits : CellVerdict::too_coarse;
-    };
-    ASSERT_EQ(ProbeTree::build({{}, 1.0, {1, 1, 1}}, judge, kMaxTreeProbes, &tree), ProbeTreeStatus::ok);
-    EXPECT_EQ(tree.probeCount(), expected.probes) << "cells of " << expected.fitting_side;
-    EXPECT_EQ(tree.nodeCount(), expected.nodes) << "cells of " << expected.fitting_side;
-    EXPECT_EQ(tree.cellCount(), expected.cells) << "cells of " << expected.fitting_side;
-  }
-}
-
-TEST(ProbeTree, HasChildrenOnlyInCellsThatAreTooCoarse) {
-  // one spot, at lattice point (5, 5, 5), needs the finest cells, of which it is inside of one
-  const CellJudge judge = [](const ProbeCell& cell) {
-    for (const int32_t low : cell.low) {
-      if (low > 5 || low + cell.side <= 5) return CellVerdict::fits;
-    }
-    return CellVerdict::too_coarse;
-  };
-  ProbeTree tree;
-  ASSERT_EQ(ProbeTree::build({{}, 1.0, {2, 1, 1}}, judge, kMaxTreeProbes, &tree), ProbeTreeStatus::ok);
-  std::vector<ProbeNode> nodes;
-  tree.forEachNode([&](const ProbeNode& node) { nodes.push_back(node); });
-  ASSERT_EQ(nodes.size(), 4u);
-  const ProbeNode expected[4] = {{{0, 0, 0}, 64, 0, 5}, {{0, 0, 0}, 16, 1, 5}, {{4, 4, 4}, 4, 2, 5}, {{64, 0, 0}, 64, 0, 2}};
-  for (int i = 0; i < 4; ++i) {
-    EXPECT_EQ(nodes[i].low, expected[i].low) << "node " << i;
-    EXPECT_EQ(nodes[i].side, expected[i].side) << "node " << i;
-    EXPECT_EQ(nodes[i].level, expected[i].level) << "node " << i;
-    EXPECT_EQ(nodes[i].brick_side, expected[i].brick_side) << "node " << i;
-  }
-  EXPECT_EQ(tree.cellCount(), 63u + 63u + 64u + 1u);
-}
-
-TEST(ProbeTree, NeighbouringNodesShareTheProbesOfTheirFace) {
-  const CellJudge coarsest = [](const ProbeCell&) { return CellVerdict::fits; };
-  ProbeTree tree;
-  ASSERT_EQ(ProbeTree::build({{}, 1.0, {2, 2, 2}}, coarsest, kMaxTreeProbes, &tree), ProbeTreeStatus::ok);
-  EXPECT_EQ(tree.probeCount(), 27u);
-  ProbesAround low, high;
-  ASSERT_TRUE(tree.lookUp({10, 10, 10}, &low));
-  ASSERT_TRUE(tree.lookUp({100, 100, 100}, &high));
-  EXPECT_EQ(low.corners[7].probe, high.corners[0].probe);
-  ASSERT_TRUE(tree.lookUp({100, 10, 10}, &high));
-  for (const int c : {0, 2, 4, 6}) EXPECT_EQ(low.corners[c + 1].probe, high.corners[c].probe) << "corner " << c;
-}
-
-TEST(ProbeTree, WithNothingNeededIsEmpty) {
-  const CellJudge nothing = [](const ProbeCell&) { return CellVerdict::unneeded; };
-  ProbeTree tree;
-  ASSERT_EQ(ProbeTree::build({{}, 1.0, {2, 1, 1}}, nothing, kMaxTreeProbes, &tree), ProbeTreeStatus::ok);
-  EXPECT_EQ(tree.probeCount(), 0u);
-  tree.forEachNode([](const ProbeNode& node) { EXPECT_EQ(node.brick_side, 0); });
-  ProbesAround around;
-  EXPECT_FALSE(tree.lookUp({1, 1, 1}, &around));
-  EXPECT_EQ(ProbeTree::build({{}, 1.0, {0, 1, 1}}, nothing, kMaxTreeProbes, &tree), ProbeTreeStatus::ok);
-  EXPECT_FALSE(tree.lookUp({0, 0, 0}, &around));
-}
-
-TEST(ProbeTree, RefusesMoreProbesThanItsLimit) {
-  for (uint64_t seed = 0; seed < 4; ++seed) {
-    const RandomTree random_tree = randomTree(seed);
-    const size_t count = random_tree.tree.probeCount();
-    ProbeTree tree;
-    EXPECT_EQ(ProbeTree::build(random_tree.frame, random_tree.judge, count, &tree), ProbeTreeStatus::ok) << random_tree.name;
-    EXPECT_EQ(tree.probeCount(), count) << random_tree.name;
-    EXPECT_EQ(ProbeTree::build(random_tree.frame, random_tree.judge, count - 1, &tree), ProbeTreeStatus::too_many_probes)
-        << random_tree.name;
-    EXPECT_EQ(tree.probeCount() + tree.nodeCount(), 0u) << random_tree.name;
-  }
-}
-
-TEST(ProbeTree, RefusesFramesOutOfRange) {
-  const CellJudge nothing = [](const ProbeCell&) { return CellVerdict::unneeded; };
-  const int32_t most = kMaxLatticeSide / kRootSide;
-  ProbeTree tree;
-  for (const ProbeTreeFrame& frame :
-       {ProbeTreeFrame{{std::nan(""), 0, 0}, 1.0, {1, 1, 1}}, ProbeTreeFrame{{0, HUGE_VAL, 0}, 1.0, {1, 1, 1}},
-        ProbeTreeFrame{{}, 0.0, {1, 1, 1}}, ProbeTreeFrame{{}, -1.0, {1, 1, 1}}, ProbeTreeFrame{{}, HUGE_VAL, {1, 1, 1}},
-        ProbeTreeFrame{{}, std::nan(""), {1, 1, 1}}, ProbeTreeFrame{{}, 1.0, {1, -1, 1}},
-        ProbeTreeFrame{{}, 1.0, {1, 1, most + 1}}}) {
-    EXPECT_EQ(ProbeTree::build(frame, nothing, kMaxTreeProbes, &tree), ProbeTreeStatus::invalid_frame)
-        << frame.first_m[0] << ", " << frame.first_m[1] << "; " << frame.spacing_m << "; " << frame.root_count[1] << ", "
-        << frame.root_count[2];
-  }
-  EXPECT_EQ(ProbeTree::build({{}, 1.0, {most, 1, 1}}, nothing, kMaxTreeProbes, &tree), ProbeTreeStatus::ok);
-  EXPECT_EQ(ProbeTree::build({{}, 1.0, {most, most, most}}, nothing, kMaxTreeProbes, &tree), ProbeTreeStatus::too_many_probes);
 }
 
 // Where a look-up took its position to be, in units, by its first corner.

@@ -31,21 +31,6 @@ TEST(PointOrder, HoldsEverySupportPointExactlyOnce) {
   }
 }
 
-TEST(PointOrder, CutsBatchesAndCellsIntoWholeGroups) {
-  for (const PointOrder* order : allOrders()) {
-    SCOPED_TRACE(order->resolution);
-    for (const std::vector<int>* begins : {&order->batch_begin, &order->cell_begin}) {
-      if (begins->empty()) continue;
-      EXPECT_EQ(begins->front(), 0);
-      EXPECT_EQ(begins->back(), order->placeCount());
-      for (size_t i = 0; i < begins->size(); ++i) {
-        EXPECT_EQ((*begins)[i] % kPointGroup, 0) << i;
-        EXPECT_LE((*begins)[i == 0 ? 0 : i - 1], (*begins)[i]) << i;
-      }
-    }
-  }
-}
-
 TEST(CellOrder, HoldsEachPlaceInItsCell) {
   for (const int resolution : kFieldResolutions) {
     SCOPED_TRACE(resolution);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 namespace nlg {
@@ -56,14 +55,6 @@ TEST(Strata, PartitionTheSupport) {
   EXPECT_EQ(seen.size(), size_t{kSupportPointCount});
 }
 
-TEST(Tent, IsTheProductOfThreeRamps) {
-  EXPECT_EQ(tent({0, 0, 0}), 1.0f);
-  EXPECT_EQ(tent({0.5f, -0.5f, 0.25f}), 0.1875f);
-  EXPECT_EQ(tent({1, 0, 0}), 0.0f);
-  EXPECT_EQ(tent({0, -1.5f, 0}), 0.0f);
-  EXPECT_EQ(tent({2, 2, 0}), 0.0f);  // two negative ramps are no positive product
-}
-
 TEST(TestPoints, ExtendShorterSets) {
   EXPECT_TRUE(testPoints(0).empty());
   const std::vector<LocalPoint> longer = testPoints(4096);
@@ -77,38 +68,6 @@ TEST(TestPoints, AreInsideDistinctAndNoSupportPoints) {
     ASSERT_TRUE(all.insert(point).second) << point[0] << ' ' << point[1] << ' ' << point[2];
     for (const float coordinate : point) ASSERT_TRUE(std::fabs(coordinate) < 1.0f) << coordinate;
   }
-}
-
-TEST(TestPoints, FillAllOctantsEvenly) {
-  // low discrepancy: far closer to a share of an eighth than independent points, whose deviation is sqrt(2048 * 7/64) = 15
-  std::array<int, 8> counts{};
-  for (const LocalPoint& p : testPoints(2048)) ++counts[(p[0] < 0) + 2 * (p[1] < 0) + 4 * (p[2] < 0)];
-  for (int octant = 0; octant < 8; ++octant) EXPECT_NEAR(counts[octant], 256, 15) << "octant " << octant;
-}
-
-TEST(PointSet, PadsWithCopiesOfTheFirstPoint) {
-  for (const int count : {0, 1, 15, 16, 17, 33}) {
-    const std::vector<LocalPoint> list = testPoints(count);
-    const PointSet set = makePointSet(list);
-    ASSERT_EQ(set.count, count);
-    ASSERT_EQ(set.padded_count, (count + 15) / 16 * 16);
-    for (int i = 0; i < set.padded_count; ++i) {
-      const LocalPoint& expected = list[i < count ? i : 0];
-      ASSERT_EQ((LocalPoint{set.x[i], set.y[i], set.z[i]}), expected) << count << " points, at " << i;
-      ASSERT_EQ(set.tent[i], tent(expected));
-    }
-  }
-}
-
-TEST(HashPoints, DependsOnEveryBitAndOnOrder) {
-  std::vector<LocalPoint> list = testPoints(3);
-  const uint64_t hash = hashPoints(list);
-  std::swap(list[0], list[1]);
-  EXPECT_NE(hashPoints(list), hash);
-  std::swap(list[0], list[1]);
-  list[2][2] = std::nextafter(list[2][2], 2.0f);
-  EXPECT_NE(hashPoints(list), hash);
-  EXPECT_EQ(hashPoints({}), 0xcbf29ce484222325u);  // FNV-1a's offset
 }
 
 }  // namespace

@@ -64,13 +64,6 @@ std::string fileWith(std::string header, size_t data_bytes) {
   return bytes + header + std::string(data_bytes, '\0');
 }
 
-FileStatus statusOf(const std::string& header, size_t data_bytes) {
-  TensorFileReader reader;
-  const FileResult result = reader.openBytes(fileWith(header, data_bytes));
-  EXPECT_EQ(result.ok(), result.detail == kNoDigest) << result.detail;
-  return result.status;
-}
-
 TEST(TensorFile, ReadsBackEveryType) {
   Lists lists, read{{}, {}, {}, {}, {}, {}, {}, {1.0f}};
   const std::string bytes = bytesOf(lists);
@@ -102,34 +95,6 @@ TEST(TensorFile, RefusesTensorsOfAnotherNameTypeOrShape) {
     ASSERT_TRUE(reader.openBytes(file).ok());
     EXPECT_EQ(reader.read("a", &floats).status, FileStatus::tensor_unexpected) << shape;
   }
-}
-
-// What all layouts refuse is in weights_file_test.cpp; here tensors begin where their elements may, and know other dtypes.
-TEST(TensorFile, RefusesElementsThatAreNotAlignedAndOtherDtypes) {
-  EXPECT_EQ(statusOf(R"({"a":{"dtype":"F32","shape":[2],"data_offsets":[0,8]}})", 8), FileStatus::ok);
-  EXPECT_EQ(statusOf(R"({"a":{"dtype":"I64","shape":[1],"data_offsets":[0,8]}})", 8), FileStatus::tensor_malformed);
-  EXPECT_EQ(
-      statusOf(R"({"a":{"dtype":"U8","shape":[6],"data_offsets":[0,6]},"b":{"dtype":"F32","shape":[1],"data_offsets":[6,10]}})",
-               10),
-      FileStatus::tensor_malformed);
-}
-
-TEST(TensorFileWriter, RefusesWhatNoReaderTakes) {
-  TensorFileWriter writer;
-  std::string bytes = "before";
-  EXPECT_EQ(writer.serialize({{"note", "\xff"}}, &bytes).status, FileStatus::header_malformed);
-  EXPECT_TRUE(bytes.empty());
-  EXPECT_EQ(writer.serialize({{"note", std::string(1 << 20, 'x')}}, &bytes).status, FileStatus::header_too_large);
-  const std::vector<float> values{1.0f};
-  writer.add("a", values);
-  writer.add("a", values);
-  EXPECT_EQ(writer.serialize({}, &bytes).status, FileStatus::header_malformed);
-}
-
-TEST(TensorFile, SaysWhyAFileCannotBeRead) {
-  TensorFileReader reader;
-  EXPECT_EQ(reader.openFile("/nowhere/at/all").status, FileStatus::cannot_open);
-  EXPECT_FALSE(reader.openFile(testing::TempDir()).ok());
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // glTF files as strangers write them: what no eye sees, poses, units that only a sign tells, and one part that is broken.
 #include "tests/scene/gltf/gltf_packed_parts.h"
 
-#include <cmath>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -109,19 +108,6 @@ TEST_F(GltfStrangers, LeavesOutByMarksAndPatternsWithAllThatHangs) {
   }
   const GltfLevel visible = level(nodesOf({named("a", R"(,"extensions":{"KHR_node_visibility":{"visible":true}})")}));
   EXPECT_EQ(namesOf(visible.scene), "a");
-}
-
-TEST_F(GltfStrangers, LeavesOutTriggersAndCoarserLevelsOfExtensions) {
-  Parts parts;
-  parts.nodes =
-      "[" + named("wall", R"(,"extensions":{"MSFT_lod":{"ids":[1,2]}})") + "," + named("rough") + "," + named("rougher") + "," +
-      named("gate", R"(,"children":[4],"extensions":{"OMI_physics_body":{"trigger":{"shape":0}}})") + "," + named("sign") + "]";
-  parts.scenes = R"([{"nodes":[0,1,3]}])";
-  const GltfLevel read = level(parts);
-  EXPECT_EQ(namesOf(read.scene), "wall sign");
-  expectSays(read, "2 objects (rough, rougher) left out, coarser levels of detail (MSFT_lod)");
-  expectSays(read, "1 object (gate) left out, triggers of physics");
-  EXPECT_EQ(read.notes.size(), 2u) << linesOf(read);
 }
 
 TEST_F(GltfStrangers, NamesWhatOtherScenesHoldAndReadsThemByName) {
@@ -235,20 +221,6 @@ TEST_F(GltfStrangers, SkinsStandWhereTheirJointsAre) {
   expectNear(normalOf(level(skinned(kOnJoint0, weightsOf(1, 0), skin, mirrored)).scene, 0), {0, 0, 1}, "mirrored");
 }
 
-TEST_F(GltfStrangers, SkinsThatDoNotFitAreLeftOut) {
-  const std::string nodes = R"([{"mesh":0,"skin":0},{"name":"a"},{"name":"b"}])";
-  const auto errorWith = [&](const std::string& joints, const std::string& skin) {
-    return errorOf(skinned(joints, weightsOf(0.5, 0.5), skin, nodes).text());
-  };
-  EXPECT_NE(errorWith(kOnJoint0, R"({"joints":[1]})").find("JOINTS_0: expected joints below 1, got 1"), std::string::npos);
-  EXPECT_NE(errorWith(kOnJoint0, R"({"joints":[1,7]})").find("node 0: skin"), std::string::npos);
-  EXPECT_NE(errorWith(kOnJoint0, R"({"joints":[1,2,1],"inverseBindMatrices":4})").find("expected 3 elements, got 2"),
-            std::string::npos);
-  Parts bare = skinned(kOnJoint0, weightsOf(1, 0), R"({"joints":[1,2]})", nodes);
-  bare.primitives = R"([{"attributes":{"POSITION":0},"indices":1}])";
-  EXPECT_NE(errorOf(bare.text()).find("JOINTS_0 and WEIGHTS_0 of a mesh with a skin"), std::string::npos);
-}
-
 // --- instances
 
 Parts instanced(const std::string& attributes) {
@@ -345,60 +317,7 @@ TEST_F(GltfStrangers, Version1OfMeshoptIsUnpacked) {
   EXPECT_NE(notes, "") << "a byte too many";
 }
 
-TEST_F(GltfStrangers, ColoursOfMeshoptAreUnpacked) {
-  const std::string packed = fromHex("a1ff00e0cdcc00bd3132001e989700fd981700000000000000000000000000000000000000905ff1ff00");
-  EXPECT_EQ(unpackedMeshopt(packed, 4, 4, "COLOR"), fromHex("fe8140ff0000000034e56698ffffff80"));
-}
-
-TEST_F(GltfStrangers, MeshoptIsReadByItsRatifiedName) {
-  std::string text = meshoptSquare().text();
-  for (size_t at = 0; (at = text.find("EXT_meshopt", at)) != std::string::npos;) text.replace(at, 3, "KHR");
-  const std::string unmarked = replaced(text, R"(,"extensions":{"KHR_meshopt_compression":{"fallback":true}})", "");
-  for (const std::string& file : {text, unmarked}) {
-    const GltfLevel read = readGltf(write("khr.gltf", file));
-    EXPECT_DOUBLE_EQ(areaOf(read.scene), 1.0);
-    EXPECT_TRUE(read.notes.empty()) << linesOf(read);
-  }
-}
-
 // --- extensions that are not read
-
-TEST_F(GltfStrangers, NamesWhatAnExtensionMakesWrong) {
-  const auto linesWith = [&](const std::string& material, const std::string& used) {
-    Parts parts;
-    parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"material":0}])";
-    parts.more = R"(,"extensionsUsed":[")" + used + R"("],"materials":[{"name":"pane",)" + material + R"(},{"extensions":{")" +
-                 used + R"(":{}}}])";
-    return linesOf(level(parts));
-  };
-  const std::tuple<const char*, const char*, const char*> cases[] = {
-      {"KHR_materials_diffuse_transmission", R"({"diffuseTransmissionFactor":0.5})", "1 material (pane): lets no light through"},
-      {"KHR_materials_diffuse_transmission", "{}", ""},
-      {"KHR_materials_sheen", R"({"sheenColorFactor":[0,0.2,0]})", "1 material (pane): sends back its base colour alone"},
-      {"KHR_materials_sheen", R"({"sheenColorFactor":[0,0,0]})", ""},
-      {"KHR_materials_clearcoat", R"({"clearcoatFactor":1})", ""},
-      {"KHR_materials_volume", R"({"thicknessFactor":1,"attenuationDistance":1,"attenuationColor":[1,0,0]})", ""},
-      {"XYZ_glow", R"({"strength":3})", "XYZ_glow is not read: 1 material (pane): may be wrong"},
-      {"KHR_materials_ior", R"({"ior":2})", ""}};
-  for (const auto& [used, value, words] : cases) {
-    const std::string lines = linesWith(R"("extensions":{")" + std::string(used) + "\":" + value + "}", used);
-    EXPECT_NE(lines.find(words), std::string::npos) << used << value << lines;
-    EXPECT_EQ(lines.empty(), std::string(words).empty()) << used << value << lines;
-  }
-  const std::string glass = R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1},"KHR_materials_volume":)"
-                            R"({"thicknessFactor":1,"attenuationDistance":1,"attenuationColor":[1,0,0]}})";
-  EXPECT_NE(linesWith(glass, "KHR_materials_volume").find("KHR_materials_volume is not read: 1 material (pane): absorbs nothing"),
-            std::string::npos);
-  const std::string coated = R"("emissiveFactor":[1,1,1],"extensions":{"KHR_materials_clearcoat":{"clearcoatFactor":1}})";
-  EXPECT_NE(linesWith(coated, "KHR_materials_clearcoat").find("1 material (pane): shines as without its coat"),
-            std::string::npos);
-
-  Parts nodes = nodesOf({named("vase", R"(,"extensions":{"XYZ_bend":{}})"), named("floor")});
-  nodes.more = R"(,"extensionsUsed":["XYZ_bend","XYZ_talk"])";
-  const GltfLevel read = level(nodes);
-  expectSays(read, "XYZ_bend is not read: 1 object (vase): may be wrong");
-  expectSays(read, "XYZ_talk is not read; no material, object or lamp has it");
-}
 
 // --- one broken part
 
@@ -427,46 +346,6 @@ TEST_F(GltfStrangers, ABrokenPartDoesNotRefuseALevel) {
   }
 }
 
-TEST_F(GltfStrangers, ABrokenNodeAccessorOrMaterialDoesNotRefuseALevel) {
-  const auto readWith = [&](const std::string& from, const std::string& to) {
-    std::string text = nodesOf({named("whole"), named("other")}).text();
-    text = replaced(text, from, to);
-    return readGltf(write("broken.gltf", text));
-  };
-  const std::tuple<const char*, const char*, const char*> nodes[] = {
-      {R"("name":"other")", R"("name":"other","translation":[1,2])",
-       "nodes[1].translation: expected 3 numbers, got 2: against the format"},
-      {R"("name":"other")", R"("name":"other","rotation":[0,0,0,0])", "node 1: rotation"},
-      {R"("name":"other")", R"("name":"other","translation":[1e300,0,0])", "node 1: expected positions within"},
-      {R"({"mesh":0,"name":"other")", R"({"mesh":7,"name":"other")", "node 1: mesh: expected a mesh below 1, got 7"},
-      {R"("name":"other")", R"("name":"other","children":[9])", "node 9: expected a node below 2"},
-      {R"("name":"other")", R"("name":"other","camera":3)", "node 1: camera"},
-      {R"("bufferViews":)", R"("animations":[7],"skins":[null],"cameras":[{"type":"round"}],"bufferViews":)",
-       "skins[0]: expected a JSON object, got null and another one: against the format"},
-      {R"("bufferViews":)", R"("images":[{"bufferView":9},{}],"textures":[{"source":"a"}],"samplers":[3],"bufferViews":)",
-       "textures[0].source: expected a JSON index, got \"a\" and 3 others: against the format"},
-      {R"("bufferViews":)",
-       R"("extensions":{"KHR_lights_punctual":{"lights":[3,{"type":4},{"type":"spot","spot":5}]}},"bufferViews":)",
-       "light 0 and another one: a type that is none of directional, point and spot"},
-      {R"("bufferViews":)", R"("materials":[{"emissiveFactor":[1,1]},{"doubleSided":3}],"bufferViews":)",
-       "materials[0].emissiveFactor: expected 3 numbers, got 2 and another one: against the format"}};
-  for (const auto& [from, to, words] : nodes) {
-    const GltfLevel read = readWith(from, to);
-    EXPECT_NE(namesOf(read.scene).find("whole"), std::string::npos) << to;
-    expectSays(read, words);
-  }
-  Parts counted_in_floats;
-  counted_in_floats.accessors = replaced(counted_in_floats.accessors, R"("count":4)", R"("count":4.0)");
-  const GltfLevel floats = level(counted_in_floats);
-  EXPECT_EQ(floats.scene.triangles.size(), 2u);
-  EXPECT_TRUE(floats.notes.empty());
-  // a matrix comes before the rest
-  const GltfLevel both =
-      readWith(R"("name":"other")", R"("name":"other","translation":[9,9,9],"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,2,3,4,1])");
-  expectNear(corner(both.scene, 2, 0), {2, 3, 4}, "the matrix");
-  expectSays(both, "nodes[1]: a matrix, and translation, rotation or scale beside it: the matrix counts");
-}
-
 TEST_F(GltfStrangers, EmissionAboveOneIsTakenAsItIs) {
   Parts parts;
   parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"material":0}])";
@@ -479,33 +358,6 @@ TEST_F(GltfStrangers, EmissionAboveOneIsTakenAsItIs) {
   expectSays(read, "material glow: emissiveFactor of 5, above 1: taken as it is");
   expectSays(read, "material glow: baseColorFactor of -1 and another one: brought into 0 to 1");
   EXPECT_EQ(read.notes.size(), 2u) << "what nothing uses is not told of: " << linesOf(read);
-}
-
-TEST_F(GltfStrangers, PassesByWhatAGlbHasBesides) {
-  const std::string whole = Parts().binary();
-  const auto word = [](size_t value) { return bytesOf<uint32_t>({static_cast<uint32_t>(value)}); };
-  const auto withLength = [&](std::string bytes, size_t length) { return bytes.replace(8, 4, word(length)); };
-  const std::string other = word(8) + "XXTA" + "whatever";
-  const std::string json = Parts().text();
-  const std::string unpadded = "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json;
-  const std::pair<std::string, const char*> cases[] = {
-      {withLength(whole + other, whole.size() + 16), "1 chunk of an unknown kind: passed by"},
-      {withLength(whole.substr(0, whole.find("BIN") - 4) + other + whole.substr(whole.find("BIN") - 4), whole.size() + 16),
-       "1 chunk"},
-      {withLength(unpadded + other, unpadded.size() + 16), "1 chunk of an unknown kind"},
-      {unpadded, ""},
-      {whole + std::string(3, '\0'), "a header that says"},
-      {withLength(whole + std::string(3, '\0'), whole.size() + 3), "3 bytes behind the last chunk: passed by"},
-      {withLength(whole, whole.size() + 12), "a header that says"},
-      {"\xef\xbb\xbf" + json, ""}};
-  for (const auto& [bytes, words] : cases) {
-    const GltfLevel read = readGltf(write("container.glb", bytes));
-    EXPECT_EQ(read.scene.triangles.size(), 2u) << words;
-    expectSays(read, words);
-    EXPECT_EQ(read.notes.empty(), std::string(words).empty()) << linesOf(read);
-  }
-  const std::string no_bin = withLength(whole.substr(0, whole.find("BIN") - 4), whole.find("BIN") - 4);
-  EXPECT_NE(errorOf(no_bin).find("POSITION"), std::string::npos) << errorOf(no_bin);
 }
 
 // --- units of Blender
@@ -549,22 +401,6 @@ TEST_F(GltfStrangers, TheUnitOfBlenderIsKnownByItsSign) {
   Parts others;
   others.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":217.40565}]}})";
   EXPECT_EQ(level(others).scene.light.unit.sign, "");
-}
-
-TEST_F(GltfStrangers, SunsThatBlenderLostAreNamed) {
-  const auto linesWith = [&](const std::string& version, const std::string& intensity) {
-    Parts parts;
-    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional","intensity":)" + intensity + "}]}}";
-    return saidOf(
-        replaced(parts.text(), R"("asset":{)", R"("asset":{"generator":"Khronos glTF Blender I/O v)" + version + "\","));
-  };
-  const std::string words = "1 sun is of 1 W/m²: so Blender 5.0 to 5.1.0 wrote every sun";
-  for (const char* version : {"5.0.20", "5.0.21", "5.1.18"})
-    EXPECT_NE(linesWith(version, "683").find(words), std::string::npos) << version;
-  EXPECT_NE(linesWith("5.0.21", "1").find(words), std::string::npos) << "unitless";
-  EXPECT_EQ(linesWith("4.5.51", "683").find(words), std::string::npos);
-  EXPECT_EQ(linesWith("5.2.30", "683").find(words), std::string::npos);
-  EXPECT_EQ(linesWith("5.0.21", "2049").find(words), std::string::npos);
 }
 
 }  // namespace

@@ -198,16 +198,6 @@ TEST_F(GltfTextures, PlacesThatAreMissingAreTheCornerAndNoted) {
   EXPECT_TRUE(hasNote(read, "1 primitives have an image, and not all of their places"));
 }
 
-TEST_F(GltfTextures, OnlyImagesThatMatterAreOpened) {
-  Parts parts = texturedSquare(
-      R"({"normalTexture":{"index":0},"emissiveTexture":{"index":0}},{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})",
-      "no image at all");
-  const GltfLevel read = level(parts);
-  EXPECT_TRUE(read.notes.empty()) << "a normal map, emission without a factor, and a material that nothing has";
-  EXPECT_TRUE(read.scene.images.empty());
-  EXPECT_TRUE(read.scene.base_places.empty());
-}
-
 struct UnreadCase {
   const char* name;
   std::string from, to;  // in the root's members
@@ -240,37 +230,6 @@ TEST_F(GltfTextures, WhatCannotBeReadIsGreyAndDarkAndNoted) {
     EXPECT_EQ(read.scene.materials.at(0).emissive, glm::vec3(0.0f));
     ASSERT_EQ(read.notes.size(), 1u);
     EXPECT_NE(read.notes[0].find(one.note), std::string::npos) << read.notes[0];
-  }
-}
-
-TEST_F(GltfTextures, AFallbackThatIsReadStandsForOneThatIsNot) {
-  Parts parts = texturedSquare(baseTexture(), png(2, 1, kHalves));
-  parts.more = replaced(parts.more, R"({"source":0},)", R"({"source":0,"extensions":{"KHR_texture_basisu":{"source":1}}},)");
-  EXPECT_EQ(level(parts).scene.images.size(), 1u);
-  // and WebP is taken before its fallback
-  parts = texturedSquare(baseTexture(), png(2, 1, kHalves));
-  parts.more = replaced(parts.more, R"({"source":0},)", R"({"source":9,"extensions":{"EXT_texture_webp":{"source":0}}},)");
-  EXPECT_EQ(level(parts).scene.images.size(), 1u);
-}
-
-TEST_F(GltfTextures, NamesWhatIsOutOfRangeByItsPlace) {
-  const std::vector<std::array<std::string, 3>> hostile = {
-      {R"("baseColorTexture":{"index":0)", R"("baseColorTexture":{"index":7)", "material 0: baseColorTexture"},
-      {R"("textures":[{"source":0})", R"("textures":[{"source":3})", "textures[0]: source"},
-      {R"("textures":[{"source":0})", R"("textures":[{})", "textures[0]"},
-      {R"("textures":[{"source":0})", R"("textures":[{"source":0,"sampler":5})", "textures[0]: sampler"},
-      {R"("index":0)", R"("index":0,"texCoord":70)", "material 0: baseColorTexture"},
-      {R"("index":0)", R"("index":0,"extensions":{"KHR_texture_transform":{"offset":[1]}})", "material 0: offset"},
-      {R"("index":0)", R"("index":0,"extensions":{"KHR_texture_transform":{"rotation":1e300}})",
-       "material 0: KHR_texture_transform"},
-      {R"("bufferView":4,)", R"("bufferView":400,)", "images[0]: expected all members that glTF requires"},
-      {R"("TEXCOORD_0":2)", R"("TEXCOORD_0":1)", "mesh 0, primitive 0: TEXCOORD_0"},
-      {R"("TEXCOORD_0":2)", R"("TEXCOORD_0":9)", "mesh 0, primitive 0: TEXCOORD_0"}};
-  const std::string good = texturedSquare(baseTexture(), png(2, 1, kHalves)).text();
-  for (const auto& [from, to, place] : hostile) {
-    const std::string error = saidOf(replaced(good, from, to));
-    EXPECT_NE(error.find("hostile.gltf: "), std::string::npos) << error;
-    EXPECT_NE(error.find(place), std::string::npos) << to << ": " << error;
   }
 }
 
@@ -359,13 +318,6 @@ TEST_F(GltfTextures, AlphaAndTransmissionMakeTransmissiveSurfaces) {
   }
 }
 
-TEST_F(GltfTextures, WhatIsDenseIsSettable) {
-  const Parts pane = texturedSquare(R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.3]}})", "");
-  EXPECT_EQ(level(pane, 0.0).scene.materials[0].transmissive, Transmissive::dense);
-  EXPECT_EQ(level(pane, 0.29).scene.materials[0].transmissive, Transmissive::dense);
-  EXPECT_EQ(level(pane, 0.31).scene.materials[0].transmissive, Transmissive::thin);
-}
-
 TEST_F(GltfTextures, UnlitShinesNot) {
   const Parts parts = texturedSquare(R"({"emissiveFactor":[1,1,1],"extensions":{"KHR_materials_unlit":{}},)"
                                      R"("pbrMetallicRoughness":{"baseColorFactor":[0.25,1,1,1]}})",
@@ -385,19 +337,6 @@ TEST_F(GltfTextures, DiffuseOfSpecularGlossinessIsBaseColour) {
 }
 
 // --- the list
-
-TEST_F(GltfTextures, NamesWhatItDoesNotRead) {
-  Parts parts;
-  parts.primitives =
-      R"([{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":0}]},{"attributes":{"POSITION":0},"mode":1}])";
-  parts.more = R"(,"animations":[{"channels":[],"samplers":[]}],"skins":[{"joints":[0]}],)"
-               R"("cameras":[{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"zfar":2,"znear":1}}],)"
-               R"("extensionsUsed":["KHR_materials_variants","KHR_materials_specular","EXT_mesh_gpu_instancing"])";
-  const std::vector<std::string> notes = level(parts).notes;
-  EXPECT_EQ(notes, (std::vector<std::string>{"1 animation is not read: all stands as the nodes have it",
-                                             "1 primitive is of points or lines, which are not read",
-                                             "1 orthographic camera is not read"}));
-}
 
 }  // namespace
 }  // namespace nlg

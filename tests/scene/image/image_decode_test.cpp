@@ -19,14 +19,6 @@ DecodedImage decoded(const std::string& bytes) {
   return image;
 }
 
-std::string problemOf(const std::string& bytes, uint64_t most = kMany) {
-  PixelWork work(most);
-  DecodedImage image;
-  std::string problem = decodeImage(bytes, work, &image);
-  EXPECT_EQ(problem.empty(), !image.pixels.empty());
-  return problem;
-}
-
 std::string pixelsOf(const DecodedImage& image) { return {image.pixels.begin(), image.pixels.end()}; }
 
 // A PNG of the bytes that its rows hold before packing, without compression.
@@ -149,54 +141,6 @@ TEST(ImageDecode, JpegsOfInkBecomeColours) {
   }
 }
 
-TEST(ImageDecode, LargeJpegsComeSmallerWhereThatIsEnough) {
-  PixelWork work(kMany);
-  DecodedImage image;
-  for (const auto& [enough, side] : {std::pair{4096, 500}, {500, 500}, {250, 250}, {251, 500}, {60, 63}, {1, 63}}) {
-    EXPECT_EQ(decodeImage(jpeg(500, 10, 120, 230), work, &image, enough), "");
-    EXPECT_EQ(image.width, side) << enough;
-    EXPECT_NEAR(image.pixels[4 * 20 + 1], 120, 2);
-  }
-}
-
-TEST(ImageDecode, SaysWhatIsWrongWithAnImage) {
-  const std::string good = png(40, 40, pixels(1600, kFour.substr(0, 4))), packed = webp(2, 2, kFour);
-  std::string wrong_sum = good;
-  wrong_sum[wrong_sum.size() - 20] = static_cast<char>(wrong_sum[wrong_sum.size() - 20] ^ 1);
-  for (const std::string& bytes : {std::string(), std::string("\x89PNG"), good.substr(0, good.size() / 2), wrong_sum,
-                                   packed.substr(0, 20), packed.substr(0, packed.size() - 4), jpeg(64, 1, 2, 3).substr(0, 300),
-                                   std::string("\xff\xd8"), targa(2, 2, 2, 24, "short"),
-                                   mappedTarga(1, std::string("\0\1\2\1", 4)), mappedTarga(9, "\x83\3"), targa(2, 1, 1, 8, "a")})
-    EXPECT_EQ(problemOf(bytes), bytes.empty() ? "is of no kind that is read" : "is damaged")
-        << bytes.substr(0, 8) << ", " << bytes.size() << " bytes";
-  for (const std::string& bytes :
-       {std::string("no image at all, but long enough"), std::string(1 << 16, '\0'), std::string("\0\0\x20", 3)})
-    EXPECT_EQ(problemOf(bytes), "is of no kind that is read");
-  std::string lossless = jpeg(8, 1, 2, 3), of_12_bits = lossless;
-  const size_t frame = lossless.find("\xff\xc0");
-  lossless[frame + 1] = '\xc3';
-  of_12_bits[frame + 4] = 12;
-  for (const std::string& bytes : {lossless, of_12_bits})
-    EXPECT_EQ(problemOf(bytes).find("is a JPEG of a kind that is not read"), 0u);
-  EXPECT_EQ(problemOf(std::string("\0\0\0\x20"
-                                  "ftypavif",
-                                  12)),
-            "is AVIF or HEIF, which is not read");
-  EXPECT_EQ(problemOf("\xabKTX 20\xbb\r\n\x1a\n"), "is KTX2, which is not read");
-  EXPECT_EQ(problemOf("DDS |"), "is DDS, which is not read");
-  EXPECT_EQ(problemOf(targa(10, 1, 1, 24, "").replace(12, 4, std::string("\x01\x20\x01\0", 4))),
-            "is larger than 8192 pixels a side");
-}
-
-TEST(ImageDecode, DecodesNothingOnceTheBudgetIsSpent) {
-  EXPECT_EQ(problemOf(png(2, 2, kFour), 4), "");
-  EXPECT_EQ(problemOf(png(2, 2, kFour), 3), "is damaged");
-  PixelWork work(kMany);
-  DecodedImage image;
-  decodeImage(jpeg(100, 1, 2, 3, JpegKind::progressive), work, &image);
-  EXPECT_EQ(work.taken(), 10000u) << "ten scans are as many as programs write";
-}
-
 // --- what is kept
 
 TEST(ReducedImage, KeepsAnImageOfOneColourExactly) {
@@ -239,53 +183,6 @@ TEST(ReducedImage, ColoursCountByTheirOpacity) {
   const DecodedImage image = decoded(png(2, 1, std::string("\xff\xff\xff\xff\0\xff\0\0", 8)));
   const TextureImage one = reducedImage(image, {KeptAs::Colour::srgb, KeptAs::Opacity::mean, 0, {}}, 1);
   EXPECT_EQ(one.texels[0], (std::array<uint8_t, 4>{255, 255, 255, 128}));
-}
-
-TEST(ImageLoader, DecodesAnImageOnceForAllWaysItIsKept) {
-  ImageLoader loader;
-  const int32_t plain = loader.want("a", {}), cut = loader.want("a", {KeptAs::Colour::srgb, KeptAs::Opacity::cut, 256, {}});
-  const int32_t broken = loader.want("b", {}), again = loader.want("a", {});
-  EXPECT_EQ(plain, again);
-  int opened = 0;
-  const auto open = [&](const std::string& name) {
-    ++opened;
-    const std::string bytes = name == "a" ? png(2, 2, kFour) : "no image";
-    ImageBytes file;
-    file.own.assign(bytes.begin(), bytes.end());
-    return file;
-  };
-  SceneBudget pixels = SceneBudgets().pixels;
-  const LoadedImages loaded = loader.load(open, pixels, "scene");
-  EXPECT_EQ(opened, 2);
-  EXPECT_EQ(kMaxImagePixels - pixels.left(), 4u);
-  ASSERT_EQ(loaded.images.size(), 2u);
-  const auto image = [&](int32_t number) {
-    return loaded.images.at(static_cast<size_t>(loaded.image_of.at(static_cast<size_t>(number))));
-  };
-  EXPECT_EQ(image(plain).texels[1][3], 255) << "an opacity that nobody asked for";
-  EXPECT_EQ(image(cut).texels[1][3], 0);
-  EXPECT_EQ(loaded.image_of.at(static_cast<size_t>(broken)), -1);
-  EXPECT_EQ(unreadImageNotes(loaded),
-            std::vector<std::string>{
-                "1 image is not read: \"b\", which is of no kind that is read: grey in its place, or dark where it would shine"});
-}
-
-// 257 of 512 x 512 texels are more than there is room for.
-TEST(ImageLoader, KeepsManyImagesSmaller) {
-  ImageLoader loader;
-  for (int i = 0; i < 257; ++i) loader.want(std::to_string(i), {});
-  const std::string bytes = png(512, 1, pixels(512, kFour.substr(0, 4)));
-  const auto open = [&](const std::string&) {
-    ImageBytes file;
-    file.own.assign(bytes.begin(), bytes.end());
-    return file;
-  };
-  SceneBudget pixels = SceneBudgets().pixels;
-  const LoadedImages loaded = loader.load(open, pixels, "scene");
-  EXPECT_EQ(loaded.most_side, 256);
-  ASSERT_EQ(loaded.images.size(), 257u);
-  EXPECT_EQ(loaded.images[0].width, 256);
-  EXPECT_EQ(unreadImageNotes(loaded).size(), 1u);
 }
 
 }  // namespace

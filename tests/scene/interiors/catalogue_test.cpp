@@ -42,36 +42,6 @@ TEST(Catalogue, ReadsPropertiesAsJavaWritesThem) {
   EXPECT_EQ(entries[0].tags, "a=b\xc3\xa9") << "ISO-8859-1 becomes UTF-8";
 }
 
-TEST(Catalogue, PassesOverKeysOfNoPiece) {
-  const std::string text = std::string("dropOnTopElevation#-1=3\nname#=x\nname#1x=y\nversion=1.8\n=\n:\n") + kChair;
-  EXPECT_EQ(parseCatalogue("test.sh3f", text).size(), 1u);
-}
-
-TEST(Catalogue, RefusesPiecesThatAreNone) {
-  const std::string chair = kChair;
-  const std::pair<std::string, std::string> cases[] = {
-      {"width#7=1\n", "piece 7: expected a name"},
-      {chair + "model#7=//\n", "a model, got a path of slashes alone"},
-      {chair + "width#7=0\n", "sizes above 0"},
-      {chair + "depth#7=-3\n", "sizes above 0"},
-      {chair + "height#7=1e9\n", "within 10000 cm"},
-      {chair + "height#7=nan\n", "decimal numbers"},
-      {chair + "height#7=1e999\n", "decimal numbers"},
-      {chair + "height#7=12 cm\n", "decimal numbers"},
-      {chair + "elevation#7=ground\n", "decimal numbers"},
-      {chair + "modelRotation#7=1 0 0 0 1 0 0 0\n", "nine numbers, got 8"},
-      {chair + "modelRotation#7=1 0 0 0 1 0 0 0 1 0\n", "nine numbers"},
-      {chair + "modelRotation#7=-1 0 0 0 1 0 0 0 1\n", "only turns"},
-      {chair + "modelRotation#7=2 0 0 0 1 0 0 0 1\n", "only turns"},
-      {chair + "modelRotation#7=0 0 0 0 0 0 0 0 0\n", "only turns"},
-      {chair + "name#7=\\u12\n", "four hexadecimal digits"},
-      {chair + "name#7=\\u12g4\n", "line 7"},
-  };
-  for (const auto& [text, words] : cases) {
-    EXPECT_NE(errorOf(text).find(words), std::string::npos) << text << "gave: " << errorOf(text);
-  }
-}
-
 // Every prefix, and every single byte replaced: refused, or a piece as the header promises one.
 TEST(Catalogue, TakesNothingButPiecesThatCanStand) {
   const auto takes = [](const std::string& text) {

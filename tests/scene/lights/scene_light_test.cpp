@@ -61,14 +61,6 @@ TEST(SceneLightSha256, ChangesWithAllThatLightDependsOn) {
   }
 }
 
-TEST(Sky, IsAGradientFromTheHorizonUp) {
-  const Sky sky{glm::vec3(4.0f), glm::vec3(2.0f), glm::vec3(1.0f)};
-  EXPECT_FLOAT_EQ(sky.radiance({0, 1, 0}).r, 4.0f);
-  EXPECT_FLOAT_EQ(sky.radiance({1, 0, 0}).r, 2.0f);
-  EXPECT_FLOAT_EQ(sky.radiance({0.8f, 0.6f, 0}).r, 3.2f);
-  EXPECT_FLOAT_EQ(sky.radiance({0.8f, -0.6f, 0}).r, 1.0f);
-}
-
 // A scene in which nothing shines.
 Scene darkScene() { return wallWithHole(); }
 
@@ -224,72 +216,6 @@ TEST(LightOptions, IntensityIsAFactorOnAllThatShines) {
   EXPECT_EQ(light.baked.vertex_light[0], glm::vec3(3.5f));
   EXPECT_EQ(light.baked.ambient, glm::vec3(4.0f));
   for (size_t m = 0; m < scene.materials.size(); ++m) EXPECT_EQ(scene.materials[m].emissive, 0.5f * before.materials[m].emissive);
-}
-
-TEST(LightOptions, SaysBeforeABakeWhatEnginesFilesWillNotHold) {
-  Scene scene = darkScene();
-  scene.light.suns = {{{0, 1, 0}, glm::vec3(68300.0f)}};
-  const std::vector<std::string> done = applyLight(scene, {});
-  ASSERT_EQ(done.size(), 1u);
-  EXPECT_NE(done[0].find("--intensity 0.1 "), std::string::npos) << done[0];
-  LightOptions options;
-  options.intensity = 0.1;
-  EXPECT_EQ(applyLight(scene, options).size(), 1u) << "what was done, and no more";
-}
-
-TEST(LightOptions, RefusesWhatIsNoLight) {
-  Scene scene = darkScene();
-  const std::vector<std::vector<std::string>> skies = {
-      {"1"}, {"1", "2"}, {"1", "2", "x"}, {"1", "2", ""}, {"1", "2", "nan"}, {"1", "2", "-3"}, {"1", "2", "1e13"}};
-  for (const std::vector<std::string>& sky : skies) EXPECT_THROW(applyLight(scene, {sky, {}}), UsageError) << sky.back();
-  const std::vector<std::vector<std::string>> suns = {
-      {"1", "2", "3"}, {"0", "91", "1", "1", "1"}, {"400", "0", "1", "1", "1"}, {"0", "0", "1", "1", "-1"}};
-  for (const std::vector<std::string>& sun : suns) EXPECT_THROW(applyLight(scene, {{}, sun}), UsageError) << sun.back();
-}
-
-double emittingArea(const Scene& scene) {
-  double area = 0.0;
-  for (size_t t = 0; t < scene.triangles.size(); ++t) {
-    if (scene.materials[scene.triangle_material[t]].emissive == glm::vec3(0.0f)) continue;
-    const glm::vec3 a = scene.positions[scene.triangles[t].x];
-    area += 0.5 * glm::length(glm::cross(scene.positions[scene.triangles[t].y] - a, scene.positions[scene.triangles[t].z] - a));
-  }
-  return area;
-}
-
-TEST(BuiltInScenes, AreReachableByName) {
-  EXPECT_EQ(loadScene("cornell").id, "cornell_0");
-  EXPECT_EQ(loadScene("cornell:0").scene.positions, loadScene("cornell").scene.positions);
-  EXPECT_EQ(loadScene("two_rooms:1").family, "two_rooms");
-  EXPECT_THROW(loadScene("cornell:1"), UsageError);
-  EXPECT_THROW(loadScene("two_rooms:2"), UsageError);
-  EXPECT_THROW(loadScene("two_rooms:x"), UsageError);
-}
-
-TEST(Daylight, IsTheSameForASeedAndDayOrNightBySeed) {
-  int nights = 0;
-  for (uint64_t seed = 0; seed < 300; ++seed) {
-    const Daylight daylight = drawDaylight(seed);
-    EXPECT_EQ(daylight.sky.zenith, drawDaylight(seed).sky.zenith);
-    nights += daylight.suns.empty();
-    for (const Sun& sun : daylight.suns) {
-      EXPECT_NEAR(glm::length(sun.to_sun), 1.0f, 1e-5f);
-      EXPECT_GT(sun.to_sun.y, std::sin(0.26f));
-      EXPECT_LT(sun.to_sun.y, std::sin(1.14f));
-    }
-  }
-  // a third of 300, and five standard deviations of that: 5 sqrt(300 · 1/3 · 2/3) = 41
-  EXPECT_NEAR(nights, 100, 41);
-}
-
-TEST(ProceduralLight, EveryFurnishedFamilyHasLampsAndEveryLevelASky) {
-  for (const std::string& family : proceduralFamilies()) {
-    const Scene scene = makeProceduralScene(family, 3);
-    EXPECT_TRUE(hasLight(scene)) << family;
-    EXPECT_GT(scene.light.sky.horizon.g, 0.0f) << family;
-  }
-  EXPECT_GT(emittingArea(makeProceduralScene("house", 3)), 0.5);
-  EXPECT_GT(emittingArea(makeProceduralScene("apartment", 3)), 0.5);
 }
 
 }  // namespace

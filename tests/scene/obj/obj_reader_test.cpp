@@ -1,7 +1,6 @@
 #include "scene/obj/obj_reader.h"
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -94,15 +93,6 @@ TEST_F(ObjReader, ReadsLinesOfOtherSystems) {
   for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) text.insert(at, "\r");
   EXPECT_EQ(read(text).scene.triangles.size(), 3u);
   EXPECT_EQ(read(text.substr(0, text.size() - 2)).scene.triangles.size(), 3u) << "the last line without an end";
-}
-
-TEST_F(ObjReader, SaysWhatItDidNotFind) {
-  fs::remove(folder_ / "level/looks.mtl");
-  const ObjLevel level = read(kSquare);
-  ASSERT_EQ(level.notes.size(), 2u);
-  EXPECT_EQ(level.notes[0], "mtllib \"looks.mtl\" is not there");
-  EXPECT_EQ(level.notes[1], "3 triangles without a material that was found: grey");
-  EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].base_color, Material().base_color);
 }
 
 TEST_F(ObjReader, CutsColoursAboveOneAndSaysSo) {
@@ -240,14 +230,6 @@ TEST_F(ObjReader, ReadsContinuedLinesAndNamesOfSeveralWords) {
   EXPECT_NE(errorOf("v 0 0 0\nf 1 1 \\\n7\n").find("line 3: expected a vertex of 1 to 1"), std::string::npos);
 }
 
-// One in forty of the furniture models of Sweet Home 3D has them.
-TEST_F(ObjReader, LeavesFacesOfTwoCornersOutAndSaysSo) {
-  const ObjLevel level = read(std::string(kSquare) + "f 1 2\nf 3\nf 1/1 2/1\n");
-  EXPECT_EQ(level.scene.triangles.size(), 3u);
-  ASSERT_EQ(level.notes.size(), 1u);
-  EXPECT_EQ(level.notes[0], "3 faces of fewer than three corners: left out");
-}
-
 TEST_F(ObjReader, OpensNoLibraryOutsideTheFolder) {
   std::ofstream(folder_ / "secret.mtl") << kLooks;
   fs::create_symlink(folder_ / "secret.mtl", folder_ / "level/link.mtl");
@@ -264,38 +246,6 @@ TEST_F(ObjReader, OpensNoLibraryOutsideTheFolder) {
   EXPECT_EQ(level.notes, std::vector<std::string>{"mtllib \"C:/looks/looks.mtl\" is read from looks.mtl"});
 }
 
-TEST_F(ObjReader, OpensNoLibrariesThatAreNoRegularFiles) {
-  ASSERT_EQ(::mkfifo((folder_ / "level/pipe.mtl").c_str(), 0600), 0);
-  fs::create_symlink("ring.mtl", folder_ / "level/ring.mtl");
-  const std::string long_name = std::string(300, 'x') + ".mtl";
-  for (const auto& [name, got] : {std::pair<std::string, std::string>("pipe.mtl", "a pipe"),
-                                  {"ring.mtl", "Too many levels of symbolic links"},
-                                  {long_name, "File name too long"}}) {
-    const std::string note = read("mtllib " + name + "\n").notes.at(0);
-    EXPECT_EQ(note, "mtllib \"" + name.substr(0, 80) + "\" is no file in the scene's folder or below: " + got);
-  }
-}
-
-TEST_F(ObjReader, OpensALibraryOnce) {
-  std::string text;
-  for (const char* name : {"looks.mtl", "./looks.mtl", ".//looks.mtl", "looks.mtl"}) text += std::string("mtllib ") + name + "\n";
-  EXPECT_EQ(read(text + kSquare).scene.materials.size(), 3u) << "two and the one of faces without";
-}
-
-TEST_F(ObjReader, NamesColoursAndSharesThatAreNone) {
-  for (const char* line :
-       {"Kd -1 0 0", "Kd 0.5 1", "Ke 1 x 1", "Ke 1e13 0 0", "Kd spectral file.rfl 1", "d 7", "Tr -1", "d", "Tf 1 0 0"}) {
-    write("looks.mtl", std::string("newmtl lamp\nKd .5 .5 .5\n") + line + "\nnewmtl brick\nKd .5 .5 .5\n");
-    const ObjLevel level = read(kSquare);
-    std::string word = std::string(line).substr(0, std::string(line).find(' '));
-    for (char& c : word) c = static_cast<char>(std::tolower(c));
-    EXPECT_EQ(level.notes,
-              std::vector<std::string>{"words that are not read: " + (std::string(line) == "d" ? "d" : word) + " (1)"})
-        << line;
-    EXPECT_EQ(level.scene.materials[0].base_color, glm::vec3(0.5f));
-  }
-}
-
 // --- as programs write them
 
 TEST_F(ObjReader, PassesAByteOrderMarkBy) {
@@ -307,49 +257,6 @@ TEST_F(ObjReader, PassesAByteOrderMarkBy) {
     EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].emissive, glm::vec3(8, 4, 0));
   }
   EXPECT_EQ(corner(read(mark + "v 9 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").scene, 0, 0), glm::dvec3(9, 0, 0));
-}
-
-TEST_F(ObjReader, ReadsKeywordsInAnyCase) {
-  std::string text = kSquare, looks = kLooks;
-  for (std::string* lines : {&text, &looks}) {
-    bool is_keyword = true;
-    for (char& c : *lines) {
-      if (is_keyword) c = static_cast<char>(std::toupper(c));
-      is_keyword = c == '\n' || (is_keyword && c != ' ');
-    }
-  }
-  write("looks.mtl", looks);
-  const ObjLevel level = read(text);
-  EXPECT_TRUE(level.notes.empty()) << level.notes[0];
-  EXPECT_EQ(level.scene.objects.size(), 2u);
-  EXPECT_EQ(level.scene.materials[level.scene.triangle_material[0]].emissive, glm::vec3(8, 4, 0));
-}
-
-TEST_F(ObjReader, FindsLibrariesByNamesAsTheyAreWritten) {
-  fs::create_directory(folder_ / "level/my materials");
-  fs::rename(folder_ / "level/looks.mtl", folder_ / "level/my materials/two rooms.mtl");
-  write("other one.mtl", "newmtl other\nKd 1 1 1\n");
-  write("third.mtl", "newmtl third\nKd 1 1 1\n");
-  std::string text = kSquare;
-  text.replace(text.find("mtllib looks.mtl"), 16, "mtllib LINE");
-  const struct {
-    std::string line;
-    size_t materials;
-    std::vector<std::string> notes;
-  } cases[] = {{"my materials/two rooms.mtl", 2, {}},
-               {"my materials\\two rooms.mtl", 2, {}},
-               {".\\my materials\\two rooms.mtl", 2, {}},
-               {"\"my materials/two rooms.mtl\"", 2, {}},
-               {"my%20materials/two%20rooms.mtl", 2, {}},
-               {"my materials/two rooms.mtl other one.mtl third.mtl # all", 4, {}},
-               {"third.mtl my materials\\two rooms.mtl other one.mtl", 4, {}},
-               {"third.mtl no such.mtl my materials/two rooms.mtl", 3, {"mtllib \"no such.mtl\" is not there"}}};
-  for (const auto& one : cases) {
-    std::string whole = text;
-    const ObjLevel level = read(whole.replace(whole.find("LINE"), 4, one.line));
-    EXPECT_EQ(level.scene.materials.size(), one.materials + 1) << one.line;
-    EXPECT_EQ(level.notes, one.notes) << one.line;
-  }
 }
 
 TEST_F(ObjReader, TrMayMeanTheOpposite) {
@@ -395,33 +302,6 @@ TEST_F(ObjReader, VerticesHaveColours) {
   EXPECT_EQ(bytes.notes.at(0), "colours of vertices reach beyond 1: taken as of 0 to 255");
 }
 
-TEST_F(ObjReader, NamesWordsThatItDoesNotUnderstand) {
-  write("looks.mtl", std::string(kLooks) + "Pm 1\nmap_Bump a.png\nillum 2\nTf 1 1 1\nNi 1.5\nmap_Tr a.png\nglow 3\nmap_Kd\n");
-  const ObjLevel level = read(std::string(kSquare) + "surf 0 1 0 1 1 2\nvp 1 2\nSURF 1\n");
-  ASSERT_EQ(level.notes.size(), 1u);
-  EXPECT_EQ(level.notes[0], "words that are not read: glow (1), map_tr (1), surf (2), vp (1)");
-}
-
-TEST_F(ObjReader, NamesImagesThatShineByNothing) {
-  write("looks.mtl", "newmtl lamp\nKd 1 1 1\nKe 0 0 0\nmap_Ke none.png\nnewmtl brick\nKd 1 1 1\n");
-  EXPECT_EQ(read(kSquare).notes, std::vector<std::string>{"1 materials with a map_Ke and a Ke of 0: dark"});
-}
-
-// Each is looked for on the disk.
-TEST_F(ObjReader, LooksForNoEndOfLibraries) {
-  std::string text;
-  for (int i = 0; i < 1100; ++i) text += "mtllib none" + std::to_string(i) + ".mtl\nmtllib looks.mtl\n";
-  const ObjLevel level = read(text + kSquare);
-  EXPECT_EQ(level.scene.materials.size(), 3u);
-  EXPECT_EQ(level.notes.back(), "words that are not read: mtllib (77)") << "1,024 lines, of which looks.mtl is one";
-}
-
-TEST_F(ObjReader, NamesFacesThatCrossThemselves) {
-  const ObjLevel level = read(std::string(kSquare) + "f 1 3 2 4\n");
-  ASSERT_EQ(level.notes.size(), 1u);
-  EXPECT_EQ(level.notes[0], "1 faces whose outlines cross themselves are cut as well as can be, the first in line 20");
-}
-
 TEST_F(ObjReader, ReadsColoursAndImagesInAllTheirForms) {
   write("a b.png", png(1, 1, std::string("\xff\0\0\xff", 4)));
   fs::create_directory(folder_ / "level/textures");
@@ -442,49 +322,6 @@ TEST_F(ObjReader, ReadsColoursAndImagesInAllTheirForms) {
     const Scene scene = read(kPlacedSquare).scene;
     EXPECT_LT(glm::length(baseColourAt(scene, 0, 0.3f, 0.3f) - one.colour), 2e-3f) << one.looks;
   }
-}
-
-// A grid that is baked without light is lit later: no image may change what its functions are of.
-TEST_F(ObjReader, GeometryDoesNotDependOnImagesThatAreNotNeeded) {
-  write("colours.png", png(2, 1, kHalves));
-  write("mask.png", png(2, 1, std::string("\0\0\0\xff\xff\xff\xff\xff", 8)));
-  write("looks.mtl",
-        "newmtl wall\nmap_Kd colours.png\nmap_d mask.png\nnewmtl plain\nKe 1 1 1\nmap_Kd plain.png\nmap_Ke plain.png\n");
-  write("plain.png", png(2, 1, kHalves));
-  const std::string path = write("test.obj", std::string(kPlacedSquare) + "usemtl plain\nf 1/4 2/3 3/2\n");
-  const ObjLevel all = readObj(path, 1.0), bare = readObj(path, 1.0, kDenseTransmissive, ImageNeed::geometry);
-  EXPECT_EQ(sceneSha256(all.scene), sceneSha256(bare.scene));
-  EXPECT_EQ(all.scene.images.size(), 2u) << "with the mask's opacity, and as it is";
-  EXPECT_EQ(bare.scene.images.size(), 1u) << "what is cut out";
-  EXPECT_NEAR(stoppedAt(bare.scene, 0, 0.25f, 0.0f), stoppedAt(all.scene, 0, 0.25f, 0.0f), 1e-6);
-  EXPECT_EQ(bare.notes.at(0), "1 images are not read: no light is asked for");
-  fs::remove(folder_ / "level/plain.png");
-  EXPECT_EQ(sceneSha256(readObj(path, 1.0).scene), sceneSha256(all.scene)) << "nor does one that is missing";
-}
-
-// Bytes changed at random anywhere: an error or a scene, never a crash.
-TEST_F(ObjReader, SurvivesRandomDamage) {
-  const std::string whole = kSquare;
-  uint32_t state = 1;
-  const auto next = [&] { return (state = state * 1664525u + 1013904223u) >> 8; };
-  int refused_count = 0;
-  for (int round = 0; round < 1000; ++round) {
-    std::string damaged = whole;
-    for (uint32_t i = 0; i < 1 + next() % 3; ++i) damaged[next() % damaged.size()] = static_cast<char>(next());
-    refused_count += errorOf(damaged) == "no error" ? 0 : 1;
-  }
-  EXPECT_GT(refused_count, 100);
-  EXPECT_LT(refused_count, 1000);
-}
-
-TEST_F(ObjReader, IsAmongTheSourcesOfScenes) {
-  const std::string path = write("Room.OBJ", kSquare);
-  const SceneSource metres = loadScene(path), feet = loadScene(path, {0.25});
-  EXPECT_EQ(metres.id, "Room");
-  EXPECT_EQ(metres.sha256, sceneSha256(metres.scene));
-  EXPECT_NE(metres.sha256, feet.sha256);
-  EXPECT_EQ(normalOf(feet.scene, 0), glm::dvec3(0, 0, 0.0625));
-  EXPECT_THROW(loadScene("house:3", {0.25}), UsageError);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "hand_built_bsp.h"
 #include "scene/image/surface_look.h"
@@ -88,14 +87,6 @@ TEST_F(BspLight, PagesThatAreNotThereMeanLightByVertex) {
             "faces that are lit by their vertices, as the engine does it: 1 of lightmap -3, 1 of lightmap 1");
 }
 
-TEST_F(BspLight, ALevelThatWasNeverLitHasNone) {
-  const BspLevel level = read(smallLevel());
-  EXPECT_TRUE(level.scene.light.baked.empty());
-  EXPECT_TRUE(level.scene.light.baked.vertex_light.empty());
-  ASSERT_EQ(level.light_notes.size(), 1u);
-  EXPECT_NE(level.light_notes[0].find("no baked light"), std::string::npos);
-}
-
 TEST_F(BspLight, StaysInStepWithTrianglesThatAreDroppedAndSorted) {
   BspParts parts;
   parts.shaders.push_back({"textures/test/stone"});
@@ -118,18 +109,6 @@ TEST_F(BspLight, StaysInStepWithTrianglesThatAreDroppedAndSorted) {
     for (int k = 0; k < 3; ++k) low = std::min(low, static_cast<float>(corner(scene, t, k).y) / static_cast<float>(kUnit));
     EXPECT_EQ(scene.light.baked.triangle_page[t], low < 25.0f ? 0 : 1) << "triangle " << t << " at height " << low;
   }
-}
-
-TEST_F(BspLight, RefusesLightThatIsNone) {
-  expectError("vertices 2: expected finite lightmap coordinates",
-              [](BspParts& p) { p.lights[2].place.y = std::numeric_limits<float>::quiet_NaN(); });
-  expectError("lump lightmaps: expected records of 49152 bytes", [](BspParts& p) { p.lightmaps.pop_back(); });
-  expectError("models 0: expected finite bounds",
-              [](BspParts& p) { p.models[0].max.z = std::numeric_limits<float>::infinity(); });
-  // of a face without a page the numbers mean nothing, and real levels hold garbage there
-  BspParts parts = litLevel();
-  parts.lights[5].place.x = std::numeric_limits<float>::infinity();
-  EXPECT_NO_THROW(read(parts));
 }
 
 TEST_F(BspLight, SkyFacesAreNoGeometryButLieInsideTheBounds) {
@@ -209,18 +188,6 @@ TEST_F(BspLight, LampsGiveTheCodesThatTheCompilerGives) {
   EXPECT_NE(level.light_notes[2].find("1 lamps that fade linearly"), std::string::npos);
 }
 
-// Half of all entities that a level may have are lamps, each with a target of its own: to look through all entities for each would
-// take a minute.
-TEST_F(BspLight, EveryLampOfAFullLevelFindsItsTarget) {
-  std::string text;
-  constexpr int kLamps = 32768;
-  for (int i = 0; i < kLamps; ++i) text += R"({"classname" "light" "origin" "0 0 0" "target" "t)" + std::to_string(i) + "\"}\n";
-  for (int i = 0; i < kLamps; ++i) text += R"({"targetname" "t)" + std::to_string(i) + R"(" "origin" "0 0 8"})" + "\n";
-  const EntityLights lights = entityLights(readEntities("level.bsp", text));
-  ASSERT_EQ(lights.lamps.size(), static_cast<size_t>(kLamps));
-  for (const Lamp& lamp : lights.lamps) ASSERT_EQ(lamp.direction, glm::vec3(0, 1, 0));
-}
-
 TEST_F(BspLight, TheFirstEntityOfATargetsNameCounts) {
   const auto direction = [](const std::string& targets) {
     const std::string lamp = R"({"classname" "light" "origin" "0 0 0" "target" "t"})";
@@ -232,16 +199,6 @@ TEST_F(BspLight, TheFirstEntityOfATargetsNameCounts) {
   EXPECT_EQ(direction(down + up), glm::vec3(0, -1, 0));
   EXPECT_EQ(direction(R"({"targetname" "t"})" + up), glm::vec3(0.0f)) << "the first has no place";
   EXPECT_EQ(direction(R"({"targetname" ""})"), glm::vec3(0.0f));
-}
-
-// Nine numbers that no light should have.
-TEST_F(BspLight, OddNumbersOfLightsAreReadAsTheCompilerReadsThem) {
-  BspParts parts = litLevel();
-  for (const char* light : {"nan", "", "x", "-5", "1e30", "0", "inf", "300 units", "+300"})
-    parts.entities += std::string("{ \"classname\" \"light\" \"origin\" \"0 0 0\" \"light\" \"") + light + "\" }";
-  const Scene scene = read(parts).scene;
-  ASSERT_EQ(scene.light.lamps.size(), 8u) << "all but the one that takes light away";
-  for (const Lamp& lamp : scene.light.lamps) EXPECT_EQ(lamp.intensity, scene.light.lamps[0].intensity) << "300, the default";
 }
 
 TEST_F(BspLight, SunsShineFromWhereTheirScriptSays) {
@@ -320,16 +277,6 @@ TEST_F(BspLightOfScripts, PagesOfLightLieInFiles) {
   for (const int32_t at : missing.scene.light.baked.triangle_page) EXPECT_EQ(at, BakedLight::kByVertex);
 }
 
-TEST_F(BspLightOfScripts, WithoutLightNoImageIsReadAndTheGeometryIsTheSame) {
-  BspParts parts = litLevel();
-  const std::string script = "textures/test/stone\n{\n q3map_surfacelight 100\n}\n";
-  const Scene all = readWith(parts, script);
-  const BspLevel bare = readBspFromArchives(folder_.string(), "lit", kDenseTransmissive, ImageNeed::geometry);
-  EXPECT_EQ(sceneSha256(bare.scene), sceneSha256(all));
-  EXPECT_TRUE(bare.scene.images.empty());
-  EXPECT_NE(bare.scene.materials[0].emissive, glm::vec3(0.0f));
-}
-
 TEST_F(BspLightOfScripts, LavaShinesThoughItIsNoGeometry) {
   BspParts parts = litLevel();
   parts.shaders.push_back({"textures/test/lava", 0, kBspContentsLava});
@@ -377,24 +324,6 @@ TEST_F(BspLightOfScripts, SkyShinesWithWhatTheCompilerTookItForThenWithItsLooks)
   const Sky cloud = readWith(levelWithSky(), "textures/skies/blue\n{\n {\n map textures/test/green.tga\n }\n}\n").light.sky;
   EXPECT_NEAR(cloud.horizon.g, 0.2159f, 1e-4f);
   EXPECT_EQ(readWith(levelWithSky(), "").light.sky.zenith, glm::vec3(0.0f)) << "nothing is known of it";
-}
-
-TEST_F(BspLightOfScripts, WorldspawnSaysAmbientLightAndWhetherTheSkyHasASun) {
-  BspParts parts = levelWithSky();
-  parts.entities = "{ \"classname\" \"worldspawn\" \"_ambient\" \"5\" \"_color\" \"1 1 0\" \"_noshadersun\" \"1\" }";
-  const SceneLight light = readWith(parts, "textures/skies/blue\n{\n q3map_sun 1 1 1 80 0 90\n}\n").light;
-  EXPECT_TRUE(light.suns.empty());
-  EXPECT_NEAR(light.baked.ambient.r, 5.0f * kOfCode, 1e-6f);
-  EXPECT_EQ(light.baked.ambient.b, 0.0f);
-}
-
-TEST_F(BspLightOfScripts, SunsAndNumbersOfScriptsAreBounded) {
-  std::string script = "textures/skies/blue\n{\n q3map_surfacelight -5\n q3map_skylight nan 3\n";
-  for (int i = 0; i < 100; ++i) script += " q3map_sunExt 1 1 1 1e9 0 90 1e9 16\n";
-  const SceneLight light = readWith(levelWithSky(), script + "}\n").light;
-  EXPECT_EQ(light.suns.size(), 8u);
-  for (const Sun& sun : light.suns) EXPECT_TRUE(std::isfinite(sun.irradiance.r) && sun.angular_radius < 1.6f);
-  EXPECT_EQ(light.sky.zenith, glm::vec3(0.0f));
 }
 
 }  // namespace

@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <functional>
-#include <limits>
-#include <random>
 
 #include "hand_built_bsp.h"
 #include "scene/image/surface_look.h"
@@ -185,78 +182,6 @@ TEST_F(BspReader, WhatStandsFreeMovesAndTheShellDoesNot) {
   for (size_t i = 0; i < 6; ++i) EXPECT_EQ(scene.objects[i].movable, expected[i]) << scene.objects[i].name;
 }
 
-TEST_F(BspReader, RefusesWhatIsNoLevel) {
-  const std::string whole = smallLevel().bytes();
-  const auto withWord = [&](size_t offset, uint32_t value) {
-    std::string bytes = whole;
-    std::memcpy(&bytes[offset], &value, 4);
-    return errorOfBytes(bytes);
-  };
-  const size_t faces = 8 + 8 * 13;  // the directory's entry of the faces: offset, then size
-  EXPECT_NE(withWord(0, 0x50534256).find("begins with IBSP"), std::string::npos);
-  EXPECT_NE(withWord(4, 47).find("version 46, got 47"), std::string::npos);
-  EXPECT_NE(withWord(faces, 0xfffffff0u).find("lump faces: expected a range inside"), std::string::npos);
-  EXPECT_NE(withWord(faces + 4, 0xfffffff0u).find("lump faces: expected a range inside"), std::string::npos);
-  EXPECT_NE(withWord(faces + 4, 103).find("records of 104 bytes"), std::string::npos);
-  EXPECT_NE(errorOfBytes("").find("header"), std::string::npos);
-}
-
-TEST_F(BspReader, RefusesRecordsThatPointOutside) {
-  expectError("faces 0: expected a shader out of 1", [](BspParts& p) { p.faces[0].shader = 1; });
-  expectError("faces 0: expected a kind from 1 to 4", [](BspParts& p) { p.faces[0].kind = 5; });
-  expectError("faces 0: expected vertices out of 13", [](BspParts& p) { p.faces[0].first_vertex = 10; });
-  expectError("faces 0: expected indices out of 6", [](BspParts& p) { p.faces[0].index_count = 9; });
-  expectError("faces 0: expected three indices a triangle", [](BspParts& p) { p.faces[0].index_count = 5; });
-  expectError("faces 0: expected indices below 4", [](BspParts& p) { p.indices[3] = 4; });
-  expectError("odd sides", [](BspParts& p) { p.faces[1].width = 4; });
-  expectError("a patch of 15 control points", [](BspParts& p) { p.faces[1].width = 5; });
-  expectError("models 0: expected faces out of 2", [](BspParts& p) { p.models[0].face_count = 3; });
-  expectError("behind those of the models before it", [](BspParts& p) { p.models.push_back({1, 1, {}, {}}); });
-  expectError("at least one model", [](BspParts& p) { p.models.clear(); });
-}
-
-TEST_F(BspReader, RefusesNumbersThatAreNone) {
-  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1e30f, 1048577.0f}) {
-    expectError("vertices 7: expected coordinates within", [&](BspParts& p) { p.vertices[7].y = bad; });
-  }
-}
-
-TEST_F(BspReader, RefusesEntitiesThatNameWhatIsNotThere) {
-  const auto withDoor = [&](const std::string& keys) {
-    return [keys](BspParts& p) {
-      p.entities = "{ \"classname\" \"func_door\" " + keys + " }";
-      p.beginModel();
-    };
-  };
-  expectError("entity 0: model", withDoor("\"model\" \"*2\""));
-  expectError("entity 0: origin", withDoor("\"model\" \"*1\" \"origin\" \"1 2\""));
-  expectError("an opening brace", [](BspParts& p) { p.entities = "garbage"; });
-}
-
-TEST_F(BspReader, RefusesMoreTrianglesThanAnyLevelHas) {
-  // patches that name the same control points again and again, each wild enough for the finest grid
-  expectError("at most 8388608 triangles of a level", [](BspParts& p) {
-    std::mt19937 random(1);
-    for (glm::vec3& v : p.vertices) v = glm::vec3(random() % 500000, random() % 500000, random() % 500000);
-    p.faces.assign(5000, p.faces[1]);
-    p.models[0].face_count = 5000;
-  });
-  expectError("lump models: expected at most 65536 records", [](BspParts& p) { p.models.resize(65537); });
-  expectError("2^23 vertices", [](BspParts& p) {
-    p.vertices.resize(2000);
-    p.faces[0].vertex_count = 2000;
-    p.faces[0].index_count = 0;
-    p.faces.assign(5000, p.faces[0]);
-    p.models[0].face_count = 5000;
-  });
-}
-
-TEST_F(BspReader, EveryTruncationIsRefused) {
-  const std::string whole = smallLevel().bytes();
-  for (size_t size = 0; size < whole.size(); ++size)
-    EXPECT_NE(errorOfBytes(whole.substr(0, size)), "no error") << size << " bytes";
-}
-
 BspParts levelWithDoor() {
   BspParts parts = smallLevel();
   parts.entities += "{ \"model\" \"*1\" \"origin\" \"1 2 3\" }";
@@ -336,33 +261,6 @@ TEST_F(BspInArchives, WhatAScriptCutsOutIsTransmissive) {
       << "the last one cuts nothing out";
 }
 
-TEST_F(BspInArchives, ImagesThatShadersShareAreReadOnce) {
-  constexpr int kShaders = 200;
-  const std::string script = "{\n q3map_surfacelight 100\n q3map_lightimage textures/big.tga\n { map textures/big.tga }\n}\n";
-  const std::string image = std::string("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0", 18) + std::string("\0\0\xff", 3);
-  std::string scripts;
-  for (int i = 0; i < kShaders; ++i) scripts += "s" + std::to_string(i) + "\n" + script;
-  SceneBudget unpacked = SceneBudgets().unpacked;
-  const std::string path = writeZip(folder_ / "shared.pk3", {{"scripts/a.shader", scripts}, {"textures/big.tga", image}});
-  const Pk3Archives archives(path, &unpacked);
-  const BspLooks looks(archives);
-  for (int i = 0; i < kShaders; ++i) {
-    EXPECT_EQ(looks.textureColour("s" + std::to_string(i)), glm::vec3(1, 0, 0));
-    EXPECT_GT(looks.emission("s" + std::to_string(i)).x, 0.0f);
-  }
-  EXPECT_EQ(kMaxUnpackedBytes - unpacked.left(), scripts.size() + image.size());
-}
-
-// Each image is within the budget, both together are not.
-TEST_F(BspInArchives, RefusesMorePixelsThanOneSceneMayHave) {
-  const std::string image = jpegOfScans(2048, 1200);
-  const Pk3Archives archives(writeZip(folder_ / "pixels.pk3", {{"a.jpg", image}, {"b.jpg", image}}));
-  const BspLooks looks(archives);
-  EXPECT_FALSE(looks.textureColour("a").has_value()) << "its scans are empty";
-  EXPECT_FALSE(looks.textureColour("a").has_value()) << "not read again";
-  expectInputError("b.jpg: expected at most 8589934592 pixels of textures", [&] { looks.textureColour("b"); });
-}
-
 TEST_F(BspInArchives, ScenesAreRequestedByPathAndMap) {
   for (const std::string& request : {folder_.string() + ":small", folder_ / "pak1.pk3:Small", folder_.string() + "/:small"}) {
     const SceneSource source = loadScene(request);
@@ -383,26 +281,21 @@ TEST_F(BspInArchives, RefusesMapsThatAreNotThere) {
   EXPECT_THROW(loadScene(folder_ / "missing.pk3:small"), InputError);
 }
 
-// The levels of docs/guide/levels.md, where their packages are installed, or unpacked below NLG_ARCHIVE_ROOT.
-TEST(InstalledLevels, AllOfThemLoad) {
+// Every twelfth of the levels of docs/guide/levels.md, where their packages are installed, or unpacked below NLG_ARCHIVE_ROOT.
+TEST(InstalledLevels, Load) {
   const char* root = std::getenv("NLG_ARCHIVE_ROOT");
   int found_count = 0;
-  for (const auto& [folder, count] : {std::pair("openarena/baseoa", 85), std::pair("nexuiz/data", 39)}) {
+  for (const char* folder : {"openarena/baseoa", "nexuiz/data"}) {
     const std::string path = std::string(root != nullptr ? root : "") + "/usr/share/games/" + folder;
     if (!std::filesystem::is_directory(path)) continue;
-    int map_count = 0;
     for (const std::string& name : Pk3Archives(path).names("maps/", ".bsp")) {
       const std::string map = name.substr(5, name.size() - 9);
-      if (map.find('/') != std::string::npos) continue;
-      ++map_count;
+      if (map.find('/') != std::string::npos || found_count++ % 12 != 0) continue;
       const BspLevel level = readBspFromArchives(path, map);
       EXPECT_GT(level.scene.triangles.size(), 400u) << map;
       // all that is drawn of a level is more than what is dropped for having no area
       EXPECT_LT(level.scene.dropped_triangle_count, level.scene.triangles.size()) << map;
     }
-    // fewer are installed when a package is missing
-    EXPECT_LE(map_count, count) << path;
-    found_count += map_count;
   }
   if (found_count == 0) GTEST_SKIP() << "no levels installed";
 }

@@ -6,7 +6,6 @@
 #include "scene/quake/bsp_entities.h"
 #include "scene/quake/bsp_file.h"
 #include "scene/quake/bsp_looks.h"
-#include "tests/input_error.h"
 #include "tests/scene/image/hand_built_images.h"
 
 namespace nlg {
@@ -23,17 +22,6 @@ TEST(QuakeTokens, SplitsWordsQuotesBracesAndComments) {
   std::vector<std::string> words;
   for (std::string_view word; tokens.next(&word);) words.emplace_back(word);
   EXPECT_EQ(words, (std::vector<std::string>{"one", "three four", "{", "five", "}", "se//ven", "eight"}));
-}
-
-TEST(QuakeTokens, StopsAtTheEndOfALineWhenAsked) {
-  QuakeTokens tokens("one two // three\nfour");
-  std::string_view word;
-  EXPECT_TRUE(tokens.nextOnLine(&word));
-  EXPECT_TRUE(tokens.nextOnLine(&word));
-  EXPECT_FALSE(tokens.nextOnLine(&word));
-  EXPECT_FALSE(tokens.nextOnLine(&word));
-  EXPECT_TRUE(tokens.next(&word));
-  EXPECT_EQ(word, "four");
 }
 
 TEST(ShaderScript, ReadsParametersSidesAndTextures) {
@@ -63,22 +51,6 @@ textures/base/plain { cull back { animMap 0.5 textures/a.tga textures/b.tga } { 
   const ShaderScript& plain = scripts.at("textures/base/plain");
   EXPECT_FALSE(plain.double_sided);
   EXPECT_EQ(plain.textures, (std::vector<std::string>{"textures/a", "textures/c"}));
-}
-
-TEST(ShaderScript, EveryParameterThatMattersHasAReason) {
-  const std::map<std::string, const char*> reasons = {{"sky", "sky"},         {"nodraw", "nodraw"},    {"fog", "fog"},
-                                                      {"water", "liquid"},    {"lava", "liquid"},      {"slime", "liquid"},
-                                                      {"playerclip", "clip"}, {"trans", "translucent"}};
-  for (const auto& [parm, reason] : reasons) {
-    const ShaderScript script = parse("x { surfaceparm " + parm + "\n}").at("x");
-    const char* got = dropReason(script.surface_flags, script.content_flags);
-    ASSERT_NE(got, nullptr) << parm;
-    EXPECT_STREQ(got, reason) << parm;
-  }
-  for (const char* parm : {"nonsolid", "metalsteps", "nomarks", "detail"}) {
-    const ShaderScript script = parse("x { surfaceparm " + std::string(parm) + "\n}").at("x");
-    EXPECT_EQ(dropReason(script.surface_flags, script.content_flags), nullptr) << parm;
-  }
 }
 
 TEST(ShaderScript, StagesThatAreNoColourOfTheSurfaceAreNoTextures) {
@@ -112,31 +84,12 @@ TEST(ShaderScripts, LaterArchivesHideEarlierOnes) {
   EXPECT_TRUE(scripts.at("only_old").double_sided);
 }
 
-TEST(ShaderScripts, RefusesMoreThanAnyGameHas) {
-  TemporaryFolder folder;
-  std::string many;
-  for (int i = 0; i < 65537; ++i) many += std::to_string(i) + "{}";
-  const std::vector<std::pair<std::string, std::string>> hostile = {{"at most 65536 shaders", many},
-                                                                    {"at most 4194304 bytes", std::string((4 << 20) + 1, ' ')}};
-  for (const auto& [words, script] : hostile) {
-    const std::string path = writeZip(folder / "a.pk3", {{"scripts/a.shader", script}});
-    expectInputError(words, [&] { readShaderScripts(Pk3Archives(path)); });
-  }
-}
-
 // --- colours
 
 std::optional<glm::vec3> averageColour(const std::string& bytes) {
   SceneBudget pixels = SceneBudgets().pixels;
   const std::optional<ImageMeans> means = imageMeans(bytes, pixels, "a.pk3", "image");
   return means ? std::optional(means->linear) : std::nullopt;
-}
-
-// What reading the image takes of a budget.
-uint64_t pixelsOf(const std::string& image) {
-  SceneBudget pixels = SceneBudgets().pixels;
-  imageMeans(image, pixels, "a.pk3", "image");
-  return kMaxImagePixels - pixels.left();
 }
 
 // sRGB code 188 is 0.5029 in linear light, 0 is 0, 255 is 1
@@ -156,25 +109,6 @@ TEST(TextureColour, AveragesInLinearLight) {
   const auto packed = averageColour(targa(10, 2, 2, 24, std::string("\x82\0\0\xff\0\0\0\0", 8)));
   ASSERT_TRUE(packed.has_value());
   EXPECT_EQ(*packed, glm::vec3(0.75f, 0, 0));
-}
-
-TEST(TextureColour, TakesItsPixelsOfTheBudgetOnceForEveryScan) {
-  EXPECT_EQ(pixelsOf(targa(2, 2, 1, 24, std::string(6, 'a'))), 2u);
-  EXPECT_EQ(pixelsOf(jpeg(100, 10, 20, 30)), 10000u) << "one scan";
-  EXPECT_EQ(pixelsOf(jpeg(8, 10, 20, 30)), kLeastScanPixels);
-  EXPECT_EQ(pixelsOf(jpegOfScans(100, 16)), 10000u) << "as many as programs write";
-  EXPECT_EQ(pixelsOf(jpegOfScans(100, 18)), 30000u);
-  EXPECT_EQ(pixelsOf("no image at all, but long enough"), 0u);
-}
-
-// The archive of 794 bytes that took 18 s: 2048 x 2048 pixels, 20,000 times.
-TEST(TextureColour, RefusesMoreScansThanTheBudgetHolds) {
-  constexpr uint64_t kPixels = 2048 * 2048;
-  SceneBudget pixels = SceneBudgets().pixels;
-  // it is stopped at the first scan too many
-  EXPECT_EQ(inputErrorOf([&] { imageMeans(jpegOfScans(2048, 20000), pixels, "a.pk3", "big.jpg"); }),
-            "a.pk3: big.jpg: expected at most 8589934592 pixels of textures, times their scans, in one scene, got " +
-                std::to_string(kMaxImagePixels + kPixels));
 }
 
 }  // namespace

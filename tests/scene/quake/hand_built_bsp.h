@@ -132,22 +132,6 @@ inline BspParts smallLevel() {
   return parts;
 }
 
-// A JPEG of three channels whose first is in every scan: no program writes such, and libjpeg reads them all.
-inline std::string jpegOfScans(int side, int scan_count) {
-  const auto segment = [](char marker, const std::string& bytes) {
-    const size_t size = bytes.size() + 2;
-    return std::string{'\xff', marker, static_cast<char>(size >> 8), static_cast<char>(size)} + bytes;
-  };
-  const auto high = static_cast<char>(side >> 8), low = static_cast<char>(side);
-  // a table of one code
-  const auto huffman = [&](char id) { return segment('\xc4', id + std::string("\1") + std::string(16, '\0')); };
-  std::string bytes = "\xff\xd8" + segment('\xdb', std::string(1, '\0') + std::string(64, '\1'));
-  bytes += segment('\xc0', std::string{8, high, low, high, low, 3, 1, 0x11, 0, 2, 0x11, 0, 3, 0x11, 0});
-  bytes += huffman('\0') + huffman('\x10');
-  for (int i = 0; i < scan_count; ++i) bytes += segment('\xda', std::string{1, 1, 0, 0, 63, 0});
-  return bytes + "\xff\xd9";
-}
-
 struct ZipOptions {
   bool encrypted = false;
   int method = ZIP_CM_DEFLATE;

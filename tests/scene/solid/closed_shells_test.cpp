@@ -336,28 +336,5 @@ TEST(DoubleSided, RoomsInRoomsAreHollowEach) {
   EXPECT_EQ(solidsOf(objects), Names{});
 }
 
-TEST(DoubleSided, OneSidedMaterialsStayAsTheyAre) {
-  SceneOfObjects objects;
-  objects.object("box").quads(box({0, 0, 0}, {1, 1, 1}));
-  objects.scene_.materials[0].double_sided = false;
-  const std::string before = sceneSha256(objects.scene_);
-  EXPECT_EQ(giveSolidsOneSide(objects.scene_).note(), "");
-  EXPECT_EQ(objects.scene_.materials.size(), 2u);
-  EXPECT_EQ(sceneSha256(objects.scene_), before);
-}
-
-TEST(DoubleSided, SolidsLookAsTheyDid) {
-  SceneOfObjects objects = onGround();
-  objects.object("box").quads(box({0, 0, 0}, {1, 1, 1}));
-  objects.scene_.materials[0].base_color = {0.1f, 0.2f, 0.3f};
-  objects.scene_.materials[0].emissive = glm::vec3(4.0f);
-  giveSolidsOneSide(objects.scene_);
-  const Material& material = objects.scene_.materials[objects.scene_.triangle_material.back()];
-  EXPECT_EQ(material.base_color, glm::vec3(0.1f, 0.2f, 0.3f));
-  EXPECT_EQ(material.emissive, glm::vec3(4.0f));
-  EXPECT_FALSE(material.double_sided);
-  EXPECT_EQ(objects.scene_.materials.size(), 3u) << "one copy for all faces";
-}
-
 }  // namespace
 }  // namespace nlg

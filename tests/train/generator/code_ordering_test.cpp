@@ -36,12 +36,6 @@ Representation representationOf(GeneratorNetwork& network) {
 
 CodeOrderingOptions allFunctions(int threads = 1) { return {.functions = kFunctions, .tent_rmse = 0.002, .threads = threads}; }
 
-GeneratorNetwork orderedNetwork(int threads = 1) {
-  GeneratorNetwork network = codeNetwork(kResolution, 1);
-  orderCodes(data(), codeBasis(), allFunctions(threads), &network);
-  return network;
-}
-
 TEST(OrderCodes, LeavesWhatIsPredictedAsItWas) {
   GeneratorNetwork network = codeNetwork(kResolution, 1);
   const torch::Tensor before = codesOf(network);
@@ -123,45 +117,6 @@ TEST(OrderCodes, MakesTheMeanEquationsTheIdentityUpToUnits) {
     }
   }
   EXPECT_LT(unit(kCodeCount - 1) * deviation(kCodeCount - 1), 0.5 * unit(0) * deviation(0));
-}
-
-// 99 of 100 numbers of fits as bakes have them: of 80 functions all but one, and another where the dictionary's new bytes move it.
-TEST(OrderCodes, GivesUnitsInWhichAByteHoldsAllButAFewNumbers) {
-  GeneratorNetwork network = orderedNetwork();
-  const Representation code = representationOf(network);
-  torch::Tensor codes = codesOf(network);
-  CodeFit fit;
-  for (int n = 0; n < kFunctions; ++n) {
-    const WeightingFunction function = decoded(data().function(n), pointOrder(code), CodeOrderingOptions{}.loss);
-    fit.iterate(code, function, {.iterations = 12}, kCodeCount, codes.data_ptr<float>() + n * kCodeCount);
-  }
-  for (int k = 0; k < kCodeCount; ++k) {
-    const torch::Tensor magnitudes = codes.select(1, k).abs();
-    EXPECT_LE((magnitudes > 127.5).sum().item<int>(), 4) << k;
-    EXPECT_GT(magnitudes.max().item<float>(), 80.0f) << k;
-  }
-}
-
-TEST(OrderCodes, GivesTheSameBytesOnAnyNumberOfThreads) {
-  GeneratorNetwork one = orderedNetwork(1), three = orderedNetwork(3);
-  EXPECT_TRUE(torch::equal(one->dictionary(), three->dictionary()));
-  EXPECT_TRUE(torch::equal(one->deviations(), three->deviations()));
-  EXPECT_TRUE(torch::equal(one->lastLayer()->weight, three->lastLayer()->weight));
-  EXPECT_TRUE(torch::equal(one->lastLayer()->bias, three->lastLayer()->bias));
-}
-
-TEST(OrderCodes, TakesFewerFunctionsThanNumbers) {
-  // a covariance without full rank: what no function needed has a unit all the same
-  GeneratorNetwork network = codeNetwork(kResolution, 2);
-  orderCodes(data(), codeBasis(), {.functions = 3}, &network);
-  for (const torch::Tensor& parameter : network->parameters()) EXPECT_TRUE(torch::isfinite(parameter).all().item<bool>());
-  const Representation code = representationOf(network);
-  EXPECT_EQ(whatIsWrong(code.dictionary->data()), "");
-}
-
-TEST(OrderCodes, RefusesATrainingSetWithoutFunctionsToFit) {
-  GeneratorNetwork network = codeNetwork(kResolution, 1);
-  EXPECT_THROW(orderCodes(data(), codeBasis(), {.tent_rmse = 10.0}, &network), InputError);
 }
 
 TEST(GeneratorNetwork, RoundsItsDictionaryToWhatAFileHoldsWhateverItsNumbers) {

@@ -23,49 +23,6 @@ torch::Tensor someCodes(int count, uint64_t seed) {
   return 4.0 * torch::randn({count, kCodeCount});
 }
 
-// From the formulas, point by point, in double.
-double expected(GeneratorNetwork& network, const torch::Tensor& z, int64_t row, int batch, double dark_weight) {
-  const PointOrder& order = stratumOrder();
-  const Sample sample = samples()[static_cast<size_t>(row)];
-  const int first = batch < 0 ? 0 : order.batch_begin[batch], end = batch < 0 ? order.placeCount() : order.batch_begin[batch + 1];
-  double sum = 0.0;
-  int valid = 0;
-  for (int b = batch < 0 ? 0 : batch; b < (batch < 0 ? order.batchCount() : batch + 1); ++b) {
-    const int begin = order.batch_begin[b], count = order.batch_begin[b + 1] - begin;
-    std::vector<float> phi(static_cast<size_t>(count)), mask(static_cast<size_t>(count));
-    decodeBatch(order, b, data().function(sample.function), sample.mirror, LossWeights(kUnweighed), phi.data(), mask.data());
-    for (int i = 0; i < count; ++i) {
-      if (mask[i] == 0.0f) continue;
-      ++valid;
-      const LocalPoint at = {order.points.x[begin + i], order.points.y[begin + i], order.points.z[begin + i]};
-      const double bare = tent(at), value = bare / (1.0 + std::exp(-logitAt(network, z, row, at)));
-      // bytes may lie a rounding above the tent
-      const double residual = value - std::min<double>(phi[i], bare);
-      sum += (phi[i] == 0.0f && bare > kRimTent ? dark_weight : 1.0) * residual * residual;
-    }
-  }
-  EXPECT_LT(first, end);
-  return sum / valid;
-}
-
-TEST(CodeMeanSquares, AreThoseOfTheFormulas) {
-  GeneratorNetwork network = codeNetwork(5, 1);
-  const torch::Tensor z = someCodes(4, 2);
-  const torch::NoGradGuard guard;
-  for (const double dark_weight : {1.0, 64.0}) {
-    for (const int batch : {-1, 0, 5}) {
-      const torch::Tensor got = codeMeanSquares(network, z, data(), samples(), batch, {.loss = {dark_weight, 1.0}});
-      ASSERT_EQ(got.sizes(), torch::IntArrayRef({4}));
-      for (int64_t row = 0; row < 4; ++row) {
-        const double wanted = expected(network, z, row, batch, dark_weight);
-        // sums of up to 8192 floats, each product of a few roundings
-        EXPECT_NEAR(got[row].item<double>(), wanted, 1e-4 * wanted)
-            << "row " << row << ", batch " << batch << ", dark " << dark_weight;
-      }
-    }
-  }
-}
-
 // The slope in the direction of the gradient: what autograd says, and what a central difference does.
 TEST(CodeMeanSquares, HaveTheGradientOfFiniteDifferences) {
   GeneratorNetwork network = codeNetwork(5, 3);
@@ -87,36 +44,6 @@ TEST(CodeMeanSquares, HaveTheGradientOfFiniteDifferences) {
     const double below = errorAt().item<double>();
     moved.add_(step * gradient);
     EXPECT_NEAR((above - below) / (2.0 * step), square, 0.01 * square);
-  }
-}
-
-// A leak changes no value. It moves what the sigmoid has shut, and pushes nothing that is far out further out.
-TEST(CodeMeanSquares, LeakOnlyIntoTheSlope) {
-  GeneratorNetwork network = codeNetwork(5, 5);
-  {
-    const torch::NoGradGuard guard;
-    network->dictionary().zero_();
-  }
-  const torch::Tensor z = torch::zeros({4, kCodeCount});
-  const auto slopeAt = [&](double logit, double leak, double* value) {
-    {
-      const torch::NoGradGuard guard;
-      network->dictionary().select(1, kCodeCount).fill_(logit);
-    }
-    network->zero_grad();
-    const torch::Tensor error = codeMeanSquares(network, z, data(), samples(), -1, {.leak = leak, .loss = kUnweighed}).sum();
-    error.backward();
-    *value = error.item<double>();
-    return network->dictionary().grad().select(1, kCodeCount).sum().item<double>();
-  };
-  double value = 0.0, leaked = 0.0;
-  for (const double logit : {-30.0, -2.0, 0.0, 2.0, 30.0}) {
-    const double slope = slopeAt(logit, 0.0, &value), with_leak = slopeAt(logit, 0.25, &leaked);
-    EXPECT_EQ(leaked, value) << logit;
-    if (std::fabs(logit) < 3.0) continue;
-    // shut everywhere: without a leak nothing moves. All dark, points that should be lit pull up; all lit, dark ones pull down
-    EXPECT_LT(std::fabs(slope), 1e-9) << logit;
-    EXPECT_GT(with_leak * (logit > 0 ? 1.0 : -1.0), 1e-3) << logit;
   }
 }
 

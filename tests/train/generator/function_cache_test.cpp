@@ -173,63 +173,10 @@ TEST_F(Cache, IsRefusedWhenDamaged) {
   expectDamageIsRefused(whole, complaint, whole.size() / 40);
 }
 
-// Reads a cache that is shortened after it was mapped.
-[[noreturn]] void readShortened(const std::string& whole) {
-  const std::string path = whole + ".shortened";
-  std::filesystem::copy_file(whole, path, std::filesystem::copy_options::overwrite_existing);
-  endWhenPagesVanish("nlg-test", path);
-  FunctionCache cache(path);
-  std::filesystem::resize_file(path, 4096);
-  for (int64_t block = 0; block < cache.blockCount(); ++block) cache.loadBlock(block);
-  std::_Exit(0);
-}
-
-TEST_F(Cache, EndsTheProcessWithTheCauseWhenItIsShortenedWhileItIsRead) {
-  EXPECT_EXIT(readShortened(path()), testing::ExitedWithCode(static_cast<int>(ExitCode::input_error)),
-              "nlg-test: error: .*functions.cache.shortened: mapped pages: expected .*, got one that was shortened");
-}
-
 TEST_F(Cache, IsRefusedWhenMissingOrForeign) {
   EXPECT_THROW(FunctionCache((folder_ / "missing").string()), InputError);
   EXPECT_THROW(FunctionCache(folder_.string()), InputError);
   EXPECT_NE(complaint(readFile(shards_[0])), "");
-}
-
-TEST_F(Cache, IsNotMadeOfShardsWithoutFunctions) {
-  const std::string empty = (folder_ / "empty.h5").string(), out = (folder_ / "empty.cache").string();
-  writeShard(empty, sampleShard("a", 0, 0));
-  EXPECT_THROW(writeFunctionCache(out, {empty}, basis(), "basis"), InputError);
-  EXPECT_FALSE(std::filesystem::exists(out));
-}
-
-// A vector of more than fits is asked for with the loader's lock held: what is thrown then comes out where a draw is required.
-TEST_F(Cache, LoaderHandsOverWhatIsThrownUnderItsLock) {
-  FunctionCache cache(path());
-  const SampleOrder order(cache.functionCount(), {}, {.batch = 4});
-  refuse_allocations_elsewhere = false;
-  WindowLoader loader(cache, order, 0);
-  loader.require(0);
-  is_test_thread = true;
-  refuse_allocations_elsewhere = true;
-  // the second epoch is ordered anew: every draw of it is far from what has been loaded
-  EXPECT_THROW(loader.require(cache.functionCount()), std::bad_alloc);
-  EXPECT_THROW(loader.require(cache.functionCount() + 1), std::bad_alloc) << "again, instead of waiting for ever";
-  refuse_allocations_elsewhere = false;
-}
-
-TEST_F(Cache, LoaderChecksWhatIsDrawn) {
-  FunctionCache cache(path());
-  const SampleOrder order(cache.functionCount(), {}, {.batch = 64, .seed = 1});
-  WindowLoader loader(cache, order, 0);
-  for (int64_t draw = 0; draw < 40; ++draw) loader.require(draw);
-
-  std::string bytes = readFile(path());
-  bytes[4096 + 1000] = static_cast<char>(bytes[4096 + 1000] ^ 1);
-  const std::string damaged = (folder_ / "damaged.cache").string();
-  std::ofstream(damaged, std::ios::binary) << bytes;
-  FunctionCache bad(damaged);
-  WindowLoader bad_loader(bad, order, 0);
-  EXPECT_THROW(bad_loader.require(0), InputError);
 }
 
 TEST(SampleOrder, TakesEveryFunctionOnceAnEpoch) {
@@ -298,23 +245,6 @@ TEST(SampleOrder, TakesItsShareFromTheHardFunctions) {
       EXPECT_TRUE(std::count(part.begin(), part.end(), samples[b].function)) << samples[b].function;
   }
   EXPECT_EQ(SampleOrder(20000, {}, {.batch = 20, .part_share = 0.25}).partCount(), 0);
-}
-
-TEST(SampleOrder, SaysWhichBlocksADrawReads) {
-  std::vector<uint32_t> part;
-  for (uint32_t i = 0; i < 30000; i += 5) part.push_back(i);
-  SampleOrder order(30000, part, {.batch = 300, .part_share = 0.4, .seed = 2}), asked = order;
-  for (int64_t draw = 0; draw < 250; ++draw) {
-    std::set<int64_t> blocks;
-    for (int o = 0; o < asked.orderCount(); ++o) {
-      for (int64_t window = asked.firstWindow(o, draw); window <= asked.lastWindow(o, draw); ++window) {
-        for (const int64_t block : asked.functionBlocks(o, window)) blocks.insert(block);
-      }
-    }
-    for (const Sample& sample : order.samples(draw)) {
-      ASSERT_TRUE(blocks.count(sample.function / kBlockFunctions)) << "draw " << draw << ", function " << sample.function;
-    }
-  }
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <torch/torch.h>
 
 #include "runtime_eval/fit/last_layer.h"
-#include "runtime_eval/fit/loss/loss_kernel.h"
 #include "tests/runtime_eval/fit/reference_loss.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/train/sample_set.h"
@@ -107,17 +106,6 @@ TEST(FunctionLoss, IsTheMeanSquaredErrorOfEachSample) {
   }
 }
 
-TEST(FunctionLoss, ReadsThetaThatIsNotContiguous) {
-  const torch::Tensor theta = randomThetaBatch(3);
-  const std::vector<Sample> samples(kSamples.begin(), kSamples.begin() + 3);
-  const torch::Tensor transposed = theta.t().contiguous().t();
-  ASSERT_FALSE(transposed.is_contiguous());
-  EXPECT_TRUE(torch::equal(measureTheta(transposed, {{}, data(), samples, kLoss}).gradient,
-                           measureTheta(theta, {{}, data(), samples, kLoss}).gradient));
-  EXPECT_TRUE(torch::equal(solveLastLayers(transposed, {{}, data(), samples, kLoss}),
-                           solveLastLayers(theta, {{}, data(), samples, kLoss})));
-}
-
 TEST(SolveLastLayers, SolvesEachOnItsOwnPoints) {
   for (const Representation& representation : kBothRepresentations) {
     const torch::Tensor theta = randomThetaBatch(kSamples.size());
@@ -135,11 +123,6 @@ TEST(SolveLastLayers, SolvesEachOnItsOwnPoints) {
     const torch::Tensor after = measureTheta(solved, {representation, data(), kSamples, kLoss}).mean_square;
     EXPECT_TRUE((after < before).all().item<bool>()) << before << '\n' << after;
   }
-}
-
-TEST(SolveLastLayers, LeavesAThetaWithoutAnyValidPoint) {
-  const torch::Tensor theta = randomThetaBatch(1);
-  EXPECT_TRUE(torch::equal(solveLastLayers(theta, {{}, data(), {{5, 0, 3}}, kLoss}), theta));
 }
 
 TEST(SolveLastLayers, IsAConstantToTheGradientInTheLastLayerAlone) {

@@ -43,16 +43,6 @@ TEST(GeneratorNetwork, YieldsTheta0BeforeTraining) {
   }
 }
 
-TEST(GeneratorNetwork, StartsFromItsSeedAlone) {
-  const auto parameters = [](uint64_t seed) {
-    torch::manual_seed(static_cast<uint64_t>(std::rand()));
-    return GeneratorNetwork(shapeOf(32, 3), Theta(ThetaLayout::count), seed)->parameters();
-  };
-  const auto a = parameters(1), b = parameters(1), c = parameters(2);
-  for (size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(torch::equal(a[i], b[i])) << "parameter " << i;
-  EXPECT_FALSE(torch::equal(a[0], c[0]));
-}
-
 TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
   const TrainingData data(sampleSet(40, 50), basis(), basis());
   for (const int width : {17, 25, 64}) {  // 25 coefficients: the first layer has a skip then
@@ -75,21 +65,6 @@ TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
       }
     }
   }
-}
-
-TEST(GeneratorNetwork, CopiesItsNumbersIntoTheData) {
-  GeneratorShape shape = shapeOf(32, 3);
-  shape.slope = 0.2;
-  shape.output_scale = 0.3;
-  GeneratorNetwork network(shape, randomTheta({}, 5), 9);
-  const GeneratorData data = network->toData({}, basis());
-  ASSERT_EQ(data.layers.size(), 3u);
-  EXPECT_EQ(data.layers[0].input_count, basis().coefficientCount());
-  EXPECT_EQ(data.layers[2].output_count, ThetaLayout::count);
-  EXPECT_EQ(data.slope, 0.2f);
-  EXPECT_EQ(data.output_scale, std::vector<float>(ThetaLayout::count, 0.3f));
-  shake(network);
-  EXPECT_NE(network->toData({}, basis()).layers[0].weight, data.layers[0].weight) << "a copy, not a view";
 }
 
 // As a file holds them: of another output scale, rounded where a dictionary is.

@@ -106,13 +106,6 @@ TEST(ThetaStages, AreOnesOfTheta0BeforeTraining) {
   }
 }
 
-TEST(ThetaStages, AreAsManyAsTheShapeSays) {
-  GeneratorShape shape = smallShape();
-  shape.exact_last_layer = false;
-  GeneratorNetwork network(shape, randomTheta(kTentMlp, 1), 7);
-  EXPECT_EQ(runStages(network, kTentMlp, training(), allPoints(kTentMlp, 2), kUnweighed).mean_squares.size(), 1u);
-}
-
 TEST(ThetaStages, NeverRiseWhenTheLastLayerIsSolved) {
   GeneratorNetwork network(smallShape(), randomTheta(kTentMlp, 1), 7);
   shake(network, 0.2);
@@ -163,19 +156,6 @@ TEST(ThetaStages, HaveTheGradientOfFiniteDifferences) {
   }
 }
 
-TEST(ThetaStages, LeaveTheGeneratedLastLayerAloneOnceItIsSolved) {
-  GeneratorNetwork network(smallShape(), randomTheta(kTentMlp, 1), 7);
-  shake(network, 0.05);
-  const ThetaStages stages = runStages(network, kTentMlp, training(), allPoints(kTentMlp, 8), kUnweighed);
-  for (size_t s = 1; s < stages.mean_squares.size(); ++s) {
-    network->zero_grad();
-    stages.mean_squares[s].sum().backward({}, /*retain_graph=*/true);
-    const torch::Tensor gradient = network->named_parameters()["layer2.weight"].grad();
-    EXPECT_EQ(gradient.slice(0, ThetaLayout::w3).abs().max().item<float>(), 0.0f) << "stage " << s;
-    EXPECT_GT(gradient.slice(0, 0, ThetaLayout::w3).abs().max().item<float>(), 0.0f) << "stage " << s;
-  }
-}
-
 TEST(ThetaStages, LearnFunctionsThatTrainingHasNotSeen) {
   for (const Representation& representation : kRepresentations) {
     GeneratorNetwork untrained(smallShape(), startTheta(representation), 1);
@@ -188,22 +168,6 @@ TEST(ThetaStages, LearnFunctionsThatTrainingHasNotSeen) {
       EXPECT_LT(after.final, 0.9 * after.network);
     }
   }
-}
-
-TEST(HeldOutError, IsTheMeanOverFunctionsOfTheBestStage) {
-  GeneratorNetwork& network = trained(kTentMlp);
-  torch::NoGradGuard guard;
-  const ThetaStages stages = runStages(network, kTentMlp, heldOut(), allPoints(kTentMlp, kHeldOutCount), kUnweighed);
-  double generated = 0.0, final = 0.0;
-  for (int n = 0; n < kHeldOutCount; ++n) {
-    double least = INFINITY;
-    for (const torch::Tensor& stage : stages.mean_squares) least = std::min(least, stage[n].item<double>());
-    generated += std::sqrt(stages.mean_squares[0][n].item<double>()) / kHeldOutCount;
-    final += std::sqrt(least) / kHeldOutCount;
-  }
-  const HeldOutError error = heldOutError(network, kTentMlp, heldOut(), kUnweighed, 2048);
-  EXPECT_NEAR(error.network, generated, 1e-6 * generated);
-  EXPECT_NEAR(error.final, final, 1e-6 * final);
 }
 
 TEST(ThetaStages, AreThoseOfBakeTime) {

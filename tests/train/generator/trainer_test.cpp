@@ -2,15 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <torch/torch.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <fstream>
 
 #include "tests/damage.h"
 #include "tests/input_error.h"
 #include "tests/runtime_eval/sample_generator.h"
-#include "tests/runtime_eval/weights_file/digest_edits.h"
 #include "tests/temporary_folder.h"
 #include "tests/train/sample_set.h"
 #include "tool/atomic_file.h"
@@ -100,41 +97,6 @@ TEST(Train, LowersTheLoss) {
   EXPECT_EQ(report.held_out.network, held_out.network);
   EXPECT_EQ(report.held_out.final, held_out.final);
   EXPECT_EQ(std::count(state.log_csv.begin(), state.log_csv.end(), '\n'), 3) << state.log_csv;
-}
-
-// The mean over a set and its mirror images, as nlg-pca computes it.
-BasisFile meanOf(const FunctionSet& set) {
-  std::vector<double> phi(kSupportPointCount, 0.0), valid(kSupportPointCount, 0.0);
-  for (uint64_t n = 0; n < set.functionCount(); ++n) {
-    for (int p = 0; p < kSupportPointCount; ++p) {
-      for (int m = 0; m < kMirrorCount; ++m) {
-        const uint64_t at = n * kSupportPointCount + static_cast<uint64_t>(p ^ (m * kOctantPointCount));
-        phi[p] += set.phi[at] / 255.0;
-        valid[p] += set.validity[at / 8] >> (at % 8) & 1;
-      }
-    }
-  }
-  BasisFile file;
-  for (int p = 0; p < kSupportPointCount; ++p) {
-    file.mean_function.push_back(static_cast<float>(valid[p] > 0 ? phi[p] / valid[p] : 0.0));
-    file.mean_validity.push_back(static_cast<float>(valid[p] / static_cast<double>(set.functionCount() * kMirrorCount)));
-  }
-  return file;
-}
-
-TEST(Train, BeatsTheBestThetaForAllFunctions) {
-  // a network that ignores its input could learn no more than one theta; the one fitted to the mean is (nearly) the best of those
-  TrainOptions options = run().options;
-  options.steps = 600;
-  options.start.candidates = 8;
-  options.start.candidate_steps = 200;
-  options.start.finalists = 2;
-  options.start.final_steps = 1000;
-  options.start.levenberg_iterations = 30;
-  TrainingState state = makeState(options, fitTheta0(kTentMlp, meanOf(sampleSet(24, 1)), options.start));
-  const double best_constant = heldOutError(state.network, kTentMlp, run().training, CheckOptions().loss(), 24).network;
-  train(options, kTentMlp, run().training, run().held_out, &state, [] {});
-  EXPECT_LT(heldOutError(state.network, kTentMlp, run().training, CheckOptions().loss(), 24).network, 0.9 * best_constant);
 }
 
 TEST(Train, RaisesOnNumbersThatAreNotFinite) {
@@ -238,15 +200,6 @@ TEST_F(Checkpoint, ResumesAKilledRunBitForBit) {
             heldOutError(resumed.average, kTentMlp, run().held_out, CheckOptions().loss(), 6).final);
 }
 
-TEST_F(Checkpoint, TellsItsIdentity) {
-  writeFresh();
-  const RunIdentity identity = CheckpointFile(path_).identity();
-  EXPECT_EQ(identity.representation, kIdentity.representation);
-  EXPECT_EQ(identity.options_json, kIdentity.options_json);
-  EXPECT_EQ(identity.basis_sha256, kIdentity.basis_sha256);
-  EXPECT_EQ(identity.training_set_sha256, kIdentity.training_set_sha256);
-}
-
 TEST_F(Checkpoint, OfAnotherRunIsRefused) {
   writeFresh();
   EXPECT_FALSE(refused());
@@ -258,48 +211,6 @@ TEST_F(Checkpoint, OfAnotherRunIsRefused) {
   }
 }
 
-TEST_F(Checkpoint, IsRefusedWhenItsTensorsAreNotThoseOfTheRun) {
-  TrainOptions narrow = run().options;
-  narrow.shape.width = 16;
-  writeCheckpoint(path_, kIdentity, makeState(narrow, run().theta0));
-  EXPECT_TRUE(refused()) << "layers of another width";
-  TrainingState state = makeState(run().options, run().theta0);
-  trainUntil(state, 20, "");
-  writeCheckpoint(path_, kIdentity, state);
-  EXPECT_FALSE(refused());
-  state.moments.square.at(1) = torch::zeros({1});
-  writeCheckpoint(path_, kIdentity, state);
-  EXPECT_TRUE(refused()) << "moments of another shape";
-
-  state = makeState(run().options, run().theta0);
-  state.step = 20;
-  state.moments = {};
-  writeCheckpoint(path_, kIdentity, state);
-  EXPECT_TRUE(refused()) << "a step without moments";
-  state.step = 0;
-  {
-    const torch::NoGradGuard no_gradient;
-    state.average->parameters().front().fill_(NAN);
-  }
-  writeCheckpoint(path_, kIdentity, state);
-  EXPECT_TRUE(refused()) << "numbers that are not finite";
-}
-
-TEST_F(Checkpoint, IsRefusedWhenItsCountsAreNoCounts) {
-  TrainingState state = makeState(run().options, run().theta0);
-  for (int64_t TrainingState::*count : {&TrainingState::step, &TrainingState::draw}) {
-    for (const int64_t value : {int64_t{-1}, int64_t{1} << 40}) {
-      state.*count = value;
-      writeCheckpoint(path_, kIdentity, state);
-      EXPECT_TRUE(refused()) << value;
-    }
-    state.*count = 0;
-  }
-  state.rollbacks = -1;
-  writeCheckpoint(path_, kIdentity, state);
-  EXPECT_TRUE(refused()) << "rollbacks";
-}
-
 TEST_F(Checkpoint, IsRefusedWhenDamaged) {
   writeFresh();
   const std::string whole = readFile(path_);
@@ -309,27 +220,6 @@ TEST_F(Checkpoint, IsRefusedWhenDamaged) {
     return refused() ? "refused" : "";
   };
   expectDamageIsRefused(whole, said, whole.size() / 23);
-}
-
-TEST_F(Checkpoint, IsDamagedWithoutADigest) {
-  writeFresh();
-  const std::string whole = readFile(path_);
-  std::ofstream(path_, std::ios::binary) << withoutDigest(whole);
-  EXPECT_TRUE(refused());
-  EXPECT_THROW(CheckpointFile{path_}, DamageError);
-}
-
-TEST_F(Checkpoint, IsRefusedWhenMissingOrForeign) {
-  EXPECT_TRUE(refused());
-  std::ofstream(path_) << "no checkpoint";
-  EXPECT_TRUE(refused());
-  std::string bytes;
-  ASSERT_TRUE(TensorFileWriter().serialize({{"kind", "something else"}}, &bytes).ok());
-  std::ofstream(path_, std::ios::binary) << bytes;
-  EXPECT_TRUE(refused());
-  std::filesystem::remove(path_);
-  std::filesystem::create_directory(path_);
-  EXPECT_TRUE(refused()) << "a folder";
 }
 
 TEST(LossGuard, PutsBackTheStateThatItKept) {
@@ -367,26 +257,6 @@ TEST(LossGuard, RefusesLossesFarAboveTheMedian) {
   EXPECT_FALSE(guard.accepts(state, 0.102, 1.0)) << "the median is .0101";
   EXPECT_FALSE(guard.accepts(state, NAN, 1.0));
   EXPECT_FALSE(guard.accepts(state, 0.01, INFINITY));
-}
-
-TEST(OneCycleRate, RisesThenFallsToATenThousandth) {
-  TrainOptions options;
-  options.steps = 1000;
-  options.learning_rate = 2.0;
-  options.warmup_share = 0.25;
-  EXPECT_DOUBLE_EQ(oneCycleRate(options, 0), 2.0 / 25);
-  EXPECT_DOUBLE_EQ(oneCycleRate(options, 250), 2.0);
-  EXPECT_NEAR(oneCycleRate(options, 1000), 2e-4, 1e-12);
-  for (int step = 1; step <= 1000; ++step) {
-    ASSERT_EQ(oneCycleRate(options, step) > oneCycleRate(options, step - 1), step <= 250) << "step " << step;
-  }
-  for (const double share : {0.0, 1.0}) {
-    options.warmup_share = share;
-    for (int step = 0; step <= 1000; ++step) {
-      ASSERT_TRUE(oneCycleRate(options, step) > 0 && oneCycleRate(options, step) <= 2.0)
-          << "warm-up " << share << ", step " << step;
-    }
-  }
 }
 
 TEST(FitTheta0, FitsTheMeanOfValidPoints) {

@@ -17,11 +17,6 @@ TEST(Front, HoldsThePointsThatNoOtherBeats) {
   EXPECT_EQ(frontMembers(points, kExact), (Members{true, true, false, true, true, false}));
 }
 
-TEST(Front, OfOnePointIsThatPointAndOfNoneNothing) {
-  EXPECT_EQ(frontMembers({{1, 1}}, kTenth), Members{true});
-  EXPECT_TRUE(frontMembers({}, kTenth).empty());
-}
-
 TEST(Front, TakesNoMemberForAGainWithinTheNoise) {
   // slower by half and better by 5 % only; faster by 5 % only and twice as wrong
   EXPECT_EQ(frontMembers({{10, 1.0}, {15, 0.95}}, kTenth), (Members{true, false}));
@@ -38,11 +33,6 @@ TEST(Front, SeesManySmallGainsAsTheLargeOneThatTheyAddUpTo) {
 TEST(Front, LetsTheFirstOfEqualPointsStandForAll) {
   // the second measured a little faster, the third a little better
   EXPECT_EQ(frontMembers({{10.0, 1.0}, {9.8, 1.0}, {10.2, 0.98}}, kTenth), (Members{true, false, false}));
-}
-
-TEST(Front, LeavesOutWhatMayNotBeAMember) {
-  const std::vector<FrontPoint> points = {{10, 1}, {5, 0.5, false}, {20, 0.7}};
-  EXPECT_EQ(frontMembers(points, kTenth), (Members{true, false, true})) << "nor does it beat others";
 }
 
 TEST(Front, HasAMemberAsGoodAndAsFastAsAnyPointUpToTheTolerances) {
@@ -65,24 +55,6 @@ TEST(Front, HasAMemberAsGoodAndAsFastAsAnyPointUpToTheTolerances) {
       }
     }
   }
-}
-
-TEST(FrontSentence, NamesTheFastestMemberAndTheMostAccurate) {
-  const std::vector<FrontPoint> points = {{200, 0.001}, {7.25, 0.0042}, {9, 9}, {43500, 0.0009}};
-  const std::vector<std::string> names = {"slow", "fast", "bad", "slowest"};
-  EXPECT_EQ(
-      frontSentence("hard functions", points, {true, true, false, true}, names),
-      "Of 4 ways from a function to its θ, 3 are beaten by none in both time and mean blend RMSE over hard functions: from fast "
-      "(7.25 µs, mean blend RMSE 0.0042) to slowest (43.5 ms, 0.0009).");
-  EXPECT_EQ(
-      frontSentence("all functions", points, {false, true, false, false}, names),
-      "Of 4 ways from a function to its θ, one is beaten by none in both time and mean blend RMSE over all functions: fast (7.25 "
-      "µs, mean blend RMSE 0.0042).");
-}
-
-TEST(FrontSentence, SaysThatNothingIsBetterThanTheTent) {
-  EXPECT_EQ(frontSentence("all functions", {{200, 0.001}}, {false}, {"slow"}),
-            "Over all functions nothing has a smaller mean blend RMSE than the bare tent, which takes no time.");
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "runtime_eval/evaluator/theta_form.h"
@@ -66,69 +64,6 @@ std::vector<PointMeasurement> measure(const std::vector<PlotRun>& runs, const In
 }
 
 std::vector<PointMeasurement> measureOnce(const std::vector<PlotRun>& runs) { return measure(runs, {0, 0.0}); }
-
-// A run that gives a network that is 1 and notes what it was asked for.
-struct Asked {
-  std::vector<std::vector<uint64_t>> blocks;
-  PlotRun run(const std::vector<double>& elapsed_us) {
-    PlotRun run;
-    for (const double us : elapsed_us) run.points.push_back({"tent_mlp", "stages", {}, std::to_string(us), {}});
-    run.run = [this, elapsed_us](const FunctionBlock& block) {
-      blocks.push_back(block.functions);
-      Theta theta(ThetaLayout::count, 0.0f);
-      theta[ThetaLayout::b3] = 1.0f;
-      FittedFunctions points;
-      for (const double us : elapsed_us) {
-        points.emplace_back(block.functions.size(), FittedFunction{Representation::tentMlp(), theta, us});
-      }
-      return points;
-    };
-    return run;
-  }
-};
-
-TEST(Interleaved, RunsEveryPointOnTheSameFunctions) {
-  Asked a, b;
-  const std::vector<PointMeasurement> measured = measureOnce({a.run({1, 10}), b.run({2})});
-  EXPECT_EQ(a.blocks, (std::vector<std::vector<uint64_t>>{{0, 1, 2, 3}, {4, 5}}));
-  EXPECT_EQ(a.blocks, b.blocks);
-  ASSERT_EQ(measured.size(), 3u) << "a run may give two points";
-  EXPECT_EQ(measured[0].times[1].elapsed_us, (std::vector<double>{1, 1}));
-  EXPECT_EQ(measured[1].times[1].elapsed_us, (std::vector<double>{10, 10}));
-  for (const PointMeasurement& point : measured) {
-    ASSERT_EQ(point.rmse.size(), size_t{kFunctionCount});
-    ASSERT_EQ(point.blend_rmse.size(), size_t{kFunctionCount});
-    for (int i = 1; i < kFunctionCount; ++i) {
-      EXPECT_LT(point.rmse[i], point.rmse[i - 1]) << "walls stand further off";
-      EXPECT_LT(point.blend_rmse[i], point.blend_rmse[i - 1]);
-    }
-    EXPECT_GT(point.blend_rmse[0], point.rmse[0]) << "a bare tent leaks through a wall";
-    EXPECT_EQ(point.fails_check, std::vector<bool>(kFunctionCount, true));
-  }
-}
-
-TEST(Interleaved, RepeatsShortRunsAndMakesLongOnesOnce) {
-  Asked a;
-  // it takes next to nothing: a warming run before every one that counts; the first pass only measures errors
-  const auto repeated = measure({a.run({3})}, {4, 1e6});
-  EXPECT_EQ(a.blocks.size(), 2u * (1 + 2 * 4));
-  EXPECT_EQ(repeated.front().times.size(), 2u * 4);
-  Asked b;
-  const auto once = measure({b.run({3})}, {4, 0.0});
-  EXPECT_EQ(b.blocks.size(), 2u);
-  EXPECT_EQ(once.front().times.size(), 2u);
-  EXPECT_EQ(once.front().rmse, repeated.front().rmse);
-}
-
-TEST(Interleaved, RefusesAnErrorThatIsNotFinite) {
-  Asked a;
-  PlotRun run = a.run({1});
-  run.run = [](const FunctionBlock& block) {
-    const FittedFunction broken{Representation::tentMlp(), Theta(ThetaLayout::count, NAN), 1.0};
-    return FittedFunctions{std::vector<FittedFunction>(block.functions.size(), broken)};
-  };
-  EXPECT_THROW(measureOnce({run}), NumericalError);
-}
 
 // Of a population.
 template <class Figures>
@@ -254,43 +189,6 @@ std::vector<FittedFunction> runPoint(const std::vector<PlotRun>& runs, const Fun
   throw std::runtime_error("no point of family " + family + ' ' + label);
 }
 
-TEST(GeneratorPoints, HaveOneAfterEveryStageOfThePolicyAsThePolicyLeavesIt) {
-  for (const Representation& representation : {Representation::tentMlp(), Representation::productField(3)}) {
-    const std::string name = representationName(representation);
-    const auto generator = sampleShared(representation);
-    const std::vector<PlotRun> runs = stagePoints(generator, {});
-    const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
-    std::map<ThetaWord, Theta> named;
-    std::vector<std::string> stages;
-    for (const PlotRun& run : runs) {
-      if (run.points.front().family != "stages") continue;
-      stages.push_back(run.points.front().label);
-      const std::vector<FittedFunction> functions = run.run(block).front();
-      for (const ThetaWord word : run.points.front().words) {
-        EXPECT_TRUE(named.emplace(word, functions.back().theta).second) << name << ": two points are " << wordName(word);
-      }
-      // functions share out the time of the whole block
-      for (const FittedFunction& function : functions) EXPECT_GE(function.elapsed_us, 0.0);
-    }
-    std::vector<std::string> expected;
-    for (const StagePlan& plan : stagesOf(stageFacts(*generator), {})) expected.push_back(stageTitle(plan.stage));
-    expected.push_back("rounding to int8");
-    EXPECT_EQ(stages, expected) << name;
-    ASSERT_EQ(named.size(), size_t{kThetaWordCount}) << name;
-    PolicyOptions options;
-    options.theta_precision = ThetaPrecision::int8;
-    ThetaPolicy policy({generator.get()}, options);
-    std::vector<MadeTheta> made(block.functions.size());
-    ThetaTrace trace;
-    policy.bake(block.stored.data(), block.count(), made.data(), &trace);
-    const auto last = [&](const std::vector<float>& all) { return Theta(all.end() - representation.thetaCount(), all.end()); };
-    EXPECT_EQ(named[ThetaWord::network], last(trace.network)) << name;
-    EXPECT_EQ(named[ThetaWord::corrected], last(trace.corrected)) << name;
-    EXPECT_EQ(named[ThetaWord::fitted], last(trace.fitted)) << name;
-    EXPECT_EQ(named[ThetaWord::stored], made.back().theta) << name;
-  }
-}
-
 std::vector<PlotPoint> pointsOf(const std::vector<PlotRun>& runs) {
   std::vector<PlotPoint> points;
   for (const PlotRun& run : runs) points.insert(points.end(), run.points.begin(), run.points.end());
@@ -329,99 +227,6 @@ TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
   const FunctionBlock block = makeBlocks(sampleSet(), {0, 1}).front();
   const auto random = [&] { return thetaOf(runPoint(direct, block, "adam_from_random", 64)); };
   EXPECT_EQ(random(), random()) << "the same start every time";
-}
-
-TEST(FitPoints, OfAGateFitOnOnlyWhatIsNotGoodYet) {
-  const auto generator = sampleShared(Representation::productField(3));
-  const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
-  PolicyOptions lenient;
-  lenient.tau_rmse = 1e3, lenient.tau_blend = 1e3;
-  const auto gated = [&](double good_rmse, int budget) {
-    PolicyOptions options = lenient;
-    options.good_rmse = good_rmse;
-    return runPoint(directFits(generator, options, {{}, {}, {2, 8, 32}, {}}, 1), block, "lm_from_theta0_gated", budget);
-  };
-  const Theta theta0(generator->theta0(), generator->theta0() + generator->representation().thetaCount());
-  for (const FittedFunction& function : gated(1e3, 32)) {
-    EXPECT_EQ(function.theta, theta0) << "everything is good: nothing is fitted";
-    EXPECT_FALSE(function.took_fit);
-  }
-  // what the first round left so good is not touched again, all others are
-  const std::vector<FittedFunction> first = gated(0.0, 2), last = gated(0.0, 32);
-  std::vector<double> errors;
-  for (size_t i = 0; i < first.size(); ++i) {
-    EXPECT_TRUE(first[i].took_fit);
-    const PointOrder& order = pointOrder(first[i].representation);
-    // what the fits minimise, and what the gate goes by
-    const WeightingFunction function = decodeFunction(block.stored[i], order, lenient.check().loss());
-    errors.push_back(functionRmse(first[i].representation, function, first[i].theta.data()));
-    EXPECT_LE(functionRmse(last[i].representation, function, last[i].theta.data()), errors.back());
-  }
-  std::vector<double> sorted = errors;
-  std::sort(sorted.begin(), sorted.end());
-  const double middle = 0.5 * (sorted[2] + sorted[3]);
-  const std::vector<FittedFunction> some = gated(middle, 32);
-  for (size_t i = 0; i < some.size(); ++i) {
-    EXPECT_EQ(some[i].theta == first[i].theta, errors[i] <= middle) << "function " << i;
-  }
-}
-
-// Of a code Levenberg–Marquardt runs from random starts too: what a start is worth is to be seen.
-TEST(FitPoints, OfACodeStartFromItsMeanAndAtRandom) {
-  const auto generator = sampleShared(Representation::code(sampleDictionary(5, 16, 1)));
-  const std::vector<PlotRun> direct = directFits(generator, {}, {{}, {}, {1, 16}, {320}}, 1);
-  std::map<std::string, std::vector<int>> budgets;
-  for (const PlotPoint& point : pointsOf(direct)) {
-    if (point.family.find("_gated") == std::string::npos) budgets[point.family].push_back(*point.budget);
-  }
-  const std::map<std::string, std::vector<int>> expected = {
-      {"lm_from_theta0", {1, 16}}, {"lm_from_random", {1, 16}}, {"adam_from_theta0", {10}}, {"adam_from_random", {10}}};
-  EXPECT_EQ(budgets, expected);
-  const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2}).front();
-  for (const char* family : {"lm_from_theta0", "lm_from_random"}) {
-    const std::vector<FittedFunction> first = runPoint(direct, block, family, 1), last = runPoint(direct, block, family, 16);
-    for (size_t i = 0; i < first.size(); ++i) {
-      const Representation& code = first[i].representation;
-      const WeightingFunction function = decodeFunction(block.stored[i], pointOrder(code), CheckOptions().loss());
-      EXPECT_LE(functionRmse(code, function, last[i].theta.data()), functionRmse(code, function, first[i].theta.data()))
-          << family << ", " << i;
-    }
-  }
-}
-
-TEST(ChoicePoint, IsThePolicyOverSeveralGenerators) {
-  SharedGenerators generators;
-  std::vector<const Generator*> pointers;
-  for (const int r : {3, 5}) {
-    generators.push_back(sampleShared(Representation::productField(r)));
-    pointers.push_back(generators.back().get());
-  }
-  const FunctionBlock block = makeBlocks(sampleSet(), {0, 1, 2, 3, 4, 5}).front();
-  PolicyOptions options;
-  options.choice_flat_ratio = 1.0, options.choice_enough_rmse = 0.0;
-  options.theta_precision = ThetaPrecision::float32;  // the plot is of fits
-  const PlotRun run = choicePoint(generators, options);
-  EXPECT_EQ(run.points.front().representation, "pf3+pf5");
-  const std::vector<FittedFunction> chosen = run.run(block).front();
-  std::vector<MadeTheta> made(block.functions.size());
-  ThetaPolicy(pointers, options).bake(block.stored.data(), block.count(), made.data());
-  for (size_t i = 0; i < made.size(); ++i) {
-    EXPECT_EQ(chosen[i].theta, made[i].theta) << "function " << i;
-    EXPECT_EQ(chosen[i].representation.resolution, generators[made[i].generator]->representation().resolution);
-  }
-}
-
-TEST(PointFigures, HaveNoneOfHardFunctionsWithoutAny) {
-  ChosenFunctions functions = sampleFunctions();
-  functions.hard.assign(6, false);
-  PointMeasurement measured;
-  measured.rmse.assign(6, 1.0);
-  measured.blend_rmse.assign(6, 1.0);
-  measured.fails_check.assign(6, false);
-  measured.took_fit.assign(6, false);
-  measured.times = {{0, {1, 2, 3, 4}}};
-  EXPECT_FALSE(figuresOf(measured, sampleSet(), functions, sampleBlocks(), {}).figures[2]);
-  EXPECT_FALSE(figuresOfTent(sampleSet(), functions, sampleTents()).figures[2]);
 }
 
 }  // namespace

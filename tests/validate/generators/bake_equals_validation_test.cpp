@@ -48,6 +48,7 @@ class BakeEqualsValidation : public testing::Test {
     options.policy.refine_first_steps = 30;
     options.policy.adam_steps = 40;
     options.policy.theta_precision = precision;
+    options.light = "none";
     options.threads = 2;
     return options;
   }

@@ -105,12 +105,5 @@ TEST(SceneBootstrap, ItsQuantilesAreThoseOfAListWrittenOut) {
   EXPECT_DOUBLE_EQ(bootstrap.mean(sample.values).low, mean(drawn));
 }
 
-TEST(SceneBootstrap, GivesZerosForAnEmptyList) {
-  const SceneBootstrap bootstrap(std::vector<uint32_t>{});
-  EXPECT_TRUE(bootstrap.isOneScene());
-  EXPECT_EQ(bootstrap.mean({}).high, 0.0);
-  EXPECT_EQ(bootstrap.quantiles({}, {0.5}).front().low, 0.0);
-}
-
 }  // namespace
 }  // namespace nlg

@@ -125,43 +125,5 @@ TEST(ErrorMeter, CountsNoLeakWhereTheProbeSees) {
   EXPECT_TRUE(meter.leakMagnitudes().empty());
 }
 
-TEST(ErrorMeter, GivesZerosForAFunctionWithoutAnyValidPoint) {
-  FunctionSet set;
-  append(
-      set, [](int) { return 0; }, [](int) { return false; }, [](int) { return false; }, 0);
-  ErrorMeter meter(set, kUnweighed);
-  const FunctionError error = meter.measure({}, constantTheta(1.0f).data(), 0);
-  EXPECT_EQ(error.rmse + error.rmse_occluded + error.leak_mean + error.leak_p99, 0.0);
-}
-
-TEST(ErrorMeter, FindsTheTentNearlyRight) {
-  // stored as bytes: the tent is off by at most half a step, 1/510, at every point; uniform errors of a step: 1/255/sqrt(12)
-  FunctionSet set;
-  const auto stored = [](int p) { return static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p]))); };
-  append(set, stored, kAlways, kNever, 0);
-  ErrorMeter meter(set, kUnweighed);
-  const FunctionError error = meter.measureTent(0);
-  EXPECT_LE(error.rmse, 1.0 / 510);
-  EXPECT_LE(error.leak_p99, 1.0 / 510) << "zero is stored where the tent is below half a step";
-  // and the same through a network that says 1, times the tent
-  const FunctionError network = meter.measure(Representation::tentMlp(0.01f), constantTheta(1.0f).data(), 0);
-  EXPECT_EQ(network.rmse, error.rmse);
-  EXPECT_EQ(network.leak_mean, error.leak_mean);
-}
-
-TEST(ErrorMeter, ReadsTheFunctionThatItIsAskedFor) {
-  FunctionSet set;
-  for (const int value : {0, 51, 255})
-    append(
-        set, [=](int) { return static_cast<uint8_t>(value); }, kAlways, kAlways, static_cast<uint8_t>(value));
-  ErrorMeter meter(set, kUnweighed);
-  const double expected[] = {0.2, 0.0, 0.8};
-  for (uint64_t n = 0; n < 3; ++n) {
-    const FunctionError error = meter.measure({}, constantTheta(0.2f).data(), n);
-    EXPECT_NEAR(error.rmse, expected[n], 1e-8) << "function " << n;
-    EXPECT_NEAR(error.rmse_test_points, expected[n], 1e-8) << "function " << n;
-  }
-}
-
 }  // namespace
 }  // namespace nlg

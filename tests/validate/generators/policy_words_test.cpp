@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "runtime_eval/evaluator/theta_form.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "validate/generators/best_known.h"
@@ -145,21 +143,6 @@ TEST_F(PolicyWordsTest, NothingIsBelowTheBestKnown) {
         ratiosJson(words.at(ThetaWord::stored), fits.at(LongFit::best_known), context_, [](uint64_t) { return false; });
     EXPECT_EQ(none["median"]["value"], 0.0);
   }
-}
-
-TEST_F(PolicyWordsTest, MoreStartsNeverMakeDirectFitsWorse) {
-  const PolicyWords words = measurePolicy(generator_, set_, populations_, options_);
-  const LongFits fits = measureLongFits(generator_, set_, populations_, words.least_wrong, options_);
-  const Convergence convergence = measureConvergence(generator_, set_, populations_, fits, options_);
-  EXPECT_EQ(convergence.functions, 2u);
-  ASSERT_EQ(convergence.by_restarts.size(), 3u);
-  for (size_t r = 1; r < convergence.by_restarts.size(); ++r) {
-    EXPECT_LE(convergence.by_restarts[r].blend_rmse_mean, convergence.by_restarts[r - 1].blend_rmse_mean);
-  }
-  ASSERT_EQ(convergence.by_steps.size(), 4u);
-  EXPECT_EQ(convergence.by_steps[2].adam_steps, options_.direct.adam_steps);
-  EXPECT_EQ(convergence.by_steps[2].blend_rmse_mean, convergence.by_restarts[1].blend_rmse_mean)
-      << "direct itself, on both curves";
 }
 
 }  // namespace

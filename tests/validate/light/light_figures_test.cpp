@@ -91,30 +91,6 @@ TEST(LightFigures, KnowOfNothingBetterThanHarmonicsAtThePlace) {
   for (const auto& [name, f] : measureAll(lit)) EXPECT_GT(f.air.rmse, floor) << name;
 }
 
-TEST(LightFigures, SayWhatTheirFormulasSay) {
-  LightPlaces places;
-  LightTruth truth;
-  // two places in air, one of them dark
-  places.places.resize(2);
-  truth.at = {{glm::vec3(10.0f), {}}, {glm::vec3(0.1f), {}}};
-  truth.around = {30.0, 5.0};  // the second is a fiftieth of what is around it
-  truth.mean = 5.05;
-  truth.rms = std::sqrt((100.0 + 0.01) / 2);
-  const std::vector<LightAnswer> answers = {{glm::vec3(9.0f), Reach::lit}, {glm::vec3(0.6f), Reach::fallback}};
-  const LightFigures f = lightFigures(places, truth, answers);
-  EXPECT_NEAR(f.air.rmse, std::sqrt((1.0 + 0.25) / 2) / truth.rms, 1e-6);
-  EXPECT_NEAR(f.air.smape, (1.0 / 19.0 + 0.5 / 0.7) / 2, 1e-6);
-  EXPECT_EQ(f.air.fallback, 0.5);
-  EXPECT_EQ(f.dark.places, 1u);
-  EXPECT_NEAR(f.dark.truth, 0.1 / 5.05, 1e-6);
-  EXPECT_NEAR(f.dark.excess, 0.5 / 5.05, 1e-6);
-  EXPECT_EQ(f.beside_light.places, 1u);
-  EXPECT_NEAR(f.beside_light.truth, 0.1 / 5.0, 1e-6);
-  EXPECT_NEAR(f.beside_light.excess, 0.5 / 5.0, 1e-6);
-  EXPECT_EQ(f.worst.front().place, 0u);
-  EXPECT_NEAR(f.worst.front().error, 1.0 / truth.rms, 1e-6);
-}
-
 // Two rooms with eight places each, which are off by a tenth and by the whole of what light there is, and one with too few to count.
 TEST(LightFigures, CountRoomsAlikeByTheLightThatStandsInThem) {
   LightPlaces places;

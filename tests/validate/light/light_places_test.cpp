@@ -113,39 +113,5 @@ TEST(LightPlaces, OfEdgesAreUnderARoofAndNotInTheSun) {
   }
 }
 
-// The mean of radiance. A door's gap is a thousandth of all directions, so that rays are many.
-double lightAt(const LightTransport& transport, const glm::dvec3& position_m) {
-  return transport.gather(position_m, {32768, 64}, 1).light[0].g;
-}
-
-// What a wall parts: a place beside daylight or a lamp, one behind, and how much of the first one's light the second may have.
-TEST(DaylightScenes, HaveLightWhereTheirPlansSayAndLittleOrNoneBehind) {
-  const struct {
-    uint64_t seed;
-    glm::dvec3 bright, dim;
-    double least, most;  // of the dim one's light over the bright one's
-  } kParted[] = {{0, {2.5, 1.5, 6.0}, {2.5, 1.5, 1.0}, 1e-4, 0.1},  {4, {2.0, 1.5, 2.0}, {1.0, 1.5, -2.0}, 1e-6, 0.1},
-                 {6, {2.5, 1.5, 2.0}, {2.5, -1.5, 2.0}, 0.0, 0.0},  {8, {2.0, 1.5, 2.0}, {5.5, 1.5, 2.0}, 0.0, 0.0},
-                 {14, {4.0, 1.5, 7.7}, {2.0, 1.5, 3.0}, 1e-6, 0.1}, {18, {0.8, 1.5, 5.0}, {7.0, 1.5, 0.8}, 1e-6, 0.1}};
-  for (const auto& parted : kParted) {
-    const Scene scene = makeBuiltInScene("daylight", parted.seed);
-    const RayScene rays(scene);
-    const LightTransport transport(scene, rays);
-    const double bright = lightAt(transport, parted.bright), dim = lightAt(transport, parted.dim);
-    EXPECT_GT(bright, 0.0) << parted.seed;
-    EXPECT_GE(dim, parted.least * bright) << parted.seed;
-    EXPECT_LE(dim, parted.most * bright) << parted.seed;
-  }
-}
-
-TEST_F(LightPlacesTest, AreTheSameForTheSameSeed) {
-  const LightPlaces one = lit_->places(), other = lit_->places();
-  ASSERT_EQ(one.places.size(), other.places.size());
-  for (size_t i = 0; i < one.places.size(); ++i) {
-    EXPECT_EQ(one.places[i].position_m, other.places[i].position_m);
-    EXPECT_EQ(one.places[i].normal, other.places[i].normal);
-  }
-}
-
 }  // namespace
 }  // namespace nlg

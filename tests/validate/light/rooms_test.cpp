@@ -83,19 +83,5 @@ TEST(Rooms, HoldEveryPlaceOnceButForAFewThatSeeNone) {
   for (size_t i = 0; i < places.size(); ++i) EXPECT_EQ(by_place[i] < rooms.size(), count[i] == 1);
 }
 
-TEST(Rooms, AreTheSameOnAnyNumberOfThreads) {
-  const Scene scene = makeBuiltInScene("daylight", 2);
-  const RayScene rays(scene);
-  const std::vector<glm::dvec3> places = placesInAir(scene, rays, 800);
-  RoomOptions many;
-  many.threads = 5;
-  const std::vector<SeenRoom> a = findRooms(rays, places, {}), b = findRooms(rays, places, many);
-  ASSERT_EQ(a.size(), b.size());
-  for (size_t r = 0; r < a.size(); ++r) {
-    EXPECT_EQ(a[r].middle_m, b[r].middle_m);
-    EXPECT_EQ(a[r].places, b[r].places);
-  }
-}
-
 }  // namespace
 }  // namespace nlg

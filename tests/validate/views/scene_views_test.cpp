@@ -125,23 +125,6 @@ TEST(SceneViews, StandInNoHollowOfAWall) {
   EXPECT_EQ(found.rooms_without_floor, 1u);
 }
 
-// On the roof one stands above all that the scene has: nobody lights that.
-TEST(SceneViews, StayInTheExtent) {
-  SceneOfFaces faces;
-  faces.addBox({-8, -1, -8}, {8, 0, 8});
-  faces.addRoom({-2, 0, -2}, {2, 3, 2}, 0.2f);
-  const Seen seen(faces.finish());
-  const ExtentBox extent = lightExtent(seen.scene, {});
-  SceneViewOptions options;
-  options.views_per_room = 3;
-  const SceneViews found = seen.views(options);
-  EXPECT_GT(found.views.size(), 3u);
-  for (const SceneView& view : found.views) {
-    EXPECT_LE(view.camera.eye_m.y, extent.high_m.y);
-    for (const Ball& ball : view.figure) EXPECT_LE(ball.centre_m.y, extent.high_m.y);
-  }
-}
-
 // A table of 1 x 1 m is no floor: a stride around any place on it goes beyond its edge.
 TEST(SceneViews, StandOnFloorsAndNotOnTables) {
   SceneOfFaces faces;
@@ -151,36 +134,6 @@ TEST(SceneViews, StandOnFloorsAndNotOnTables) {
   SceneViewOptions options;
   options.views_per_room = 6;
   for (const SceneView& view : seen.views(options).views) EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
-}
-
-TEST(SceneViews, AreTheSameForAnyThreadsAndFewerWhereFewerAreAskedFor) {
-  const Seen seen(brightAndDarkRoom());
-  SceneViewOptions options;
-  options.views_per_room = 3;
-  const SceneViews a = seen.views(options);
-  options.thread_count = 3;
-  const SceneViews b = seen.views(options);
-  ASSERT_EQ(a.views.size(), b.views.size());
-  for (size_t v = 0; v < a.views.size(); ++v) {
-    EXPECT_EQ(a.views[v].camera.eye_m, b.views[v].camera.eye_m);
-    EXPECT_EQ(a.views[v].camera.forward, b.views[v].camera.forward);
-  }
-  options.seed = 2;
-  EXPECT_NE(seen.views(options).views.front().camera.eye_m, a.views.front().camera.eye_m);
-  options.most_views = 1;
-  const SceneViews one = seen.views(options);
-  EXPECT_EQ(one.views.size(), 1u);
-  EXPECT_EQ(one.rooms_left_out, one.rooms - 1);
-}
-
-TEST(ViewSurfaces, AreTheSameForAnyThreads) {
-  const Seen seen(brightAndDarkRoom());
-  const SceneView view = seen.views().views.front();
-  const ViewSurfaces one = surfacesOf(seen.transport, view, 48, 27, 1), three = surfacesOf(seen.transport, view, 48, 27, 3);
-  EXPECT_EQ(one.classes, three.classes);
-  ASSERT_EQ(one.sights.samples.size(), three.sights.samples.size());
-  for (size_t i = 0; i < one.sights.samples.size(); ++i)
-    EXPECT_EQ(one.sights.samples[i].receiver.position_m, three.sights.samples[i].receiver.position_m);
 }
 
 // In an empty box edges are known: where a wall, floor or ceiling that the receiver does not lie on is within 10 cm.

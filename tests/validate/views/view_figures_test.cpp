@@ -2,11 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "tests/temporary_folder.h"
 #include "tests/validate/light/lit_scenes.h"
-#include "tool/atomic_file.h"
 #include "validate/views/view_truth.h"
 
 namespace nlg {
@@ -213,35 +210,6 @@ TEST_F(ViewTruthFile, IsMadeAnewWhereAnythingThatDecidesItIsOther) {
   EXPECT_TRUE(isOther([&] { options_.noise = 0.2; }));
   EXPECT_TRUE(isOther([&] { options_.seed = 2; }));
   EXPECT_TRUE(isOther([&] { sights_.samples[3].receiver.position_m.x += 1e-9; }));
-}
-
-double meanDeviation(const TracedView& view) {
-  double sum = 0.0;
-  for (const ReceivedLight& at : view.at) sum += luminanceOf(at.deviation);
-  return sum / static_cast<double>(view.at.size());
-}
-
-// A room with a lamp: bounces of eight paths are far off.
-TEST(ViewTruth, TakesMoreRoundsWhereItIsNoisy) {
-  SceneOfFaces faces;
-  faces.addRoom({-2, 0, -2}, {2, 3, 2}, 0.2f);
-  Scene scene = faces.finish();
-  scene.light.lamps.push_back({});
-  scene.light.lamps.back().position = {1, 2, 1};
-  scene.light.lamps.back().intensity = glm::vec3(3.0f);
-  const RayScene rays(scene);
-  const LightTransport transport(scene, rays);
-  const Sights sights = surfacesOf(transport, {0, cameraAlong({-1, 1.5, -1}, {1, 0, 1}, 1.2), {}}, 16, 9, 1).sights;
-  ViewTruthOptions options;
-  options.gather.rays = 8;
-  options.noise = 1e3;
-  const TracedView one = viewTruth(transport, sights, options, "");
-  EXPECT_EQ(one.rounds, 1);
-  options.noise = 1e-9;
-  const TracedView most = viewTruth(transport, sights, options, "");
-  EXPECT_EQ(most.rounds, kMostTruthRounds);
-  // 1 / sqrt(8) is expected, of estimates by eight sets each that 144 pixels average
-  EXPECT_LT(meanDeviation(most), 0.5 * meanDeviation(one));
 }
 
 // Half of the floor is lit by a thousandth of the other's light: whatever is wrong with it there, nobody sees it.

@@ -37,44 +37,6 @@ TEST(DenseTraining, GradientIsThatOfFiniteDifferences) {
   }
 }
 
-TEST(Learner, KeepsTheParametersOfTheBestCheck) {
-  // a loss that training makes smaller, and held-out places that like the beginning best
-  struct Rising : Learner {
-    std::vector<torch::Tensor> numbers = {torch::ones({4}).requires_grad_()};
-    std::vector<torch::Tensor>& parameters() override { return numbers; }
-    torch::Tensor loss(Random*) override { return numbers[0].square().sum(); }
-    double heldOutLoss() override { return 10.0 - numbers[0].sum().item<double>(); }
-  } learner;
-  TrainingOptions options;
-  options.steps = 1000;
-  options.check_steps = 10;
-  options.patience = 3;
-  const TrainingRecord record = train(&learner, options);
-  EXPECT_EQ(record.best_step, 0);
-  EXPECT_EQ(record.steps, 30);  // three checks without a better one
-  EXPECT_EQ(record.held_out_loss, 6.0);
-  for (int i = 0; i < 4; ++i) EXPECT_EQ(learner.numbers[0][i].item<float>(), 1.0f);
-}
-
-TEST(Learner, RefusesALossThatIsNotFinite) {
-  struct Broken : Learner {
-    std::vector<torch::Tensor> numbers = {torch::ones({1}).requires_grad_()};
-    std::vector<torch::Tensor>& parameters() override { return numbers; }
-    torch::Tensor loss(Random*) override { return numbers[0].sum(); }
-    double heldOutLoss() override { return std::nan(""); }
-  } learner;
-  EXPECT_THROW(train(&learner, {}), NumericalError);
-}
-
-TEST(RelativeSquares, DoNotPullThePredictionByTheirDivisor) {
-  const torch::Tensor prediction = torch::full({1, 1}, 0.5f).requires_grad_();
-  const torch::Tensor loss = relativeSquares(prediction, torch::full({1, 1}, 0.7f));
-  loss.backward();
-  const double divisor = 0.25 + kLossFloor * kLossFloor;
-  EXPECT_NEAR(loss.item<double>(), 0.04 / divisor, 1e-6);
-  EXPECT_NEAR(prediction.grad().item<double>(), -0.4 / divisor, 1e-5);
-}
-
 TrainingOptions shortTraining(int steps, float rate) {
   TrainingOptions options;
   options.steps = steps;
@@ -104,20 +66,6 @@ TEST(VoxelNetworks, GiveEachVoxelItsOwnLight) {
   }
 }
 
-TEST(VoxelNetworks, AnswerFromTheNearestWhereAVoxelHasNone) {
-  LitPlaces lit = placesWithLight(2000, [](const glm::dvec3&) { return ambient(glm::vec3(1.0f)); });
-  // one place far away has a voxel, and too few places for a network
-  lit.position_m.emplace_back(40.0, 0.0, 5.0);
-  lit.light.push_back(ambient(glm::vec3(9.0f)));
-  VoxelNetworksOptions options;
-  options.width = 8;
-  options.training = shortTraining(1000, 3e-3f);
-  const LearnedLight learned = trainVoxelNetworks(lit, splitPlaces(2001, 1), options);
-  const LightAnswer answer = learned.irradiance_at({40.0, 0.0, 5.0}, {0.0f, 1.0f, 0.0f});
-  EXPECT_EQ(answer.reach, Reach::fallback);
-  EXPECT_NEAR(answer.irradiance.g, 3.14159265f, 0.3f);
-}
-
 TEST(Siren, LearnsLightThatChangesOverTheScene) {
   const auto light = [](const glm::dvec3& p) {
     return ambient(glm::vec3(static_cast<float>(1.0 + 0.5 * std::sin(1.5 * p.x) * std::cos(p.z))));
@@ -137,27 +85,6 @@ TEST(Siren, LearnsLightThatChangesOverTheScene) {
   }
   // the mean alone is .25 off
   EXPECT_LT(std::sqrt(squares), 0.05);
-}
-
-TEST(LearnedMethods, AreTheSameOnAnyNumberOfThreads) {
-  const auto light = [](const glm::dvec3& p) { return ambient(glm::vec3(static_cast<float>(1.0 + 0.5 * std::sin(p.x)))); };
-  const LitPlaces lit = placesWithLight(300, light);
-  const std::vector<LearnedMethod> one = learnedMethods(lit, {5, 1, 3}), three = learnedMethods(lit, {5, 3, 3});
-  ASSERT_EQ(one.size(), three.size());
-  for (size_t m = 0; m < one.size(); ++m) {
-    EXPECT_EQ(one[m].method.weights, three[m].method.weights);
-    EXPECT_GT(one[m].method.bytes.total(), 0u);
-    for (int i = 0; i < 20; ++i) {
-      EXPECT_EQ(one[m].method.irradiance_at(lit.position_m[i], {0.0f, 0.0f, 1.0f}).irradiance,
-                three[m].method.irradiance_at(lit.position_m[i], {0.0f, 0.0f, 1.0f}).irradiance)
-          << one[m].method.weights;
-    }
-  }
-}
-
-TEST(LearnedMethods, RefuseTooFewPlaces) {
-  const LitPlaces lit = placesWithLight(30, [](const glm::dvec3&) { return ambient(glm::vec3(1.0f)); });
-  EXPECT_THROW(learnedMethods(lit, {}), InputError);
 }
 
 }  // namespace

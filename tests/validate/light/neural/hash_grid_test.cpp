@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 #include <torch/utils.h>
 
-#include <numeric>
-
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
@@ -72,17 +70,6 @@ TEST(HashGrid, GradientIsThatOfFiniteDifferences) {
     not_zero += slope != 0.0;
   }
   EXPECT_GT(not_zero, 20);
-}
-
-TEST(HashGrid, BatchesGiveWhatPlacesGiveByThemselves) {
-  const HashGrid grid = smallGrid(9);
-  const torch::Tensor places = randomPlaces(20, 8), table = randomTable(grid, 9);
-  const torch::Tensor batch = hashFeatures(grid, places, table);
-  for (int i = 0; i < 20; ++i) {
-    float features[kHashOutputs];
-    grid.featuresAt(places.data_ptr<float>() + 3 * i, table.data_ptr<float>(), features);
-    for (int f = 0; f < kHashOutputs; ++f) EXPECT_EQ(batch[i][f].item<float>(), features[f]);
-  }
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 
 #include "tests/validate/light/neural/learned_places.h"
 #include "tool/error.h"
-#include "validate/light/neural/dense_training.h"
 #include "validate/light/neural/latent_bake.h"
 
 namespace nlg {
@@ -21,18 +20,6 @@ TrainingOptions training(int steps, float rate) {
   options.check_steps = 50;
   options.rate = rate;
   return options;
-}
-
-TEST(DenseTraining, SeveralNetworksAtOnceGiveWhatEachGivesByItself) {
-  const DenseShape shape{{6, 9, 7, 3}};
-  const torch::Tensor first = initialParameters(shape, 1).detach(), second = initialParameters(shape, 2).detach();
-  torch::Tensor input = torch::empty({2, 5, 6});
-  Random random(4);
-  for (int i = 0; i < 60; ++i) input.data_ptr<float>()[i] = static_cast<float>(random.normal());
-  const torch::Tensor both = evaluateBatch(shape, torch::stack({first, second}), input);
-  // sums of ten floats in another order
-  EXPECT_LT((both[0] - evaluateBatch(shape, first, input[0])).abs().max().item<float>(), 1e-5f);
-  EXPECT_LT((both[1] - evaluateBatch(shape, second, input[1])).abs().max().item<float>(), 1e-5f);
 }
 
 TEST(NetworkGrid, LearnsLightWithoutEdgesBetweenCells) {
@@ -63,21 +50,6 @@ TEST(NetworkGrid, LearnsLightWithoutEdgesBetweenCells) {
     const auto at = [&](double moved) { return learned.irradiance_at({x + moved, y, z}, {0.0f, 1.0f, 0.0f}).irradiance.g; };
     ASSERT_NEAR(at(0.0), at(1e-4), 0.01f * kPi) << x;
   }
-}
-
-TEST(NetworkGrid, AnswersFromTheNearestWhereANodeHasNoNetwork) {
-  LitPlaces lit = placesWithLight(1000, [](const glm::dvec3&) { return ambient(glm::vec3(1.0f)); });
-  PlaceSplit split = splitPlaces(1000, 1);
-  // far away, and never learned from
-  lit.position_m.emplace_back(40.0, 0.0, 5.0);
-  lit.light.push_back(ambient(glm::vec3(9.0f)));
-  NetworkGridOptions options;
-  options.width = 8;
-  options.batch = 256;
-  options.training = training(600, 1e-2f);
-  const LightAnswer answer = trainNetworkGrid(lit, split, options).irradiance_at({38.0, 0.0, 5.0}, {0.0f, 1.0f, 0.0f});
-  EXPECT_EQ(answer.reach, Reach::fallback);
-  EXPECT_NEAR(answer.irradiance.g, kPi, 1.0f);
 }
 
 // Voxels of a metre, lit alike all over, each at a level of its own.
@@ -112,13 +84,6 @@ TEST(LatentBake, KnowsVoxelsThatItNeverLearnedFromByWhatIsObservedThere) {
     EXPECT_EQ(learned.bytes.light % 8, 0u);
     EXPECT_EQ(learned.cost.words_by_place, 2u);
   }
-}
-
-TEST(LatentBake, RefusesToLeaveOutTheOnlyVoxel) {
-  const LitPlaces lit = placesWithLight(500, [](const glm::dvec3&) { return ambient(glm::vec3(1.0f)); });
-  LatentBakeOptions options = smallLatents(LatentVoxels::other);
-  options.voxel_m = 20.0;
-  EXPECT_THROW(trainLatentBake(lit, splitPlaces(500, 1), options), InputError);
 }
 
 }  // namespace
