@@ -20,7 +20,7 @@ for name in "$@"; do
   [ -f "$run/weights/$name.safetensors" ] || { echo "ship_weights: $run/weights/$name.safetensors: expected weights, got none" >&2; exit 3; }
 done
 code=0
-/usr/bin/python3 workflow/model_card.py --may-ship "$run" "$config" "$@" || code=$?
+/usr/bin/python3 docs/figures/model_card.py --may-ship "$run" "$config" "$@" || code=$?
 # what could not be judged is not forced either
 if [ "$code" != 0 ] && { [ "$code" != 6 ] || [ -z "$force" ]; }; then
   echo "ship_weights: nothing was copied$([ "$code" != 6 ] || echo "; --force ships all the same")" >&2
@@ -29,6 +29,6 @@ fi
 for name in "$@"; do
   install -m 644 "$run/weights/$name.safetensors" "weights/$name.safetensors"
 done
-/usr/bin/python3 workflow/model_card.py "$run" "$config" "$@"
-/usr/bin/python3 workflow/results.py collect "$run" --config "$config"
+/usr/bin/python3 docs/figures/model_card.py "$run" "$config" "$@"
+/usr/bin/python3 docs/figures/results.py collect "$run" --config "$config"
 du -cb weights/*.safetensors

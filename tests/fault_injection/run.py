@@ -4,7 +4,7 @@
     tests/fault_injection/run.py --seed 1 --kills 300 --errors 500 --damage 3000 --scenes 400 --jobs 2 --out build/fault_injection [PART ...]
     tests/fault_injection/run.py --short                         the test fault_injection_short: every part, a few cases of each
     tests/fault_injection/run.py --only damage/grid/17           one case again, its folder kept
-    workflow/results.py collect-fault-injection build/fault_injection   its table → docs/results/reliability.json and docs: reliability
+    docs/figures/results.py collect-fault-injection build/fault_injection   its table → docs/results/reliability.json and docs: reliability
 
 Parts: findings (of the first run, those that no other part draws), kills, errors, damage, scenes; all of them when none is named. The same seed
 gives the same cases. A case is written down when it is over, in OUT/PART.jsonl: a run that was stopped continues, and

@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 SOURCES = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(SOURCES), str(SOURCES / "workflow"), str(SOURCES / "workflow" / "cycles")]
+sys.path[:0] = [str(SOURCES), str(SOURCES / "docs" / "figures"), str(SOURCES / "docs" / "figures" / "cycles")]
 import cycles_page
 import ratios
 from tool.errors import InputError

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""workflow/results.py on a made-up run: what it takes, what it writes, and what it finds wrong. results_test.py (from anywhere)."""
+"""docs/figures/results.py on a made-up run: what it takes, what it writes, and what it finds wrong. results_test.py (from anywhere)."""
 import json
 import shutil
 import struct
@@ -116,22 +116,22 @@ class Results(unittest.TestCase):
     def setUp(self):
         self.root = Path(tempfile.mkdtemp())
         self.addCleanup(shutil.rmtree, self.root)
-        (self.root / "workflow").mkdir()
-        for script in SOURCES.glob("workflow/*.py"):
-            shutil.copy(script, self.root / "workflow")
+        (self.root / "docs" / "figures").mkdir(parents=True)
+        for script in SOURCES.glob("docs/figures/*.py"):
+            shutil.copy(script, self.root / "docs" / "figures")
         shutil.copytree(SOURCES / "validate" / "report", self.root / "validate" / "report", ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copytree(SOURCES / "tool", self.root / "tool", ignore=shutil.ignore_patterns("__pycache__"))
         for folder in ("docs/results", "docs/reference", "docs/images", "weights"):
             (self.root / folder).mkdir(parents=True)
         write_weights(self.root / "weights" / "tent_mlp.safetensors")
-        sys.path.insert(0, str(SOURCES / "workflow"))
+        sys.path.insert(0, str(SOURCES / "docs" / "figures"))
         import model_card
         self.sha256 = model_card.hash_of(self.root / "weights" / "tent_mlp.safetensors")
         facts = {"sha256": self.sha256, "configuration": "c.yaml", "scenes": "2 scenes", "minutes": 33, "samples_per_s": 3893, "steps": 30000,
                  "parity_theta": 7e-6, "parity_functions": 1024, "held_out_rmse": 0.005, "rounding_rmse": 1e-8}
         self.write("docs/results/weights.json", {"tent_mlp": facts})
         self.write("docs/results/openarena.json", {"schema_version": 1, "run": "openarena", "command": "./pipeline.sh"})
-        self.write("workflow/quotes.json", {})
+        self.write("docs/figures/quotes.json", {})
         run = "out/openarena/"
         self.write(run + "evaluation/summary.json", summary(self.sha256))
         self.write(run + "validation/summary.json", summary(self.sha256))
@@ -147,7 +147,7 @@ class Results(unittest.TestCase):
         file.write_text(content if isinstance(content, str) else json.dumps(content))
 
     def run_results(self, *arguments):
-        command = ["/usr/bin/python3", self.root / "workflow" / "results.py", *arguments]
+        command = ["/usr/bin/python3", self.root / "docs" / "figures" / "results.py", *arguments]
         return subprocess.run(command, capture_output=True, text=True, cwd=self.root)
 
     def collect(self):
@@ -156,7 +156,7 @@ class Results(unittest.TestCase):
     def quote(self, specs):
         """README quotes each of these, one a line, all of them wrongly."""
         self.write("README.md", "".join(f"number {i} of {len(specs)} is 999.9\n" for i in range(len(specs))))
-        self.write("workflow/quotes.json", {"README.md": {f"number {i} of {len(specs)} is {{}}": [spec] for i, spec in enumerate(specs)}})
+        self.write("docs/figures/quotes.json", {"README.md": {f"number {i} of {len(specs)} is {{}}": [spec] for i, spec in enumerate(specs)}})
 
     def filled(self, *specs):
         """What stands in the README for these after a whole collection."""

@@ -1,6 +1,6 @@
 """Inside Blender 3.4: models a scene of looks, exports it as glTF by Blender's own exporter, and bakes by Cycles what arrives at places.
 
-    blender -b --factory-startup --python-exit-code 1 --python workflow/cycles/scenes.py -- SCENE FOLDER PLACES SAMPLES
+    blender -b --factory-startup --python-exit-code 1 --python docs/figures/cycles/scenes.py -- SCENE FOLDER PLACES SAMPLES
 
 Writes FOLDER/SCENE.glb, by the exporter's defaults with Punctual Lights ticked, and FOLDER/SCENE.json: places and their normals in glTF's axes, the
 irradiance there of each of RUNS bakes, and the sky, which the exporter drops. Its images lie in FOLDER/images.

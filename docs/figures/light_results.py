@@ -16,7 +16,7 @@ from light_page import NAME, OURS
 from results_collect import benchmarks, fail, held_to, read_json, revision, rounded, slug, take
 
 # the one place that reads light.json, and sums it up over scenes
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "validate" / "report"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "validate" / "report"))
 import packages
 
 packages.need("results.py", "numpy")
@@ -307,7 +307,7 @@ def collect(folder, ours=OURS):
         fail(folder, "results of nlg-validate light", "no .json")
     points, scenes, revisions = measured(folder, files, ours, "all")
     kinds = {point.scene: point.kind for point in points}
-    out = {"schema_version": 1, "run": NAME, "command": "workflow/results.py collect-light FOLDER", "ours": ours, "revisions": revisions, "scenes": scenes,
+    out = {"schema_version": 1, "run": NAME, "command": "docs/figures/results.py collect-light FOLDER", "ours": ours, "revisions": revisions, "scenes": scenes,
            "targets": targets(points, ours), "thinning": {}, "methods": {}}
     for kind in SCENE_KINDS:
         of_kind = [point for point in points if point.kind == kind]

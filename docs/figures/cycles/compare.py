@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Holds our path tracer against Blender's Cycles, on scenes of what artists bring, as Blender's own exporter writes them.
 
-    workflow/cycles/compare.py [--out FOLDER] [--bin FOLDER] [--points N] [--samples N] [--rays N] [SCENE …]
+    docs/figures/cycles/compare.py [--out FOLDER] [--bin FOLDER] [--points N] [--samples N] [--rays N] [SCENE …]
 
 Of every scene: Blender models it, exports it and bakes irradiance at sample points (scenes.py), nlg-render irradiance traces the file that was exported,
 and the means are compared (ratios.py) → FOLDER/SCENE.result.json, and a line on stdout. What is there of the same settings and scripts is not made
-again by Blender. workflow/results.py collect-cycles FOLDER makes the page of it. Scenes: images mask blend emission transmission sum; SCENE@means is a
+again by Blender. docs/figures/results.py collect-cycles FOLDER makes the page of it. Scenes: images mask blend emission transmission sum; SCENE@means is a
 scene whose images have been replaced by their means.
 """
 import argparse
@@ -18,8 +18,8 @@ import sys
 from pathlib import Path
 
 sys.dont_write_bytecode = True
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT), str(ROOT / "workflow")]
+ROOT = Path(__file__).resolve().parents[3]
+sys.path[:0] = [str(ROOT), str(ROOT / "docs" / "figures")]
 from ratios import compare
 from tool.atomic_file import write_atomically
 from tool.errors import InputError, ToolError, UsageError, run

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
 """One source for every number that the documentation states: docs/results/NAME.json.
 
-    workflow/results.py collect RUN [--config CONFIG] [--no-pictures] [--add]    measured → docs/results, then write
-    workflow/results.py collect-light FOLDER [--ours NAME] [--no-pictures]    what was measured of light → docs/results/light.json, then write
-    workflow/results.py collect-fault-injection FOLDER                   what fault injection found → docs/results/reliability.json, then write
-    workflow/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
-    workflow/results.py write                                            docs/results → every text
-    workflow/results.py check                                            names every text that says something else
+    docs/figures/results.py collect RUN [--config CONFIG] [--no-pictures] [--add]    measured → docs/results, then write
+    docs/figures/results.py collect-light FOLDER [--ours NAME] [--no-pictures]    what was measured of light → docs/results/light.json, then write
+    docs/figures/results.py collect-fault-injection FOLDER                   what fault injection found → docs/results/reliability.json, then write
+    docs/figures/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
+    docs/figures/results.py write                                            docs/results → every text
+    docs/figures/results.py check                                            names every text that says something else
 
 collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
 collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (light_results.py says what else may lie there; of that, what
 is not there stays as it was collected before).
-collect-fault-injection takes what tests/fault_injection/run.py left in its --out, collect-cycles what workflow/cycles/compare.py left in its own.
-write makes docs/reference/results.md, docs/reference/light.md, docs/reference/reliability.md, docs/reference/cycles.md and weights/README.md whole, and fills the phrases that workflow/quotes.json names.
+collect-fault-injection takes what tests/fault_injection/run.py left in its --out, collect-cycles what docs/figures/cycles/compare.py left in its own.
+write makes docs/reference/results.md, docs/reference/light.md, docs/reference/reliability.md, docs/reference/cycles.md and weights/README.md whole, and fills the phrases that docs/figures/quotes.json names.
 What a run's folder does not have by itself, and is taken when it is there:
     nlg-bake LEVEL --threads 1 --out GRID --json RUN/bakes/LEVEL.json
     bench_runtime_eval --benchmark_repetitions=7 --benchmark_out=RUN/benchmarks/runtime_eval.json --benchmark_out_format=json
@@ -37,7 +37,7 @@ from tool.errors import run as run_script
 from tool.errors import say
 from tool.input_file import as_documented, read_bytes, read_json, read_text
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "docs" / "results"
 IMAGES = ROOT / "docs" / "images"
 GENERATED = {ROOT / "docs" / "reference" / "results.md": results_page.page, ROOT / "docs" / "reference" / "light.md": light_page.page,
@@ -50,7 +50,7 @@ OF_ONE_FILE = (light_page.NAME, reliability_page.NAME, cycles_page.NAME)  # page
 
 
 RULE = ROOT / "docs" / "guide" / "training.md"  # which says in words when a generator may ship
-RULE_BEGINS, RULE_ENDS = "<!-- the rule, by validate/report/verdict.py: workflow/results.py write -->\n", "<!-- so far -->\n"
+RULE_BEGINS, RULE_ENDS = "<!-- the rule, by validate/report/verdict.py: docs/figures/results.py write -->\n", "<!-- so far -->\n"
 
 
 def with_rule(text, problems):
@@ -85,7 +85,7 @@ def expected_texts(all_results, problems):
                 texts[path] = page(all_results)
             if not path.exists() or read_text(path) != texts[path]:
                 problems.append((f"{path.relative_to(ROOT)}: expected what docs/results says, got another text", False))
-    for name, phrases in read_json(ROOT / "workflow" / "quotes.json").value.items():
+    for name, phrases in read_json(ROOT / "docs" / "figures" / "quotes.json").value.items():
         texts[ROOT / name] = fill(read_text(ROOT / name), phrases, all_results, problems, name)
     if RULE.exists():
         texts[RULE] = with_rule(texts.get(RULE) or read_text(RULE), problems)
@@ -170,7 +170,7 @@ def main():
     collecting_faults = commands.add_parser("collect-fault-injection", help="what fault injection found → docs/results, then write")
     collecting_faults.add_argument("folder", type=Path, help="--out of tests/fault_injection/run.py")
     collecting_cycles = commands.add_parser("collect-cycles", help="light against Cycles → docs/results, then write")
-    collecting_cycles.add_argument("folder", type=Path, help="--out of workflow/cycles/compare.py")
+    collecting_cycles.add_argument("folder", type=Path, help="--out of docs/figures/cycles/compare.py")
     commands.add_parser("write", help="docs/results → every text")
     commands.add_parser("check", help="names every text that says something else")
     arguments = parser.parse_args()

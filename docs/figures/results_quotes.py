@@ -1,6 +1,6 @@
 """Numbers of docs/results/ in running text. Read by results.py.
 
-workflow/quotes.json says which phrase of which page holds which numbers:
+docs/figures/quotes.json says which phrase of which page holds which numbers:
 
     {"README.md": {"fits {} of all functions": ["tent_mlp.stored.all.share_fitted:%"]}}
 
@@ -12,7 +12,7 @@ import re
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # tool/, which all scripts share
 from tool.input_file import read_json
 
 MAIN = "openarena"

@@ -14,7 +14,7 @@ import re
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # tool/, which all scripts share
 from tool.errors import InputError
 from tool.input_file import as_documented
 from tool.input_file import read_json as read_node
