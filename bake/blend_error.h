@@ -1,5 +1,5 @@
 // Errors of a grid's blends against its target functions, from both sides: holes, where probes are missing, and leaks, from
-// probes that must have no weight. Formulas: docs/theory/math.md §7.
+// probes that must have no weight. Formulas: docs/theory/errors.md.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // Evaluates product fields at vectors of points of one cell, for any Highway target. Included once per target; see Highway's
-// quick reference on "-inl.h". docs/theory/math.md §8 has the formulas.
+// quick reference on "-inl.h". docs/theory/representations.md §8 has the formulas.
 #if defined(NLG_PRODUCT_FIELD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef NLG_PRODUCT_FIELD_INL_H_
 #undef NLG_PRODUCT_FIELD_INL_H_

@@ -3,7 +3,7 @@
 // What is minimised is the sum of squared weighed residuals and a prior that pulls every number towards 0, the mean code. The logits are
 // not rounded meanwhile (dictionary.h); what rounding makes of a code is measured when the fit has ended.
 //
-// Four things make few steps, and cheap ones, do (docs/theory/math.md §9):
+// Four things make few steps, and cheap ones, do (docs/theory/representations.md §9):
 // - Only *active* points have a row in the normal equations: those that are wrong or that the sigmoid still moves, some 500 of 8192.
 // - Where the sigmoid has shut a point that is wrong, its slope is taken as kappa at least, which falls to 0 over the first steps.
 // - The weight of dark points rises to what the function's mask says over the first steps.
