@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "datagen/dataset/shard.h"
-#include "datagen/shards/function_collector.h"
+#include "datagen/functions/function_collector.h"
+#include "datagen/functions/function_rows.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
 #include "datagen/weighting/weighting_builder.h"

@@ -23,7 +23,8 @@ double quantile(std::vector<double>& values, double q) {
 nlohmann::ordered_json errorsJson(const BakeReport& report, ThetaWord word) {
   std::vector<double> rmse;
   double sum = 0.0, leak_sum = 0.0, elapsed_us = 0.0;
-  for (const ThetaRecord& record : report.statistics.records) {
+  for (const FunctionOutcome& function : report.statistics.functions) {
+    const ThetaRecord& record = function.record;
     rmse.push_back(record.at(word).rmse);
     sum += record.at(word).rmse;
     leak_sum += record.at(word).leak_mean;
@@ -177,14 +178,15 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
   nlohmann::ordered_json stops, ended, stage_seconds, words;
   // every reason has its key, also where no fit stopped for it
   for (int stop = 0; stop < kFitStopCount; ++stop) stops[fitStopName(static_cast<FitStop>(stop))] = 0;
-  for (const ThetaRecord& record : s.records) {
+  for (const FunctionOutcome& function : s.functions) {
+    const ThetaRecord& record = function.record;
     if (record.refined)
       stops[fitStopName(record.refinement_stop)] = stops[fitStopName(record.refinement_stop)].get<int64_t>() + 1;
   }
   for (int stage = 0; stage < kThetaStageCount; ++stage) {
     const auto name = static_cast<ThetaStage>(stage);
     ended[stageName(name)] =
-        std::count_if(s.records.begin(), s.records.end(), [&](const ThetaRecord& r) { return r.ended == name; });
+        std::count_if(s.functions.begin(), s.functions.end(), [&](const FunctionOutcome& f) { return f.record.ended == name; });
     stage_seconds[stageName(name)] = s.stageSeconds(name);
   }
   // of all functions, also those that have no theta for it
@@ -230,7 +232,7 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"refined", s.refined()},
           {"refinement_stops", stops},
           {"left_for_time", s.left_for_time},
-          {"raised", std::count(s.raised.begin(), s.raised.end(), 1)},
+          {"raised", s.raised()},
           {"kept", keptJson(s)},
           {"still_failing", s.failing(ThetaWord::stored, report.policy.check())},
           {"bytes", report.file_bytes},
@@ -328,7 +330,7 @@ std::string toTable(const BakeReport& report) {
     text += "representations:";
     for (size_t i = 0; i < report.weights.size(); ++i)
       text += fmt::format(" {} {}", report.weights[i].representation, s.chosen(report.weights.size())[i]);
-    text += fmt::format("; {} raised in refinement\n", std::count(s.raised.begin(), s.raised.end(), 1));
+    text += fmt::format("; {} raised in refinement\n", s.raised());
   }
   if (!report.savings.empty()) text += toTable(report.savings);
   return text;

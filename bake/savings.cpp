@@ -43,7 +43,7 @@ struct UnitCosts {
     visibility_s = each(spent.visibility_s - spent.in_solid_s, generated);
     function_s = each(spent.functions_s + spent.bare_tent_s, generated);
     double theta_us = 0.0;
-    for (const ThetaRecord& record : s.records) theta_us += record.elapsedUs(ThetaWord::stored);
+    for (const FunctionOutcome& function : s.functions) theta_us += function.record.elapsedUs(ThetaWord::stored);
     theta_s = each(1e-6 * theta_us, counts.functions - s.kept_thetas);
     probe_s = each(spent.visibility_s + spent.functions_s + spent.bare_tent_s + spent.duplicates_s + 1e-6 * theta_us,
                    counts.grid_probes);
@@ -175,7 +175,8 @@ class SavingsCount {
     const uint64_t functions = counts_.functions;
     const std::vector<uint64_t> chosen = statistics_.chosen(generators_.size());
     if (generators_.size() > 1) {
-      const auto larger = static_cast<uint64_t>(std::count(statistics_.larger_ran.begin(), statistics_.larger_ran.end(), 1));
+      const auto larger = static_cast<uint64_t>(std::count_if(statistics_.functions.begin(), statistics_.functions.end(),
+                                                              [](const FunctionOutcome& f) { return f.larger_ran; }));
       add("functions that the smallest representation already fits", functions - larger, functions, {}, {},
           fmt::format("only the generator of {} ran for them", representationName(generators_.front().representation())));
       const Representation& largest = generators_.back().representation();
@@ -207,7 +208,8 @@ class SavingsCount {
 
   void addFits() {
     uint64_t good = 0, unrefined = 0;
-    for (const ThetaRecord& record : statistics_.records) {
+    for (const FunctionOutcome& function : statistics_.functions) {
+      const ThetaRecord& record = function.record;
       good += isGood(record.at(ThetaWord::network), policy_.good_rmse, policy_.check());
       unrefined += !record.refined && record.at(ThetaWord::fitted).passes(policy_.check());
     }

@@ -23,6 +23,14 @@ struct BakeThread {
   std::vector<uint8_t> samples;
 };
 
+// A function from the first stage to the grid.
+struct FunctionInWork {
+  MadeTheta made;
+  uint8_t chosen_first = 0;  // the generator before refinement
+  bool is_final = false;     // an earlier bake has made its theta, to the end
+  KeptKey key = {};          // where the bake keeps
+};
+
 class SceneBake {
  public:
   SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
@@ -77,11 +85,13 @@ class SceneBake {
     std::vector<MadeTheta> made(functions.size());
     if (!made.empty()) policy.make(functions.data(), static_cast<int>(functions.size()), made.data());
     return [this, keys = std::move(keys), known = std::move(known), made = std::move(made)] {
-      keys_.insert(keys_.end(), keys.begin(), keys.end());
-      for (auto next = made.begin(); const std::shared_ptr<KeptFunction>& function : known) {
-        made_.push_back(function ? function->theta->made : *next++);
-        chosen_first_.push_back(function ? function->theta->chosen_first : made_.back().generator);
-        is_final_.push_back(function != nullptr);
+      auto next = made.begin();
+      for (size_t n = 0; n < known.size(); ++n) {
+        FunctionInWork& function = in_work_.emplace_back();
+        function.is_final = known[n] != nullptr;
+        function.made = function.is_final ? known[n]->theta->made : *next++;
+        function.chosen_first = function.is_final ? known[n]->theta->chosen_first : function.made.generator;
+        if (!keys.empty()) function.key = keys[n];
       }
     };
   }
@@ -89,9 +99,9 @@ class SceneBake {
   // Worst first, so that a limit of time leaves the least trouble behind; without one the order changes nothing.
   void refineWorstFirst() {
     std::vector<FunctionCheck> checks;
-    for (const MadeTheta& made : made_) checks.push_back(made.check());
+    for (const FunctionInWork& function : in_work_) checks.push_back(function.made.check());
     std::vector<uint32_t> order = worstFirst(checks, options_.policy.check());
-    std::erase_if(order, [this](uint32_t function) { return is_final_[function]; });
+    std::erase_if(order, [this](uint32_t function) { return in_work_[function].is_final; });
     const Clock::time_point start = Clock::now();
     std::atomic<uint64_t> left_for_time{0};
     Progress progress("functions refined", static_cast<int64_t>(order.size()));
@@ -101,7 +111,7 @@ class SceneBake {
         return;
       }
       BakeThread& thread = *threads_[thread_idx];
-      thread.policy.refine(functions_.read(order[i], &thread.samples), &made_[order[i]]);
+      thread.policy.refine(functions_.read(order[i], &thread.samples), &in_work_[order[i]].made);
       progress.advance();
     });
     statistics_.left_for_time = left_for_time;
@@ -109,10 +119,11 @@ class SceneBake {
 
   void roundAll() {
     if (options_.policy.theta_precision == ThetaPrecision::float32) return;
-    Progress progress("functions rounded", static_cast<int64_t>(made_.size()));
-    parallelFor(made_.size(), thread_count_, [&](uint64_t number, int thread_idx) {
+    Progress progress("functions rounded", static_cast<int64_t>(in_work_.size()));
+    parallelFor(in_work_.size(), thread_count_, [&](uint64_t number, int thread_idx) {
       BakeThread& thread = *threads_[thread_idx];
-      if (!is_final_[number]) thread.policy.round(functions_.read(number, &thread.samples), &made_[number]);
+      FunctionInWork& function = in_work_[number];
+      if (!function.is_final) thread.policy.round(functions_.read(number, &thread.samples), &function.made);
       progress.advance();
     });
   }
@@ -129,14 +140,12 @@ class SceneBake {
     statistics_.scene_triangles = scene_.source.scene.triangles.size();
     statistics_.link_packets = scene_.links.link_packets.tree.packetCount();
     statistics_.bare_tents = functions_.bareTents();
-    for (size_t i = 0; i < made_.size(); ++i) {
-      statistics_.records.push_back(made_[i].record);
-      statistics_.generator.push_back(made_[i].generator);
-      statistics_.larger_ran.push_back(made_[i].larger_ran);
-      statistics_.raised.push_back(made_[i].generator != chosen_first_[i]);
+    for (const FunctionInWork& function : in_work_) {
+      const MadeTheta& made = function.made;
+      statistics_.functions.push_back({made.record, made.generator, made.larger_ran, made.generator != function.chosen_first});
+      statistics_.kept_thetas += function.is_final;
     }
     statistics_.is_keeping = kept_ != nullptr;
-    statistics_.kept_thetas = static_cast<uint64_t>(std::count(is_final_.begin(), is_final_.end(), true));
   }
 
   void keepAll() {
@@ -146,9 +155,9 @@ class SceneBake {
     for (const KeptProbe& probe : probes) {
       if (probe.function) functions[probe.function->key] = probe.function.get();
     }
-    for (size_t i = 0; i < made_.size(); ++i) {
-      if (is_final_[i]) continue;
-      KeptTheta& theta = functions.at(keys_[i])->theta.emplace(KeptTheta{made_[i], chosen_first_[i]});
+    for (const FunctionInWork& function : in_work_) {
+      if (function.is_final) continue;
+      KeptTheta& theta = functions.at(function.key)->theta.emplace(KeptTheta{function.made, function.chosen_first});
       // times are of the bake that made it, and would make equal files differ
       theta.made.record.word_us = {};
       theta.made.record.stage_us = {};
@@ -168,7 +177,8 @@ class SceneBake {
       index_of_generator[g] = static_cast<uint8_t>(grid.representations.size());
       grid.representations.push_back(generators_[g].representation());
     }
-    for (const MadeTheta& made : made_) grid.addFunction(index_of_generator[made.generator], made.theta.data());
+    for (const FunctionInWork& function : in_work_)
+      grid.addFunction(index_of_generator[function.made.generator], function.made.theta.data());
     return grid;
   }
 
@@ -179,12 +189,9 @@ class SceneBake {
   SceneFunctions functions_;
   const GridMetadata& metadata_;
   std::vector<std::unique_ptr<BakeThread>> threads_;
-  std::vector<MadeTheta> made_;        // by function
-  std::vector<uint8_t> chosen_first_;  // by function: the generator before refinement
-  std::vector<bool> is_final_;         // by function: whether an earlier bake has made its theta, to the end
+  std::vector<FunctionInWork> in_work_;
   KeptProbes* kept_;
   std::optional<KeptIndex> known_;  // of kept_, where somebody asks
-  std::vector<KeptKey> keys_;       // by function, then
   BakeStatistics statistics_;
 };
 
@@ -192,7 +199,7 @@ class SceneBake {
 
 double BakeStatistics::stageSeconds(ThetaStage stage) const {
   double sum_us = 0.0;
-  for (const ThetaRecord& record : records) sum_us += record.stage_us[static_cast<size_t>(stage)];
+  for (const FunctionOutcome& function : functions) sum_us += function.record.stage_us[static_cast<size_t>(stage)];
   return 1e-6 * sum_us;
 }
 
@@ -211,22 +218,30 @@ double BakeStatistics::refinementSeconds() const {
 }
 
 uint64_t BakeStatistics::failing(ThetaWord word, const CheckOptions& check) const {
-  return static_cast<uint64_t>(
-      std::count_if(records.begin(), records.end(), [&](const ThetaRecord& record) { return !record.at(word).passes(check); }));
+  return static_cast<uint64_t>(std::count_if(functions.begin(), functions.end(), [&](const FunctionOutcome& function) {
+    return !function.record.at(word).passes(check);
+  }));
 }
 
 uint64_t BakeStatistics::tookFit() const {
-  return static_cast<uint64_t>(std::count_if(records.begin(), records.end(), [](const ThetaRecord& r) { return r.took_fit; }));
+  return static_cast<uint64_t>(
+      std::count_if(functions.begin(), functions.end(), [](const FunctionOutcome& f) { return f.record.took_fit; }));
 }
 
 uint64_t BakeStatistics::refined() const {
-  return static_cast<uint64_t>(std::count_if(records.begin(), records.end(), [](const ThetaRecord& r) { return r.refined; }));
+  return static_cast<uint64_t>(
+      std::count_if(functions.begin(), functions.end(), [](const FunctionOutcome& f) { return f.record.refined; }));
+}
+
+uint64_t BakeStatistics::raised() const {
+  return static_cast<uint64_t>(
+      std::count_if(functions.begin(), functions.end(), [](const FunctionOutcome& f) { return f.raised; }));
 }
 
 std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
-  std::vector<uint64_t> functions(generator_count, 0);
-  for (const uint8_t g : generator) ++functions[g];
-  return functions;
+  std::vector<uint64_t> counts(generator_count, 0);
+  for (const FunctionOutcome& function : functions) ++counts[function.generator];
+  return counts;
 }
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,

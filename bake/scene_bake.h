@@ -19,6 +19,14 @@ struct AirStatistics {
   double wall_s = 0.0;                  // to find the air
 };
 
+// What became of one function that has theta.
+struct FunctionOutcome {
+  ThetaRecord record;
+  uint8_t generator = 0;    // of the representation that was chosen
+  bool larger_ran = false;  // more than the smallest representation was tried
+  bool raised = false;      // refinement took a larger representation than the choice
+};
+
 // The talk's columns and what else a bake can say of itself. Seconds by the clock, those of stages summed over threads.
 struct BakeStatistics {
   ShardCounts counts;
@@ -27,16 +35,13 @@ struct BakeStatistics {
   AirStatistics air;
   LightStatistics light;
   double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0,
-         refinement_wall_s = 0.0;    // functions: stages up to fits included
-  uint64_t left_for_time = 0;        // functions that failed the check and were not refined: refine_seconds were over
-  TentCounts bare_tents;             // functions without theta: in none of the lists below
-  std::vector<ThetaRecord> records;  // by function
-  std::vector<uint8_t> generator;    // by function: the representation that was chosen
-  std::vector<uint8_t> larger_ran;   // by function: whether more than the smallest representation was tried
-  std::vector<uint8_t> raised;       // by function: whether refinement took a larger representation than the choice
-  bool is_keeping = false;           // whether functions of an earlier bake were taken where they are known again
-  uint64_t kept_thetas = 0;          // functions whose theta is of one
-  BlendErrors blend;                 // of the grid as it is
+         refinement_wall_s = 0.0;  // functions: stages up to fits included
+  uint64_t left_for_time = 0;      // functions that failed the check and were not refined: refine_seconds were over
+  TentCounts bare_tents;           // functions without theta: not in the list below
+  std::vector<FunctionOutcome> functions;
+  bool is_keeping = false;   // whether functions of an earlier bake were taken where they are known again
+  uint64_t kept_thetas = 0;  // functions whose theta is of one
+  BlendErrors blend;         // of the grid as it is
 
   double stageSeconds(ThetaStage stage) const;
   // Of the stages that bring theta to a word, of all representations; without checks and without refinement.
@@ -46,6 +51,7 @@ struct BakeStatistics {
   uint64_t failing(ThetaWord word, const CheckOptions& check) const;
   uint64_t tookFit() const;
   uint64_t refined() const;
+  uint64_t raised() const;
   // Functions by representation, in the order of the generators.
   std::vector<uint64_t> chosen(size_t generator_count) const;
 };

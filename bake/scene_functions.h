@@ -9,7 +9,7 @@
 
 #include "bake/again/kept_functions.h"
 #include "bake/bake_options.h"
-#include "datagen/shards/function_pipeline.h"
+#include "datagen/functions/function_pipeline.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
 #include "light/air_places.h"

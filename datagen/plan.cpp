@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "datagen/dataset/nameless_file.h"
+#include "datagen/functions/nameless_file.h"
 #include "tool/printable.h"
 #include "tool/processor_time.h"
 
@@ -29,7 +29,7 @@ struct Sample {
 // functions   how many are made, duplicates included
 Sample takeSample(const ShardJob& job, uint64_t functions) {
   Sample sample;
-  FunctionCollector collector(job.header(), job.limits(), temporaryFolder());
+  FunctionCollector collector(job.header(), job.header().duplicate_rule, kChunkFunctions, job.limits(), temporaryFolder());
   const FunctionPipeline pipeline = job.pipeline();
   const auto generate = pipeline.makeGenerator(0);
   const double start = threadSeconds();

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-#include "datagen/dataset/chunk_codec.h"
+#include "datagen/functions/chunk_codec.h"
 #include "runtime_eval/weights_file/sha256.h"
 
 namespace nlg {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "datagen/dataset/duplicate_index.h"
 #include "datagen/dataset/shard.h"
+#include "datagen/functions/duplicate_index.h"
 
 namespace nlg {
 

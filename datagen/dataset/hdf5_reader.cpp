@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "datagen/dataset/chunk_codec.h"
 #include "datagen/dataset/hdf5_detail.h"
 #include "datagen/dataset/hdf5_file.h"
+#include "datagen/functions/chunk_codec.h"
 #include "tool/atomic_file.h"
 #include "tool/input_file.h"
 

@@ -1,9 +1,9 @@
 #include <bit>
 #include <fstream>
 
-#include "datagen/dataset/chunk_codec.h"
 #include "datagen/dataset/hdf5_detail.h"
 #include "datagen/dataset/hdf5_file.h"
+#include "datagen/functions/chunk_codec.h"
 #include "tool/atomic_file.h"
 
 namespace nlg {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "datagen/dataset/function_set.h"
-#include "datagen/dataset/nameless_file.h"
+#include "datagen/functions/nameless_file.h"
 #include "tool/error.h"
 
 namespace nlg {

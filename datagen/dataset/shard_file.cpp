@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "datagen/dataset/chunk_codec.h"
 #include "datagen/dataset/shard_check.h"
+#include "datagen/functions/chunk_codec.h"
 #include "runtime_eval/support/point_order.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

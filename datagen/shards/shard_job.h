@@ -6,9 +6,10 @@
 
 #include "datagen/dataset/shard.h"
 #include "datagen/dataset/shard_file.h"
+#include "datagen/functions/diffusion_options.h"
+#include "datagen/functions/function_pipeline.h"
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
-#include "datagen/shards/function_pipeline.h"
 #include "datagen/visibility/hull.h"
 #include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
@@ -35,9 +36,6 @@ struct DatagenOptions {
   int threads = 1;
   uint64_t seed = 1;
 };
-
-// Adds the options of the diffusion to a table: for whoever generates functions.
-void describe(DiffusionOptions& options, OptionTable& table);
 
 // Adds every option to the table of the section `datagen`.
 void describe(DatagenOptions& options, OptionTable& table);

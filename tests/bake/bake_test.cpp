@@ -70,9 +70,9 @@ class SceneBakeTest : public testing::Test {
   }
   // How many functions have a theta that some stage after the network made.
   static uint64_t changed(const Bake& bake) {
-    const auto& records = bake.statistics.records;
-    return static_cast<uint64_t>(
-        std::count_if(records.begin(), records.end(), [](const ThetaRecord& r) { return r.ended != ThetaStage::network; }));
+    const auto& functions = bake.statistics.functions;
+    return static_cast<uint64_t>(std::count_if(functions.begin(), functions.end(),
+                                               [](const FunctionOutcome& f) { return f.record.ended != ThetaStage::network; }));
   }
   static uint64_t failing(const Bake& bake, ThetaWord word, const BakeOptions& options) {
     return bake.statistics.failing(word, options.policy.check());
@@ -151,8 +151,8 @@ TEST_F(SceneBakeTest, CorrectionsLowerErrorsOfAllThatTheyAreAskedFor) {
     EXPECT_EQ(changed(corrected), count);
     EXPECT_LT(failing(corrected, ThetaWord::fitted, options), failing(plain, ThetaWord::fitted, options));
     for (size_t f = 0; f < count; ++f) {
-      EXPECT_LT(corrected.statistics.records[f].at(ThetaWord::stored).blend_rmse,
-                plain.statistics.records[f].at(ThetaWord::stored).blend_rmse)
+      EXPECT_LT(corrected.statistics.functions[f].record.at(ThetaWord::stored).blend_rmse,
+                plain.statistics.functions[f].record.at(ThetaWord::stored).blend_rmse)
           << "function " << f;
     }
   }
@@ -163,8 +163,8 @@ TEST_F(SceneBakeTest, CorrectsWhatFailsTheCheckOrIsAboveGoodRmse) {
   // which functions are bare tents goes by the loss: the same one throughout
   options.policy.dark_weight = options.policy.blend_floor = 1.0;
   std::vector<FunctionCheck> plain;
-  for (const ThetaRecord& record : bake("house:3", only(plainData()), options).statistics.records) {
-    plain.push_back(record.at(ThetaWord::stored));
+  for (const FunctionOutcome& function : bake("house:3", only(plainData()), options).statistics.functions) {
+    plain.push_back(function.record.at(ThetaWord::stored));
   }
   std::vector<double> errors;
   for (const FunctionCheck& check : plain) errors.push_back(check.rmse);
@@ -179,9 +179,9 @@ TEST_F(SceneBakeTest, CorrectsWhatFailsTheCheckOrIsAboveGoodRmse) {
     for (size_t f = 0; f < plain.size(); ++f) {
       above += plain[f].rmse > median;
       if (plain[f].rmse > median) {
-        EXPECT_LT(some.statistics.records[f].at(ThetaWord::stored).rmse, plain[f].rmse) << "function " << f;
+        EXPECT_LT(some.statistics.functions[f].record.at(ThetaWord::stored).rmse, plain[f].rmse) << "function " << f;
       } else {
-        EXPECT_EQ(some.statistics.records[f].at(ThetaWord::stored).rmse, plain[f].rmse) << "function " << f;
+        EXPECT_EQ(some.statistics.functions[f].record.at(ThetaWord::stored).rmse, plain[f].rmse) << "function " << f;
       }
     }
     EXPECT_GT(above, 0u);
@@ -205,7 +205,7 @@ TEST_F(SceneBakeTest, CorrectionsNeverMakeAThetaFailTheCheckThatPassed) {
   options.policy.check() = {1e3, 1e6, 1.0, 1e6, 1.0};
   const Bake shut = bake("house:3", only(tents), options);
   double most = 0.0;
-  for (const ThetaRecord& record : shut.statistics.records) most = std::max(most, record.at(ThetaWord::network).rmse);
+  for (const FunctionOutcome& f : shut.statistics.functions) most = std::max(most, f.record.at(ThetaWord::network).rmse);
   // all tents pass; some of what was shut would not
   options.policy.tau_rmse = most;
   const Bake house = bake("house:3", only(tents), options);
@@ -227,12 +227,12 @@ TEST_P(StoredThetaTest, HasTheErrorThatTheBakeReports) {
   functions.makeAll([](int) { return [](const FunctionRows&) { return [] {}; }; });
   ASSERT_EQ(functions.counts().functions, house.grid.functionCount());
   EXPECT_EQ(functions.probeFunction(), house.grid.probe_function);
-  ASSERT_EQ(house.statistics.records.size(), house.grid.functionCount());
+  ASSERT_EQ(house.statistics.functions.size(), house.grid.functionCount());
   FunctionChecker checker;
   std::vector<uint8_t> samples;
   uint64_t failing_count = 0;
   for (size_t f = 0; f < house.grid.functionCount(); ++f) {
-    const ThetaRecord& record = house.statistics.records[f];
+    const ThetaRecord& record = house.statistics.functions[f].record;
     const Representation& representation = house.grid.representations[house.grid.function_representation[f]];
     const FunctionCheck check = checker.check(representation, functions.read(f, &samples), house.grid.functionTheta(f), limits);
     EXPECT_EQ(check.rmse, record.at(ThetaWord::stored).rmse) << "function " << f;

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "datagen/dataset/chunk_codec.h"
 #include "datagen/dataset/hdf5_detail.h"
+#include "datagen/functions/chunk_codec.h"
 #include "tool/atomic_file.h"
 
 namespace nlg::fuzz {

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "datagen/functions/function_collector.h"
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
-#include "datagen/shards/function_collector.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/procedural/procedural.h"
 #include "validate/stability/face_scene.h"

@@ -96,8 +96,8 @@ void BakeEqualsValidation::expectTheSame(const std::vector<std::string>& represe
     for (size_t i = 0; i < made.size(); ++i) {
       if (made[i].isBareTent()) continue;
       const std::string where = with + ", function " + std::to_string(i);
-      ASSERT_LT(number, bake.statistics.records.size()) << where;
-      const ThetaRecord &baked = bake.statistics.records[number], &validated = made[i].record;
+      ASSERT_LT(number, bake.statistics.functions.size()) << where;
+      const ThetaRecord &baked = bake.statistics.functions[number].record, &validated = made[i].record;
       ASSERT_EQ(bake.statistics.generator[number], made[i].generator) << where;
       const float* theta = bake.grid.functionTheta(number);
       EXPECT_EQ(std::memcmp(theta, made[i].theta.data(), made[i].theta.size() * sizeof(float)), 0) << where;
@@ -111,7 +111,7 @@ void BakeEqualsValidation::expectTheSame(const std::vector<std::string>& represe
       failing += !made[i].check().passes(options.policy.check());
       ++number;
     }
-    EXPECT_EQ(number, bake.statistics.records.size()) << with;
+    EXPECT_EQ(number, bake.statistics.functions.size()) << with;
     EXPECT_GT(refined, 0u) << "a case without refinement shows nothing of it";
     EXPECT_EQ(failing, bake.statistics.failing(ThetaWord::stored, options.policy.check())) << with;
     uint64_t bare_probes = 0;

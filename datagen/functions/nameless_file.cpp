@@ -1,4 +1,4 @@
-#include "datagen/dataset/nameless_file.h"
+#include "datagen/functions/nameless_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "datagen/dataset/chunk_codec.h"
+#include "datagen/functions/chunk_codec.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -1,4 +1,4 @@
-#include "datagen/shards/function_collector.h"
+#include "datagen/functions/function_collector.h"
 
 #include <algorithm>
 #include <chrono>

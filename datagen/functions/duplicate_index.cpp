@@ -1,4 +1,4 @@
-#include "datagen/dataset/duplicate_index.h"
+#include "datagen/functions/duplicate_index.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,6 @@
-#include "datagen/dataset/shard.h"
+#include "datagen/functions/function_rows.h"
+
+#include <algorithm>
 
 #include "tool/error.h"
 

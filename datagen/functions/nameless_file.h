@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "datagen/dataset/duplicate_index.h"
-#include "datagen/dataset/shard.h"
+#include "datagen/functions/duplicate_index.h"
+#include "datagen/functions/function_rows.h"
 
 namespace nlg {
 

@@ -10,9 +10,9 @@
 
 #include <glm/glm.hpp>
 
-#include "datagen/dataset/duplicate_index.h"
-#include "datagen/dataset/nameless_file.h"
-#include "datagen/dataset/shard.h"
+#include "datagen/functions/duplicate_index.h"
+#include "datagen/functions/function_rows.h"
+#include "datagen/functions/nameless_file.h"
 #include "datagen/weighting/weighting_builder.h"
 
 namespace nlg {
@@ -65,9 +65,6 @@ class FunctionCollector {
   // throws           OutputError when the spool's disk refuses
   FunctionCollector(const FunctionRows& shape, const DuplicateRule& rule, uint64_t chunk_functions, const CollectorLimits& limits,
                     const std::string& spool_folder);
-  // A shard's: its points, its rule and its chunks.
-  FunctionCollector(const Shard& header, const CollectorLimits& limits, const std::string& spool_folder)
-      : FunctionCollector(header, header.duplicate_rule, kChunkFunctions, limits, spool_folder) {}
 
   // From now on appends to `of_probes`, for every probe, its function's number: kFreeSpace in free space and where the bare tent
   // stands for the function, kNoWeight where there is none (light_grid.h).

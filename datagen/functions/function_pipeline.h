@@ -9,7 +9,7 @@
 #include <functional>
 #include <vector>
 
-#include "datagen/shards/function_collector.h"
+#include "datagen/functions/function_collector.h"
 
 namespace nlg {
 

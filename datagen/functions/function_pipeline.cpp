@@ -1,4 +1,4 @@
-#include "datagen/shards/function_pipeline.h"
+#include "datagen/functions/function_pipeline.h"
 
 #include <algorithm>
 #include <condition_variable>

@@ -1,4 +1,4 @@
-#include "datagen/dataset/chunk_codec.h"
+#include "datagen/functions/chunk_codec.h"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
