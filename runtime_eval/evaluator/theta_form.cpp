@@ -2,12 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "runtime_eval/numbers/finite.h"
 
 namespace nlg {
 namespace {
+
+// Arrays on the stack hold kMaxThetaCount numbers: a representation that is added must not outgrow them.
+static_assert(
+    [] {
+      bool fits = kMaxNetworkThetaCount <= kMaxThetaCount && std::size(kFieldResolutions) == std::size(kFields);
+      for (const FieldKind& field : kFields) fits &= 2 * field.resolution * field.resolution * field.resolution <= kMaxThetaCount;
+      for (const CodeKind& code : kCodes) fits &= code.count <= kMaxThetaCount;
+      return fits;
+    }(),
+    "kernel_shape.h: kMaxThetaCount and kFieldResolutions cover every representation of nlg/representation.h");
 
 // The numbers of one layer's units in theta: unit u has `inputs` weights from weights + u * inputs on, and a bias.
 struct HiddenLayer {
