@@ -24,7 +24,8 @@ inline void addSheetWithWindow(Scene& scene, const glm::vec3& low, const glm::ve
 inline Scene windowedRoom(bool is_hollow) {
   Scene scene = sceneOfMaterial(is_hollow);
   const glm::vec3 low = kRoomLow, high = kRoomHigh, out_low = low - kWallM, out_high = high + kWallM;
-  const auto withoutFarSide = [&](const auto& add, const glm::vec3& from, const glm::vec3& to) {
+  const auto withoutFarSide = [&](void (*add)(Scene&, const glm::vec3&, const glm::vec3&), const glm::vec3& from,
+                                  const glm::vec3& to) {
     const size_t first = scene.triangles.size();
     add(scene, from, to);
     for (size_t t = scene.triangles.size(); t-- > first;) {

@@ -98,7 +98,7 @@ void BakeEqualsValidation::expectTheSame(const std::vector<std::string>& represe
       const std::string where = with + ", function " + std::to_string(i);
       ASSERT_LT(number, bake.statistics.functions.size()) << where;
       const ThetaRecord &baked = bake.statistics.functions[number].record, &validated = made[i].record;
-      ASSERT_EQ(bake.statistics.generator[number], made[i].generator) << where;
+      ASSERT_EQ(bake.statistics.functions[number].generator, made[i].generator) << where;
       const float* theta = bake.grid.functionTheta(number);
       EXPECT_EQ(std::memcmp(theta, made[i].theta.data(), made[i].theta.size() * sizeof(float)), 0) << where;
       for (int w = 0; w < kThetaWordCount; ++w) {
