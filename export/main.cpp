@@ -209,12 +209,17 @@ TrainingState readState(const Request& request, const CheckpointFile& checkpoint
   return state;
 }
 
+// Of functions, over that of theta: a network that is hardly trained amplifies the last bits of theta, and a thousandth is still less
+// than what rounding phi to a byte loses.
+constexpr double kOutputTolerance = 10.0;
+
 void checkParity(const Parity& parity, double held_out_blend_rmse, const ExportOptions& options) {
-  double difference = parity.theta;
-  raise(difference, parity.output);
-  if (difference < options.parity_tolerance && std::isfinite(held_out_blend_rmse)) return;
+  const double most_output = kOutputTolerance * options.parity_tolerance;
+  if (parity.theta < options.parity_tolerance && parity.output < most_output && std::isfinite(held_out_blend_rmse)) return;
   throw CheckFailed("parity of libtorch and evaluator over " + std::to_string(parity.functions) + " functions",
-                    "a difference below " + std::to_string(options.parity_tolerance), std::to_string(difference));
+                    "differences below " + std::to_string(options.parity_tolerance) + " of theta and " +
+                        std::to_string(most_output) + " of functions",
+                    std::to_string(parity.theta) + " and " + std::to_string(parity.output));
 }
 
 void run(const Request& request, const ExportOptions& options, const OptionTable& table) {
@@ -298,7 +303,7 @@ int main(int argc, char** argv) {
   table.add("parity_functions", &options.parity_functions, "number of functions on which libtorch and the evaluator are compared",
             1, 1000000);
   table.add("parity_tolerance", &options.parity_tolerance,
-            "maximum difference between libtorch and the evaluator, of theta and of the functions", 0.0, 1.0);
+            "maximum difference between libtorch and the evaluator, of theta; of functions ten times as much", 0.0, 1.0);
   app.add_option("--checkpoint", request.checkpoint, "finished checkpoint of nlg-train")->required();
   app.add_option("--basis", request.basis, "basis that the checkpoint was trained on")->required();
   app.add_option("--shards", request.shards, "held-out shards, on whose functions the two are compared")->required();
