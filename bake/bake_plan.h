@@ -11,7 +11,7 @@
 namespace nlg {
 
 // Where a bake places its probes: by its options, else where the scene's author says, else in the scene's bounds and what lies in
-// reach of them (floor_survey.h).
+// reach of them (scene_size.h).
 // chosen   receives how the spacing was chosen, where nobody named one; may be null
 // throws   UsageError on an extent_m that is none
 ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& options,

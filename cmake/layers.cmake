@@ -4,7 +4,7 @@
 #   nlg_tool(NAME SOURCES … LINKS …)                              an executable NAME
 #
 # Layers, lowest first. A library links what its own line names, nothing else, and includes nothing else: tests/layout/sources_test.py.
-# Numbers of runtime_eval/numbers/ are headers alone, for everybody.
+# Headers of runtime_eval/numbers/ are for everybody; coded_bytes.cpp, the one source there, is compiled into runtime_eval.
 set(NLG_MAY_LINK_regular_file  "")
 set(NLG_MAY_LINK_weights_file  nlg::regular_file)
 set(NLG_MAY_LINK_runtime_eval  nlg::weights_file hwy::hwy)

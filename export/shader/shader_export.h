@@ -1,6 +1,6 @@
 // The command `nlg-export shader`: writes a light grid for shaders.
 //
-//     grid.bin       the words of ShaderGrid (runtime_eval/shader_grid/shader_grid.h), little-endian: what a buffer or a texture of
+//     grid.bin       the words of ShaderGrid (include/nlg/shader_grid.h), little-endian: what a buffer or a texture of
 //                    four 32-bit integers holds
 //     look_up.glsl   the look-up, with the defines of this grid before it
 //     resample.comp, resampled.glsl    the compute pass that fills a 3-D texture by it, and what reads that texture

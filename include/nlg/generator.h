@@ -2,7 +2,7 @@
 //
 // It runs weights of nlg-export (docs/reference/formats.md lists the tensors). Nothing here throws but for memory, and nothing
 // allocates after load. A Generator is constant: any number of threads may use one, each with its own GeneratorScratch. Copies
-// share the weights.
+// share the weights. See examples/bake_minimal.cpp.
 #pragma once
 
 #include <cstddef>
@@ -45,7 +45,7 @@ class Generator {
   // Predicts theta of `count` functions. The theta of a function depends on the function, the weights and the SIMD target, not on
   // the other functions of the call. It is neither checked nor fitted: ThetaPolicy (policy.h) does both.
   //
-  // phi       count x P, in the order of supportPattern(): bytes round(255 phi), or floats in [0, 1]
+  // phi       count x P, in the order of supportPattern(): bytes round(255 phi), or floats in [0, 1]; 0 at points in solid
   // theta     count x D, overwritten
   // scratch   made for this generator
   void generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const;

@@ -92,7 +92,7 @@ inline bool isDirection(const float* normal_3) {
   return std::abs(normal_3[0]) <= kMaxNormal && std::abs(normal_3[1]) <= kMaxNormal && std::abs(normal_3[2]) <= kMaxNormal;
 }
 
-// Working memory of lookUpIrradiances and lookUpLights, 1.3 MB: for any grid. Each thread needs its own.
+// Working memory of lookUpIrradiances and lookUpLights, 1.2 MB: for any grid. Each thread needs its own.
 class LookUpScratch {
  public:
   LookUpScratch();
@@ -100,7 +100,8 @@ class LookUpScratch {
   LookUpScratch(LookUpScratch&&) noexcept;
   LookUpScratch& operator=(LookUpScratch&&) noexcept;
 
-  struct Buffers;  // look_up_batch.cpp
+  // of the library itself: look_up_batch.cpp
+  struct Buffers;
   Buffers& buffers() { return *buffers_; }
 
  private:

@@ -1,5 +1,5 @@
 /* The library in C, for engines in other languages. At bake time it predicts, fits and checks theta from weighting functions, and
- * evaluates theta at any point. In the game it looks up irradiance in a light grid.
+ * evaluates theta at any point. In the game it looks up irradiance in a light grid. See examples/bake_minimal.c.
  *
  * C11. These functions throw nothing and keep no state, except the support pattern, which the first call that needs it computes
  * (safe from any thread). Formats: docs/reference/formats.md.
@@ -176,7 +176,7 @@ typedef struct nlg_made {
  * phi        count x P bytes, round(255 phi) at the support points in their order; 0 at points in solid
  * validity   count x P / 8 bytes; bit i of byte b is 1 if point 8 b + i lies outside solid
  * blend_sum  count x P bytes, round(255 min(1, S)): S is the sum, at the point, of the functions of all probes of the grid's cell
- *            around it. Fits keep the weight of a probe where few others see the point (docs/theory/math.md §5). Null: S is taken
+ *            around it. Fits keep the weight of a probe where few others see the point (docs/theory/math.md §4). Null: S is taken
  *            as 1, as if other probes saw all that this one sees; points that only this one sees may then turn black
  * theta      count x D floats, overwritten
  * made       count results, overwritten; may be null
@@ -230,7 +230,7 @@ typedef enum nlg_light_status NLG_OF_INT {
  * rgb          3 floats, overwritten, none below 0 */
 nlg_light_status nlg_irradiance(const nlg_light_grid* grid, const double* position_m, const float* normal, float* rgb);
 
-/* Working memory of nlg_irradiances, 1.3 MB: for any grid. Each thread needs its own. */
+/* Working memory of nlg_irradiances, 1.2 MB: for any grid. Each thread needs its own. */
 typedef struct nlg_look_up_scratch nlg_look_up_scratch;
 
 /* scratch   receives the handle; null on failure

@@ -5,6 +5,11 @@
 //
 // ThetaStage names the stages, and ThetaRecord holds the result of each for one function. Only the check (check.h) decides
 // whether a theta is good enough.
+//
+//     ThetaPolicy policy({&generator}, PolicyOptions{});  // one per thread
+//     policy.bake(functions, count, made.data());         // made[i].theta: empty for a bare tent
+//
+// See examples/bake_minimal.cpp.
 #pragma once
 
 #include <array>
@@ -134,6 +139,7 @@ struct MadeTheta {
   const FunctionCheck& check() const { return record.at(ThetaWord::stored); }
 };
 
+// Of this project's own measurements; their definitions are not installed.
 struct StagePlan;   // runtime_eval/policy/stage_plan.h
 struct ThetaTrace;  // runtime_eval/policy/stage_runner.h
 
@@ -156,7 +162,7 @@ class ThetaPolicy {
   //
   // functions   count functions
   // made        count results, overwritten
-  // trace       for measurements; may be null
+  // trace       of this project's own measurements; else null
   void bake(const StoredFunction* functions, int count, MadeTheta* made, ThetaTrace* trace = nullptr);
 
   // The parts of bake, for callers that refine the worst functions first: call checkBareTent, takesBareTent, make, refine, round,

@@ -57,7 +57,7 @@ struct StoredFunction {
   uint8_t blendSum(size_t point) const { return blend_sum == nullptr ? 255 : blend_sum[point]; }
 };
 
-// Weights of residuals in the loss (docs/theory/math.md §5). CheckOptions (check.h) holds the defaults.
+// Weights of residuals in the loss (docs/theory/math.md §4). CheckOptions (check.h) holds the defaults.
 struct LossOptions {
   double dark_weight;  // >= 1: weight of points whose phi is 0 inside the tent, where a residual is a leak
   double blend_floor;  // (0, 1]: a lit point weighs 1 / max(blend_floor, S)²

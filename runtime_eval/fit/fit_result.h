@@ -10,7 +10,7 @@ namespace nlg {
 
 struct FitResult {
   Theta theta;
-  double rmse = 0.0;  // over all valid support points; never above that of the start that the fit was given
+  double rmse = 0.0;  // blend RMSE over all valid support points; never above that of the start that the fit was given
   int steps = 0;
   FitStop stop = FitStop::budget;
   double elapsed_us = 0.0;  // of this fit, by the steady clock
@@ -25,7 +25,8 @@ FitResult timedFit(const Fit& fit) {
   return result;
 }
 
-// Root of the mean over valid points of (representation - phi)²; 0 when no point is valid; not finite when theta is not.
+// The blend RMSE: root of the mean over valid points of (mask (representation - phi))²; 0 when no point is valid; not finite when
+// theta is not.
 double functionRmse(const Representation& representation, const WeightingFunction& function, const float* theta);
 
 }  // namespace nlg

@@ -14,7 +14,7 @@
 namespace nlg {
 
 // The weights of the loss: how much the squared residual counts at each support point. Every fit, training, check and
-// comparison uses them (docs/theory/math.md §5).
+// comparison uses them (docs/theory/math.md §4).
 //
 // Light at a point is the mean of the probes' light, weighed by their functions: sum(phi_p E_p) / S, S = sum(phi_q) over the probes of the
 // cell. To first order a residual r of one function shifts the light there by r (E_p - L) / S. So a lit point weighs 1 / S²: where this probe

@@ -54,7 +54,7 @@ class FurnitureLibrary {
   const CatalogueEntry& entry(size_t piece) const { return pieces_.at(piece).entry; }
   size_t size() const { return pieces_.size(); }
 
-  // The piece's model; null when it is no .obj file of at most 8 MiB, or too fine (furniture_model.h): counted.
+  // The piece's model; null when it is no .obj file of at most 8 MiB, or too fine: counted.
   // throws   InputError on what readObjText refuses, and on a model that is not in the archive
   const FurnitureModel* model(size_t piece);
 

@@ -11,7 +11,7 @@
 
 namespace nlg {
 
-// The plans' names: flat, townhouse, office, villa (interiors/plans.h).
+// The plans' names: flat, townhouse, office, villa (plan_*.cpp).
 const std::vector<std::string>& interiorPlans();
 
 struct Interior {

@@ -31,7 +31,7 @@ const std::vector<std::string>& proceduralFamilies();
 
 // The scene of one family and seed; the same bits on every machine for the same arguments. Typically 10 to 30 m across, 3 to 12 m
 // high, a few hundred to some ten thousand triangles. Structure (shell, ground) is not movable; props and inner walls are.
-// Lit by lamps under the ceilings of furnished rooms, by sky and by sun (procedural/daylight.h).
+// Lit by lamps under the ceilings of furnished rooms, by sky and by sun.
 // throws   UsageError when family is not one of proceduralFamilies()
 Scene makeProceduralScene(const std::string& family, uint64_t seed);
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 NO_LIBRARIES = ("tests/", "benchmarks/", "examples/")
-BELOW_ALL = "runtime_eval/numbers/"  # headers without sources, for everybody
+BELOW_ALL = "runtime_eval/numbers/"  # headers for everybody
 TYPE = re.compile(r"^(?:namespace (?P<space>[\w:]+) \{|\}  // namespace (?P<end>[\w:]+)|(?:template <[^\n]*>\n)?(?:struct|class|union|enum(?: class)?) (?P<name>\w+)(?: final)?(?: : [^;{]*)? \{"
                   r"|using (?P<alias>\w+) =)", re.MULTILINE)
 LIBRARY = re.compile(r"^ *nlg_(?:library|tool)\((\S+)\s([^)]*)\)", re.MULTILINE)

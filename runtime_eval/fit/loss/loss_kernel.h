@@ -1,6 +1,7 @@
 // The shared kernel: loss and gradient of one theta against one weighting function, for every representation.
 //
-// Direct optimisation, refinement and the trainer all call these two routines.
+// Adam and the trainer step by lossAndGradient, and fits of codes compare theta by loss. Levenberg–Marquardt has the same sums in its
+// normal equations.
 #pragma once
 
 #include "nlg/representation.h"

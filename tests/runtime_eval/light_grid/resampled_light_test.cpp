@@ -36,7 +36,7 @@ TEST(ResampledLight, IsTheLightAtItsTexels) {
         ASSERT_EQ(resampled.status[texel], status) << x << ", " << y << ", " << z;
         lit += status == LightStatus::lit;
         for (size_t i = 0; i < kShFloats; ++i) {
-          // coefficients up to 4; shares and sums of 8, as irradiance_test.cpp counts them
+          // coefficients up to 4; shares and sums of 8, as look_up_test.cpp counts them
           ASSERT_NEAR(resampled.light[texel * kShFloats + i], light[i], 40 * 0x1p-24 * 4) << x << ", " << y << ", " << z;
         }
       }

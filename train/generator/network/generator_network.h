@@ -24,7 +24,7 @@ struct GeneratorShape {
 // The shape of a generator that exists. output_scale stays as `shape` has it: takeNumbers folds the generator's own into the last layer.
 GeneratorShape shapeOf(const GeneratorData& data, GeneratorShape shape);
 
-// The formulas of GeneratorData (runtime_eval/evaluator/generator.h), differentiable. The last layer starts at zero: the
+// The formulas of GeneratorData (runtime_eval/evaluator/generator/generator_data.h), differentiable. The last layer starts at zero: the
 // untrained network yields theta0 for every function.
 class GeneratorNetworkImpl : public torch::nn::Module {
  public:
