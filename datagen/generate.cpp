@@ -96,8 +96,7 @@ void generate(const ShardRequest& request, const std::string& out, const Datagen
   // the shard replaces an older one only when it is whole: a run that ends early leaves no half file
   writeAtomically(out, [&](const std::string& temporary_path) {
     ShardWriter writer(temporary_path, job.header());
-    FunctionCollector collector(job.header(), job.header().duplicate_rule, kChunkFunctions, limits,
-                                std::filesystem::absolute(out).parent_path().string());
+    FunctionCollector collector = job.collector(limits, std::filesystem::absolute(out).parent_path().string());
     Progress progress("probes", static_cast<int64_t>(limits.visited_probes));
     FunctionPipeline pipeline = job.pipeline();
     pipeline.report = [&](const FunctionCollector& at_work) { report(progress, at_work, limits); };

@@ -29,7 +29,7 @@ struct Sample {
 // functions   how many are made, duplicates included
 Sample takeSample(const ShardJob& job, uint64_t functions) {
   Sample sample;
-  FunctionCollector collector(job.header(), job.header().duplicate_rule, kChunkFunctions, job.limits(), temporaryFolder());
+  FunctionCollector collector = job.collector(job.limits(), temporaryFolder());
   const FunctionPipeline pipeline = job.pipeline();
   const auto generate = pipeline.makeGenerator(0);
   const double start = threadSeconds();

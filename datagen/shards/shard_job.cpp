@@ -141,6 +141,10 @@ CollectorLimits ShardJob::limits() const {
           std::min<uint64_t>(probeCount(), static_cast<uint64_t>(options_.max_visited_probes))};
 }
 
+FunctionCollector ShardJob::collector(const CollectorLimits& limits, const std::string& spool_folder) const {
+  return {header_, header_.duplicate_rule, kChunkFunctions, limits, spool_folder};
+}
+
 bool ShardJob::isOutside(const glm::dvec3& position_m, float spacing_m, const GeneratedFunction& function) const {
   if (!hull_.isThere()) return false;
   const std::vector<LocalPoint>& points = supportPattern().points;

@@ -61,6 +61,8 @@ class ShardJob {
   const std::map<std::string, uint32_t>& furnitureModels() const { return furniture_models_; }  // of an interior
   uint64_t probeCount() const { return tree_.probeCount(); }
   CollectorLimits limits() const;
+  // Of the functions of this shard: its points, its rule for duplicates, its chunks. throws OutputError when the spool's disk refuses
+  FunctionCollector collector(const CollectorLimits& limits, const std::string& spool_folder) const;
 
   // The functions of the probes in visiting order, for whoever adds a finisher; serves one run. The job must outlive it.
   FunctionPipeline pipeline() const;

@@ -28,7 +28,7 @@ class GeneratedShard : public testing::Test {
   // The shard as run with these limits and threads writes it.
   std::string make(const CollectorLimits& limits, int threads, const std::string& scene = "house:1") {
     const ShardJob job({scene, 0, true}, options_, table_);
-    FunctionCollector collector(job.header(), job.header().duplicate_rule, kChunkFunctions, limits, folder_.string());
+    FunctionCollector collector = job.collector(limits, folder_.string());
     ShardWriter writer(at("shard.h5"), job.header());
     FunctionPipeline pipeline = job.pipeline();
     pipeline.makeFinisher = appendTo(writer);
