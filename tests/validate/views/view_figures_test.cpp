@@ -103,6 +103,7 @@ TEST(ViewFigures, OfAViewWithoutLightAreOfWhatTheDarkestEyeWouldSee) {
   const ViewTruth truth = truthOf(surfaces, dark, 10.0, 1);
   EXPECT_EQ(truth.median, 0.0);
   EXPECT_TRUE(truth.isKnown());
+  EXPECT_FALSE(truth.isCounted()) << "a hollow that no light reaches is no picture";
   const auto leaking = [&](float light) {
     return of(viewFigures(surfaces, truth, evenLight(surfaces.classes.size(), light)), ViewClass::all);
   };
@@ -113,6 +114,7 @@ TEST(ViewFigures, OfAViewWithoutLightAreOfWhatTheDarkestEyeWouldSee) {
   // nothing changes where there is more
   const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 0.02f);
   EXPECT_EQ(truthOf(surfaces, light, 10.0, 1).exposure, truthOf(surfaces, light, 0.0, 1).exposure);
+  EXPECT_TRUE(truthOf(surfaces, light, 10.0, 1).isCounted());
 }
 
 // At 1/3 three deviations are as much as the light, and twice of it is not told from it.
