@@ -19,8 +19,8 @@ struct BakeOptions {
   // Whose shipped weights a bake takes that names none. tent_mlp4 lights levels as well as tent_mlp does, in two thirds of the
   // bytes and of the time (docs/reference/light.md).
   std::vector<std::string> representation = {"tent_mlp4"};
-  double spacing_m =
-      1.0;  // 0: what chooseSpacing says (probe_placement.h); nlg-bake, nlg-view and nlg-validate views begin with it
+  // 0: what chooseSpacing says (probe_placement.h), with which nlg-bake, nlg-view and nlg-validate views begin
+  double spacing_m = 1.0;
   double density_growth = 0.5;
   std::vector<std::string> extent_m;
   bool align_lattice = false;
