@@ -160,8 +160,8 @@ std::string lightSummary(const LightStatistics& light) {
                             light.groups.empty() ? std::string() : fmt::format("; in groups: {}", fmt::join(light.groups, ", ")));
 }
 
-std::string unreadSummary(size_t unread) {
-  return unread > 0 ? fmt::format("not read of the file: {}, named above\n", countText(unread, "kind")) : std::string();
+std::string notesSummary(size_t notes) {
+  return notes > 0 ? fmt::format("what was not read, or read otherwise: {}, above\n", countText(notes, "note")) : std::string();
 }
 
 }  // namespace
@@ -260,7 +260,7 @@ std::string toSummary(const BakeReport& report, const std::string& path) {
   const uint64_t failing = s.failing(ThetaWord::stored, report.policy.check());
   if (failing > 0) text += fmt::format("; {} still {} the check", failing, failing == 1 ? "fails" : "fail");
   if (s.left_for_time > 0) text += fmt::format("; {} left for want of time", s.left_for_time);
-  return text + '\n' + lightSummary(s.light) + unreadSummary(report.unread);
+  return text + '\n' + lightSummary(s.light) + notesSummary(report.notes);
 }
 
 nlohmann::ordered_json toJson(const RelightReport& report) {
@@ -275,7 +275,7 @@ nlohmann::ordered_json toJson(const RelightReport& report) {
 
 std::string toSummary(const RelightReport& report, const std::string& path) {
   return firstLine(path, report.probes, report.file_bytes, report.wall_s, report.peak_memory_bytes) +
-         fmt::format("functions as in {}\n", report.grid) + lightSummary(report.light) + unreadSummary(report.unread);
+         fmt::format("functions as in {}\n", report.grid) + lightSummary(report.light) + notesSummary(report.notes);
 }
 
 std::string toTable(const BakeReport& report) {

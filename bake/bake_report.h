@@ -18,7 +18,7 @@ struct WeightsUsed {
 
 struct BakeReport {
   std::string scene;
-  size_t unread = 0;                 // notes about what the scene's file holds and is not read: told when it was
+  size_t notes = 0;                  // on how the scene's file was read: told when it was
   std::vector<WeightsUsed> weights;  // by rising number of parameters
   BakeStatistics statistics;
   std::vector<Saving> savings;
@@ -34,7 +34,7 @@ struct RelightReport {
   std::string scene, grid;  // the path of the grid that had the functions
   uint64_t probes = 0, file_bytes = 0, peak_memory_bytes = 0;
   double wall_s = 0.0;
-  size_t unread = 0;
+  size_t notes = 0;
   LightStatistics light;
 };
 nlohmann::ordered_json toJson(const RelightReport& report);

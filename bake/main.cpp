@@ -162,11 +162,6 @@ std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const G
   return bytes;
 }
 
-size_t unreadKinds(const SceneSource& source) {
-  return static_cast<size_t>(std::count_if(source.notes.begin(), source.notes.end(),
-                                           [](const std::string& note) { return note.find("not read") != std::string::npos; }));
-}
-
 // Whether a grid is what this command line would bake.
 void runCheck(Request request, const BakeOptions& options, const OptionTable& table) {
   for (const auto& [is_given, what] : {std::pair(!request.relit.empty(), "--relight"), std::pair(request.out_is_given, "--out"),
@@ -222,7 +217,7 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   report.probes = baked.grid.tree.probeCount();
   report.file_bytes = bytes.size();
   report.peak_memory_bytes = peakMemoryBytes();
-  report.unread = unreadKinds(scene.source);
+  report.notes = scene.source.notes.size();
   report.wall_s = secondsSince(start);
   std::cerr << toSummary(report, request.out);
   writeJson(request.json, toJson(report));
@@ -271,7 +266,12 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   std::string told;
   if (is_keeping) {
     origin = functionOrigin(table, weights_sha256);
-    kept = readKept(request.kept, origin, representationsOf(generators), &told);
+    try {
+      kept = readKept(request.kept, origin, representationsOf(generators), &told);
+    } catch (const DamageError& error) {
+      // whoever bakes again and again, as the viewer does, then removes it
+      throw ToolError(ExitCode::damaged_file, error.what());
+    }
   }
   const BakeScene scene = readScene(request, options, generators, threads);
   if (!told.empty()) std::cerr << "kept: " << told << '\n';
@@ -287,7 +287,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
 
   BakeReport report;
   report.scene = scene.source.id;
-  report.unread = unreadKinds(scene.source);
+  report.notes = scene.source.notes.size();
   report.weights = weights;
   std::vector<uint64_t> weights_bytes;
   weights_bytes.reserve(weights.size());

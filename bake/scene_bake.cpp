@@ -239,9 +239,9 @@ uint64_t BakeStatistics::raised() const {
 }
 
 std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
-  std::vector<uint64_t> counts(generator_count, 0);
-  for (const FunctionOutcome& function : functions) ++counts[function.generator];
-  return counts;
+  std::vector<uint64_t> uses(generator_count, 0);
+  for (const FunctionOutcome& function : functions) ++uses[function.generator];
+  return uses;
 }
 
 Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,

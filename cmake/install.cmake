@@ -30,7 +30,7 @@ endif()
 install(EXPORT nlg-targets NAMESPACE nlg:: DESTINATION ${NLG_PACKAGE_FOLDER})
 # before 1.0 every minor version may change what headers hold
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/nlg-config-version.cmake VERSION ${PROJECT_VERSION}
-  COMPATIBILITY SameMinorVersion)
+  COMPATIBILITY SameMajorVersion)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/nlg-config.cmake ${PROJECT_SOURCE_DIR}/cmake/highway.cmake
   ${PROJECT_BINARY_DIR}/nlg-config-version.cmake DESTINATION ${NLG_PACKAGE_FOLDER})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/weights/ DESTINATION ${CMAKE_INSTALL_DATADIR}/neural-light-grid/weights

@@ -214,10 +214,7 @@ class Watch {
   }
 
   // Whether a bake ended because what the one before kept is damaged.
-  bool isOfKept(const Ran& ran) const {
-    return ran.end == End::done && ran.code == static_cast<int>(ExitCode::input_error) &&
-           lastLine(ran.errors).starts_with("nlg-bake: error: " + kept_ + ": ");
-  }
+  bool isOfKept(const Ran& ran) const { return ran.end == End::done && ran.code == static_cast<int>(ExitCode::damaged_file); }
 
   Words weights() const {
     if (request_.weights.empty()) return {};

@@ -26,7 +26,8 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   if (kind != kShardKind) throw InputError(path, "attribute kind", kShardKind, kind);
   const uint64_t version = file.readIntegerAttribute("schema_version");
   if (version != kShardVersion)
-    throw InputError(path, "attribute schema_version", std::to_string(kShardVersion), std::to_string(version));
+    throw InputError(path, "attribute schema_version", std::to_string(kShardVersion) + " (make shards of other versions again)",
+                     std::to_string(version));
   Shard shard;
   shard.path = path;
   shard.scene_id = file.readTextAttribute("scene_id");

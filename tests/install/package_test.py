@@ -3,7 +3,8 @@
 
     package_test.py BUILD CPACK VERSION archive   unpacked into an empty folder, in an environment without anything
     package_test.py BUILD CPACK VERSION training  the same of training: a whole run of next to nothing
-    package_test.py BUILD CPACK VERSION debian    installed on a bare Debian 12 that is made for this; skipped where none can be made
+    package_test.py BUILD CPACK VERSION debian    both installed on a bare Debian 12 that is made for this: a first bake, a linked program and
+                                                  a first own generator, with their times; skipped where none can be made
 """
 import os
 import re
@@ -19,6 +20,10 @@ BUILD, CPACK, VERSION, KIND = Path(sys.argv[1]), sys.argv[2], sys.argv[3], sys.a
 TOOLS = ["nlg-bake", "nlg-datagen", "nlg-export", "nlg-render", "nlg-view"]
 OF_EVERY_DEBIAN = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "libstdc++.so.6", "libz.so.1", "ld-linux-x86-64.so.2"}
 BAKE = ["courtyard.glb", "--sky", ".55,.75,1"]
+# a run of next to nothing
+SMALL = [f"--set={setting}" for setting in (
+    "scenes.families=[clutter]", "scenes.per_family=2", "split.held_out=[clutter_1]", "datagen.max_functions=60", "basis.components=32", "train.steps=10", "representations=[tent_mlp4]",
+    "validate.direct_functions=4", "frontier.functions=4", "report.savings=[]", "validate_light.scenes=[]")]
 
 
 def output(*command, **options):
@@ -101,9 +106,7 @@ def training():
         home = prefix / "lib/nlg-training"
         for path in filter(Path.is_file, prefix.rglob("*")):
             assert str(ROOT).encode() not in path.read_bytes(), path
-        small = ["scenes.families=[clutter]", "scenes.per_family=2", "split.held_out=[clutter_1]", "datagen.max_functions=60", "basis.components=32", "train.steps=10", "representations=[tent_mlp4]",
-                 "validate.direct_functions=4", "frontier.functions=4", "report.savings=[]", "validate_light.scenes=[]"]
-        output(home / "pipeline.sh", *(f"--set={setting}" for setting in small), "configs/smoke.yaml", cwd=home, env={"PATH": "/usr/bin:/bin", "NLG_OUT": str(folder / "out")})
+        output(home / "pipeline.sh", *SMALL, "configs/smoke.yaml", cwd=home, env={"PATH": "/usr/bin:/bin", "NLG_OUT": str(folder / "out")})
         assert (folder / "out/smoke/weights/tent_mlp4.safetensors").stat().st_size > 0 and (folder / "out/smoke/report.html").exists()
 
 
@@ -114,6 +117,8 @@ def debian():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         package, built = pack("DEB", folder)
+        output(CPACK, "--config", BUILD / "CPackTraining.cmake", "-G", "DEB", "-B", folder / "training")
+        training_package, = (folder / "training").glob("nlg-training*.deb")
         (folder / "install.sh").write_text(f"""set -e
             export DEBIAN_FRONTEND=noninteractive
             cd /root
@@ -128,10 +133,20 @@ def debian():
             test -s courtyard/index.html
             took "its page"
             cp courtyard.safetensors kept
+            apt-get install -q -y cmake g++ libhwy-dev
+            cmake -S examples -B program && cmake --build program
+            program/bake_minimal /usr/share/neural-light-grid/weights/tent_mlp4.safetensors
+            program/bake_minimal_c /usr/share/neural-light-grid/weights/tent_mlp4.safetensors
+            took "a linked program"
             apt-get purge -q -y nlg
             if find / -xdev -path '*nlg*' -not -path '/root/*' -o -path '*neural-light-grid*' | grep .; then exit 1; fi
+            apt-get install -q -y ./{training_package.name}
+            cp -r /usr/lib/nlg-training training
+            training/pipeline.sh {' '.join(SMALL)} training/configs/smoke.yaml
+            test -s training/out/smoke/weights/tent_mlp4.safetensors
+            took "a first own generator"
             """)
-        hooks = [f"touch {folder}/made", f"cp {package} {folder}/courtyard.glb {folder}/install.sh $1/root", 'chroot "$1" bash /root/install.sh', f"cp $1/root/kept {folder}"]
+        hooks = [f"touch {folder}/made", f"cp -r {package} {training_package} {ROOT}/examples {folder}/courtyard.glb {folder}/install.sh $1/root", 'chroot "$1" bash /root/install.sh', f"cp $1/root/kept {folder}"]
         result = subprocess.run(["mmdebstrap", "--variant=apt", "--format=null", *("--customize-hook=" + hook for hook in hooks), "bookworm", "/dev/null"],
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         if not (folder / "made").exists():

@@ -65,7 +65,8 @@ BasisFile readBasisFile(const std::string& path) {
   }
   const uint64_t version = reader.readIntegerAttribute("schema_version");
   if (version != kSchemaVersion) {
-    throw InputError(path, "attribute schema_version", std::to_string(kSchemaVersion), std::to_string(version));
+    throw InputError(path, "attribute schema_version", std::to_string(kSchemaVersion) + " (fit bases of other versions again)",
+                     std::to_string(version));
   }
   reader.verifyDigest();
   file.pattern_hash = reader.readIntegerAttribute("pattern_hash");

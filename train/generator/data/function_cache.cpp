@@ -83,7 +83,8 @@ FunctionCache::FunctionCache(const std::string& path) : path_(path), mapped_(map
       throw InputError(path, "first bytes", "those of a function cache", "other bytes");
     }
     if (head.version != kCacheVersion) {
-      throw InputError(path, "version", std::to_string(kCacheVersion) + ", as of this nlg-cache", std::to_string(head.version));
+      throw InputError(path, "version", std::to_string(kCacheVersion) + " (make caches of other versions again)",
+                       std::to_string(head.version));
     }
     if (std::any_of(mapped_ + sizeof head, mapped_ + kFirstRecord, [](uint8_t byte) { return byte != 0; })) {
       throw DamageError(path, "bytes behind the head", "zeros", "other bytes: the file is damaged");
