@@ -340,7 +340,7 @@ def blend_section(results):
 
 def page(all_results):
     results = all_results[NAME]
-    text = INTRODUCTION + f"\nMade by `{results['command']}`, revision {', '.join(f'`{revision}`' for revision in results['revisions'])}. {results.get('note', '')}\n"
+    text = INTRODUCTION + f"\nMade by `{results['command']}`, revision {', '.join(f'`{revision}`' for revision in results['revisions'])}.\n"
     text += (indirect_section(results) if "indirect" in results else "") + targets_section(results)
     text += seen_section(results) if "views" in results else ""
     return text + blend_section(results) + scenes_section(results["scenes"])

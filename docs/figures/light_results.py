@@ -307,7 +307,7 @@ def collect(folder, ours=OURS):
         fail(folder, "results of nlg-validate light", "no .json")
     points, scenes, revisions = measured(folder, files, ours, "all")
     kinds = {point.scene: point.kind for point in points}
-    out = {"schema_version": 1, "run": NAME, "command": "docs/figures/results.py collect-light FOLDER", "ours": ours, "revisions": revisions, "scenes": scenes,
+    out = {"schema_version": 1, "run": NAME, "command": "docs/figures/measure.sh light views bakes", "ours": ours, "revisions": revisions, "scenes": scenes,
            "targets": targets(points, ours), "thinning": {}, "methods": {}}
     for kind in SCENE_KINDS:
         of_kind = [point for point in points if point.kind == kind]

@@ -30,7 +30,7 @@ done
 
 if [ "${parts[*]}" = collect ]; then
   run=$root/openarena
-  [ ! -f "$run/evaluation/summary.json" ] || docs/figures/results.py collect "$run" --config configs/openarena.yaml
+  [ ! -f "$run/evaluation/summary.json" ] || docs/figures/results.py collect "$run" --config configs/openarena.yaml --made-by "docs/figures/measure.sh functions bakes"
   [ ! -d "$root/light" ] || docs/figures/results.py collect-light "$root/light"
   [ ! -f "$root/fault_injection/table.json" ] || docs/figures/results.py collect-fault-injection "$root/fault_injection"
   [ ! -d "$root/cycles" ] || docs/figures/results.py collect-cycles "$root/cycles"
@@ -83,6 +83,8 @@ functions() {
   made "$run/stability.json" sh -c '"$1" stability --weights weights/*.safetensors --training "$2/training_cases.json" --out "$2/stability.json" || [ $? = 6 ]' sh "$bin/nlg-validate" "$run"
   benchmark "$run/benchmarks/runtime_eval" bench_runtime_eval
   benchmark "$run/benchmarks/libtorch" bench_libtorch
+  mkdir -p "$root/light"
+  ln -sfn ../openarena/benchmarks "$root/light/benchmarks"
 }
 
 bakes() {

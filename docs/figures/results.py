@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """One source for every number that the documentation states: docs/results/NAME.json.
 
-    docs/figures/results.py collect RUN [--config CONFIG] [--no-pictures] [--add]    measured → docs/results, then write
+    docs/figures/results.py collect RUN [--config CONFIG] [--no-pictures] [--add] [--made-by COMMAND]    measured → docs/results, then write
     docs/figures/results.py collect-light FOLDER [--ours NAME] [--no-pictures]    what was measured of light → docs/results/light.json, then write
     docs/figures/results.py collect-fault-injection FOLDER                   what fault injection found → docs/results/reliability.json, then write
     docs/figures/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
@@ -128,7 +128,7 @@ def keep(results):
     return all_results
 
 
-def collect(run, configuration, pictures, add):
+def collect(run, configuration, pictures, add, made_by):
     run = run.resolve()
     earlier = None
     if add:
@@ -136,6 +136,8 @@ def collect(run, configuration, pictures, add):
         if earlier is None:
             results_collect.fail(RESULTS / f"{run.name}.json", "earlier results, which --add adds to", "none")
     results = results_collect.collect(run, configuration, earlier)
+    if made_by:
+        results["command"] = made_by
     all_results = keep(results)
     if pictures and results["run"] == MAIN:
         draw(run)
@@ -163,6 +165,7 @@ def main():
     collecting.add_argument("--config", default=f"configs/{MAIN}.yaml", help="configuration of the run (%(default)s)")
     collecting.add_argument("--no-pictures", action="store_true", help="do not draw docs/images again")
     collecting.add_argument("--add", action="store_true", help="keep the sections and scenes of docs/results that RUN has not measured. Their weights must be the same, unless only benchmarks are kept")
+    collecting.add_argument("--made-by", default="", help="command that made RUN (./pipeline.sh CONFIG)")
     collecting_light = commands.add_parser("collect-light", help="what was measured of light → docs/results/light.json, then write")
     collecting_light.add_argument("folder", type=Path, help="folder with SCENE.json of nlg-validate light, one per scene")
     collecting_light.add_argument("--no-pictures", action="store_true", help="do not draw docs/images again")
@@ -175,7 +178,7 @@ def main():
     commands.add_parser("check", help="names every text that says something else")
     arguments = parser.parse_args()
     if arguments.command == "collect":
-        return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.add)
+        return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.add, arguments.made_by)
     if arguments.command == "collect-light":
         return collect_light(arguments.folder, arguments.ours, not arguments.no_pictures)
     if arguments.command == "collect-fault-injection":

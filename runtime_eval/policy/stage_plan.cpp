@@ -46,7 +46,7 @@ const char* unitOf(ThetaStage stage, int budget) {
     case ThetaStage::lm_theta0:
       return one ? "iteration at most" : "iterations at most";
     case ThetaStage::adam:
-      return one ? "step for each .01 of RMSE, 4 at most" : "steps for each .01 of RMSE, 4 times as many at most";
+      return one ? "step for each .01 of blend RMSE, 4 at most" : "steps for each .01 of blend RMSE, 4 times as many at most";
     case ThetaStage::refinement:
       return one ? "round at most" : "rounds at most";
     default:
@@ -78,9 +78,9 @@ std::string takersText(const StagePlan& plan) {
     case StagePlan::Who::all:
       return "all functions";
     case StagePlan::Who::wrong:
-      return std::string("functions that the network left above an RMSE of ") + rmse + " or failing the check";
+      return std::string("functions that the network left above a blend RMSE of ") + rmse + " or failing the check";
     case StagePlan::Who::above:
-      return std::string("those of them whose RMSE is still above ") + rmse;
+      return std::string("those of them whose blend RMSE is still above ") + rmse;
     case StagePlan::Who::failing:
       return "functions that fail the check";
   }

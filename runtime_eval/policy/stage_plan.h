@@ -15,7 +15,7 @@ struct StagePlan {
   enum class Who : uint8_t {
     all,      // that have a theta
     wrong,    // whose RMSE is above `above_rmse`, or that fail the check, as the network left them
-    above,    // of these, whose RMSE is still above `above_rmse`
+    above,    // of these, whose blend RMSE is still above `above_rmse`
     failing,  // that fail the check
   };
   ThetaStage stage = ThetaStage::network;
@@ -24,9 +24,9 @@ struct StagePlan {
   int budget = 0;  // iterations, Adam's steps, rounds; 0 where the stage has none
 };
 
-// "Levenberg-Marquardt from theta0, 32 iterations at most: those of them whose RMSE is still above 0.005".
+// "Levenberg-Marquardt from theta0, 32 iterations at most: those of them whose blend RMSE is still above 0.005".
 std::string describe(const StagePlan& plan);
-// Its parts: "32 iterations at most", empty for a stage without a budget; "those of them whose RMSE is still above 0.005".
+// Its parts: "32 iterations at most", empty for a stage without a budget; "those of them whose blend RMSE is still above 0.005".
 std::string budgetText(const StagePlan& plan);
 std::string takersText(const StagePlan& plan);
 
