@@ -41,7 +41,7 @@ std::optional<size_t> drawBy(const std::vector<double>& running, Random& random)
 
 class PointDraws {
  public:
-  explicit PointDraws(const BakeScene& scene) : scene_(scene) {
+  explicit PointDraws(const PreparedScene& scene) : scene_(scene) {
     double volume = 0.0, area = 0.0;
     for (const AirPlaces::Cell& cell : scene.air.cells) {
       if (cell.count == 0) continue;
@@ -105,7 +105,7 @@ class PointDraws {
                        [&](const glm::dvec3& place) { return sees(scene_.rays, place, at); });
   }
 
-  const BakeScene& scene_;
+  const PreparedScene& scene_;
   std::vector<const AirPlaces::Cell*> cells_;  // that hold air
   std::map<LatticePoint, const AirPlaces::Cell*> cell_at_;
   std::vector<double> volume_, area_;  // running sums: of air in cells_, units³; of triangles, twice m²
@@ -147,7 +147,7 @@ nlohmann::ordered_json figuresJson(const BlendFigures& figures) {
 
 }  // namespace
 
-BlendTargets::BlendTargets(const BakeScene& scene, uint64_t seed, int thread_count)
+BlendTargets::BlendTargets(const PreparedScene& scene, uint64_t seed, int thread_count)
     : scene_(scene), first_corner_(scene.tree.probeCount() + 1) {
   constexpr uint64_t kBlock = 64;
   const PointDraws draws(scene);

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bake/scene_functions.h"
+#include "bake/prepared_scene.h"
 
 namespace nlg {
 
@@ -37,7 +37,7 @@ struct BlendPoint {
 class BlendTargets {
  public:
   // The same points for any number of threads. scene   must outlive it
-  BlendTargets(const BakeScene& scene, uint64_t seed, int thread_count);
+  BlendTargets(const PreparedScene& scene, uint64_t seed, int thread_count);
 
   // Of a probe that has a weight; of each once, and any thread may say it.
   // eye       in its support, local coordinates
@@ -54,7 +54,7 @@ class BlendTargets {
 
   float diffusedShare(const StoredFunction& function, const ProbeAround& at, const glm::dvec3& position) const;
 
-  const BakeScene& scene_;
+  const PreparedScene& scene_;
   std::vector<BlendPoint> points_;
   std::vector<uint64_t> first_corner_;  // by probe, into corners_; one more
   std::vector<Corner> corners_;

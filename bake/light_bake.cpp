@@ -73,7 +73,7 @@ struct LitSet {
 };
 
 // Bounces between surfaces, once for all places of a set.
-void cacheSurfaces(const BakeScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
+void cacheSurfaces(const PreparedScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
   for (LitSet& set : *sets) {
     set.cache = makeSurfaceCache(set.transport, scene.air.places, scene.tree.frame().spacing_m, set.options, threads);
     if (set.cache == nullptr) continue;
@@ -83,7 +83,7 @@ void cacheSurfaces(const BakeScene& scene, int threads, std::deque<LitSet>* sets
   }
 }
 
-void measureSets(const BakeScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
+void measureSets(const PreparedScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
   const glm::dvec3& origin_m = scene.source.scene.origin_m;
   std::vector<glm::dvec3>& buried_m = statistics->buried_lamps_m;
   for (LitSet& set : *sets) {
@@ -99,7 +99,7 @@ void measureSets(const BakeScene& scene, int threads, std::deque<LitSet>* sets, 
 }
 
 // Of places that are dark in every set. Where all are, that is said of the whole.
-void findDark(const BakeScene& scene, const std::deque<LitSet>& sets, LightStatistics* statistics) {
+void findDark(const PreparedScene& scene, const std::deque<LitSet>& sets, LightStatistics* statistics) {
   std::vector<uint8_t> is_dark(scene.air.places.size(), 1);
   bool shines = false;
   for (const LitSet& set : sets) {
@@ -113,7 +113,7 @@ void findDark(const BakeScene& scene, const std::deque<LitSet>& sets, LightStati
 }
 
 // Each set by itself, by the same functions at the same places: what a bake of it alone would give.
-std::vector<ProbeLight> solveSets(const BakeScene& scene, const LightGrid& grid, const std::deque<LitSet>& sets, int threads,
+std::vector<ProbeLight> solveSets(const PreparedScene& scene, const LightGrid& grid, const std::deque<LitSet>& sets, int threads,
                                   LightStatistics* statistics) {
   const glm::dvec3& origin_m = scene.source.scene.origin_m;
   const std::vector<std::string>& names = scene.source.light_sets;
@@ -164,7 +164,7 @@ size_t bytesWith(LightGrid grid, const BakeOptions& options, const GridMetadata&
 }
 
 struct ThinningInputs {
-  const BakeScene& scene;
+  const PreparedScene& scene;
   const BakeOptions& options;
   const GridMetadata& metadata;
   const GroupsOfGrid& groups;
@@ -282,7 +282,7 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options) {
   return light;
 }
 
-LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid, const GridMetadata& metadata) {
+LightStatistics bakeLight(const PreparedScene& scene, const BakeOptions& options, LightGrid* grid, const GridMetadata& metadata) {
   grid->light.clear();
   grid->groups.clear();
   LightStatistics statistics;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/scene_functions.h"
+#include "bake/prepared_scene.h"
 #include "light/probe_light.h"
 #include "light/standing.h"
 #include "light/thinning.h"
@@ -55,6 +55,7 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options);
 // metadata  that the file is going to have: max_bytes counts it
 // Leaves functions and probes of it out by options.thin_error and options.max_bytes (thinning.h).
 // throws   UsageError on an unknown way, and on max_bytes that no thinning keeps; InputError when light is beyond kMaxGridLight
-LightStatistics bakeLight(const BakeScene& scene, const BakeOptions& options, LightGrid* grid, const GridMetadata& metadata = {});
+LightStatistics bakeLight(const PreparedScene& scene, const BakeOptions& options, LightGrid* grid,
+                          const GridMetadata& metadata = {});
 
 }  // namespace nlg

@@ -15,10 +15,10 @@
 #include "bake/again/own_files.h"
 #include "bake/again/relight.h"
 #include "bake/bake_plan.h"
-#include "bake/bake_report.h"
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
 #include "bake/probe_list.h"
+#include "bake/report/bake_report.h"
 #include "nlg/simd.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "scene/lights/light_sets.h"
@@ -68,11 +68,11 @@ uint64_t peakMemoryBytes() {
 }
 
 // What a bake may come to without an error, and is seldom what was meant.
-void warn(const BakeScene& scene, const std::string& what) {
+void warn(const PreparedScene& scene, const std::string& what) {
   std::cerr << "nlg-bake: " << scene.source.id << ": " << what << '\n';
 }
 
-void warnOfDarkness(const BakeScene& scene, const BakeOptions& options, const LightStatistics& statistics) {
+void warnOfDarkness(const PreparedScene& scene, const BakeOptions& options, const LightStatistics& statistics) {
   for (const std::string& warning : lightWarnings(statistics)) warn(scene, warning);
   const std::vector<const Scene*> lit = litScenes(scene.source);
   const bool has_own =
@@ -81,7 +81,7 @@ void warnOfDarkness(const BakeScene& scene, const BakeOptions& options, const Li
     warn(scene, "light_direct leaves nothing out: the scene has no lamps and no suns of its own");
 }
 
-void warnOfNothing(const BakeScene& scene, const BakeOptions& options, const BakeStatistics& statistics) {
+void warnOfNothing(const PreparedScene& scene, const BakeOptions& options, const BakeStatistics& statistics) {
   if (statistics.counts.functions + statistics.bare_tents.count == 0)
     warn(scene,
          "no probe has a weighting function; check that extent_m covers the scene, and that spacing_m is smaller than its rooms");
@@ -128,7 +128,7 @@ void checkOutputs(const Request& request, const std::vector<std::string>& inputs
   }
 }
 
-void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, Request* request) {
+void chooseOut(const PreparedScene& scene, const std::vector<std::string>& inputs, Request* request) {
   if (!request->out_is_given) {
     request->out = scene.source.id + ".safetensors";
     checkOutput(request->out, kGridFiles, "--out", inputs);
@@ -138,8 +138,8 @@ void chooseOut(const BakeScene& scene, const std::vector<std::string>& inputs, R
 }
 
 // generators   of the functions that will be made; none: light alone is
-BakeScene readScene(const Request& request, const BakeOptions& options, const std::vector<Generator>& generators, int threads,
-                    const KnownAir& known = {}) {
+PreparedScene readScene(const Request& request, const BakeOptions& options, const std::vector<Generator>& generators, int threads,
+                        const KnownAir& known = {}) {
   SceneSource source = loadLitScene(request.scene, options);
   try {
     std::cerr << toText(planBake(source, options, generators, threads), threads);
@@ -202,7 +202,7 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   BakedGrid baked = readBakedGrid(request.relit);
   const int threads = threadsOf(options);
   // cells that the bake of the grid found without air are not searched again
-  const BakeScene scene = readScene(request, options, {}, threads, knownAir(request.relit, baked));
+  const PreparedScene scene = readScene(request, options, {}, threads, knownAir(request.relit, baked));
   requireFunctionsOf(scene, table, options.representation, request.relit, baked);
   if (!baked.grid.groups.empty() && lightGroupNames(scene.source).empty())
     std::cerr << "light: the grid's " << baked.grid.groups.size()
@@ -273,7 +273,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
       throw ToolError(ExitCode::damaged_file, error.what());
     }
   }
-  const BakeScene scene = readScene(request, options, generators, threads);
+  const PreparedScene scene = readScene(request, options, generators, threads);
   if (!told.empty()) std::cerr << "kept: " << told << '\n';
   const double load_s = secondsSince(start);
   chooseOut(scene, inputs, &request);

@@ -31,10 +31,10 @@ struct FunctionInWork {
   KeptKey key = {};          // where the bake keeps
 };
 
-class SceneBake {
+class Baking {
  public:
-  SceneBake(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-            const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept)
+  Baking(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
+         const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept)
       : scene_(scene),
         generators_(generators),
         options_(options),
@@ -182,7 +182,7 @@ class SceneBake {
     return grid;
   }
 
-  const BakeScene& scene_;
+  const PreparedScene& scene_;
   const std::vector<Generator>& generators_;
   BakeOptions options_;
   int thread_count_;
@@ -244,9 +244,9 @@ std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
   return uses;
 }
 
-Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
+Bake bakeScene(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
                const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept) {
-  return SceneBake(scene, generators, options, spool_folder, metadata, kept).run();
+  return Baking(scene, generators, options, spool_folder, metadata, kept).run();
 }
 
 }  // namespace nlg

@@ -66,7 +66,7 @@ struct Bake {
 // kept         what an earlier bake kept with these generators and settings of functions, perhaps nothing; then what this one keeps.
 //              The grid is the same with and without. Null: nobody asks. refine_seconds must be 0
 // throws       as SceneFunctions does
-Bake bakeScene(const BakeScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
+Bake bakeScene(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
                const std::string& spool_folder, const GridMetadata& metadata = {}, KeptProbes* kept = nullptr);
 
 }  // namespace nlg

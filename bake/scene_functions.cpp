@@ -1,21 +1,11 @@
 #include "bake/scene_functions.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <iterator>
 
-#include <fmt/format.h>
-
-#include "bake/bake_plan.h"
 #include "bake/blend_error.h"
-#include "datagen/probes/probe_placement.h"
-#include "light/air.h"
 #include "runtime_eval/evaluator/generator/projection.h"
-#include "runtime_eval/probe_tree/probe_tree_data.h"
 #include "runtime_eval/support/weighting_function.h"
-#include "scene/lights/light_sets.h"
-#include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
@@ -28,138 +18,6 @@ constexpr uint64_t kBlockProbes = 64;  // long against what handing a block on c
 using Clock = std::chrono::steady_clock;
 double secondsBetween(Clock::time_point from, Clock::time_point to) { return std::chrono::duration<double>(to - from).count(); }
 
-ProbeTree placeProbes(const SceneSource& source, const BakeOptions& options) {
-  const Progress progress("probe tree");
-  return placeProbes(source.scene, placementOf(source, options), options.seed);
-}
-
-// So many places at least in the whole scene: a grid of a few probes has few cells, and its light would be fitted to next to
-// nothing.
-constexpr uint64_t kFewestPlaces = 2048;
-
-AirPlaceOptions airPlaceOptions(const BakeOptions& options, uint64_t cell_count) {
-  AirPlaceOptions air;
-  const auto for_all = static_cast<int>((kFewestPlaces + cell_count) / std::max<uint64_t>(1, cell_count));
-  air.places_per_cell = std::max(options.light_samples, for_all);
-  air.draws_per_cell = std::max(air.draws_per_cell, 4 * air.places_per_cell);
-  air.seed = options.seed;
-  return air;
-}
-
-std::string searchedSha256(const ProbeTree& tree, const SkyFaces& sky) {
-  std::string bytes;
-  const auto add = [&](const auto&... lists) {
-    ((bytes += std::to_string(lists.size()) + ' ',
-      bytes.append(reinterpret_cast<const char*>(lists.data()), lists.size() * sizeof(lists[0]))),
-     ...);
-  };
-  const ProbeTreeData data = probeTreeData(tree);
-  add(data.frame.first_m, data.frame.root_count, data.child_mask, data.used_mask, data.cell_count, sky.positions, sky.triangles);
-  return sha256(bytes);
-}
-
-// The level with a set's own lamps, sky, suns and materials, before its options are applied. What else a file says is the level's.
-Scene sceneOf(const LightSet& set, const std::string& request, const SceneReading& reading, SceneSource* level) {
-  if (set.scene.empty() || set.scene == request) return level->scene;
-  SceneSource source = loadScene(set.scene, reading);
-  if (const std::string difference = geometryDifference(level->scene, source.scene); !difference.empty())
-    throw InputError(set.scene, "light set " + set.name, "the geometry of " + request, difference);
-  for (const auto& [notes, told] :
-       {std::pair(&source.notes, &level->notes), std::pair(&source.light_notes, &level->light_notes)}) {
-    for (const std::string& note : *notes) {
-      if (std::find(told->begin(), told->end(), note) == told->end()) told->push_back(set.name + ": " + note);
-    }
-  }
-  source.scene.id = level->scene.id;
-  source.scene.viewpoints = level->scene.viewpoints;
-  return std::move(source.scene);
-}
-
-}  // namespace
-
-SceneSource loadLitScene(const std::string& request, const BakeOptions& options) {
-  const Progress progress("reading");
-  const std::vector<LightSet> sets = lightSetsFrom(options.light_set, options.scene_light);
-  SceneReading reading = options.reading;
-  // without light, images serve geometry alone
-  if (options.light == "none") reading.images = ImageNeed::geometry;
-  SceneSource source = loadScene(request, reading);
-  if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
-  const auto isOpen = [](const Scene& scene) { return openShare(scene) > kOpenShare; };
-  const auto litBy = [&](const LightSet& set, Scene* scene, bool* is_divided) {
-    try {
-      return applyLight(*scene, set.options, isOpen, is_divided);
-    } catch (const UsageError& error) {
-      throw ToolError(error.exitCode(), "--light-set " + set.name + ": " + error.what());
-    }
-  };
-  if (sets.empty()) {
-    for (const std::string& done : applyLight(source.scene, options.scene_light, isOpen)) source.light_notes.push_back(done);
-    return source;
-  }
-  // each set is lit by itself, by the level's file or by its own
-  std::vector<Scene> lit;
-  std::array<std::string, 2> in_lumens;  // sets whose lamps Blender's exporter multiplied by 683: left so, and divided
-  for (const LightSet& set : sets) {
-    lit.push_back(sceneOf(set, request, options.reading, &source));
-    const bool is_asked = isInOtherUnit(lit.back());
-    bool is_divided = false;
-    for (const std::string& line : litBy(set, &lit.back(), &is_divided)) source.light_notes.push_back(set.name + ": " + line);
-    if (is_asked) in_lumens[is_divided] = set.name;
-    source.light_sets.push_back(set.name);
-  }
-  // each by itself would be well exposed, and a lamp of both 683 times as bright in one as in the other
-  if (!in_lumens[0].empty() && !in_lumens[1].empty())
-    throw UsageError("--light-set: lamps and suns have another unit in " + in_lumens[0] + " than in " + in_lumens[1] +
-                     ", where they were divided by 683; give --light-unit file or --light-unit watt");
-  if (std::none_of(sets.begin(), sets.end(), [&](const LightSet& set) { return set.scene.empty() || set.scene == request; }))
-    source.light_notes.push_back("what the level's own file is lit by is in no set");
-  // the first set is the scene, the others stand beside it
-  source.scene = std::move(lit.front());
-  source.lit_otherwise.assign(std::move_iterator(lit.begin() + 1), std::move_iterator(lit.end()));
-  const std::vector<std::string> groups = lightGroupNames(source);
-  if (groups.size() > kMaxLightGroups)
-    throw UsageError("--light-set", fmt::format("at most {} groups of light in all sets together", kMaxLightGroups),
-                     fmt::format("{}, '{}' being the first beyond the limit", groups.size(), groups[kMaxLightGroups]));
-  return source;
-}
-
-ProbeTree BakeScene::treeInWorld() const {
-  ProbeTree moved = tree;
-  const glm::dvec3& origin_m = source.scene.origin_m;
-  moved.moveBy({origin_m.x, origin_m.y, origin_m.z});
-  return moved;
-}
-
-BakeScene::BakeScene(const std::string& request, const BakeOptions& options)
-    : BakeScene(loadLitScene(request, options), options) {}
-
-BakeScene::BakeScene(SceneSource lit, const BakeOptions& options, const KnownAir& known)
-    : source(std::move(lit)),
-      links(known.tree == nullptr ? makeLinkTable({}) : LinkTable{}),
-      rays(source.scene),
-      full_tree(placeProbes(source, options)),
-      searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {
-  const Clock::time_point start = Clock::now();
-  AirPlaceOptions air_options = airPlaceOptions(options, full_tree.cellCount());
-  // an earlier search of the same cells says which hold no air
-  if (known.searched_sha256 == searched_sha256 && options.air_only) air_options.known = known.tree;
-  air = findAirPlaces(rays, full_tree, air_options, options.threads > 0 ? options.threads : machineThreadCount());
-  tree = options.air_only ? treeOfAir(full_tree, air) : full_tree;
-  air_wall_s = secondsBetween(start, Clock::now());
-}
-
-struct SceneFunctions::ThreadState {
-  ThreadState(const BakeScene& scene, const BakeOptions& options) : builder(scene.rays, scene.links, options.diffusion) {}
-  WeightingBuilder builder;
-  GeneratedFunction function;
-  FunctionChecker checker;
-  FunctionTimes times;
-  std::vector<uint8_t> samples;
-};
-
-namespace {
-
 FunctionRows supportRows() {
   FunctionRows rows;
   rows.point_count = kSupportPointCount;
@@ -168,7 +26,16 @@ FunctionRows supportRows() {
 
 }  // namespace
 
-SceneFunctions::SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count,
+struct SceneFunctions::ThreadState {
+  ThreadState(const PreparedScene& scene, const BakeOptions& options) : builder(scene.rays, scene.links, options.diffusion) {}
+  WeightingBuilder builder;
+  GeneratedFunction function;
+  FunctionChecker checker;
+  FunctionTimes times;
+  std::vector<uint8_t> samples;
+};
+
+SceneFunctions::SceneFunctions(const PreparedScene& scene, const BakeOptions& options, int thread_count,
                                const std::string& spool_folder)
     : scene_(scene),
       options_(options),

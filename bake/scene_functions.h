@@ -1,4 +1,4 @@
-// Prepares a scene for its bake, and computes the distinct weighting functions of all its probes.
+// Computes the distinct weighting functions of all probes of a scene.
 #pragma once
 
 #include <cstdint>
@@ -9,44 +9,10 @@
 
 #include "bake/again/kept_functions.h"
 #include "bake/bake_options.h"
+#include "bake/prepared_scene.h"
 #include "datagen/functions/function_pipeline.h"
-#include "datagen/visibility/link_table.h"
-#include "datagen/visibility/ray_scene.h"
-#include "light/air_places.h"
-#include "scene/scene_source.h"
 
 namespace nlg {
-
-// A scene, read as the options say, with their sky and suns; what they did stands among its light_notes.
-// throws   InputError when the scene cannot be read or has no triangle; UsageError as applyLight does
-SceneSource loadLitScene(const std::string& request, const BakeOptions& options);
-
-// Where an earlier bake of the same geometry and settings found air.
-struct KnownAir {
-  std::string searched_sha256;      // BakeScene's of that bake; empty: nothing is known
-  const ProbeTree* tree = nullptr;  // the grid's
-};
-
-// A scene ready for its first probe.
-struct BakeScene {
-  // throws   UsageError on a setting that cannot be used; InputError when the scene cannot be read or has no triangle
-  BakeScene(const std::string& request, const BakeOptions& options);
-  // The same of a scene that loadLitScene has read.
-  // known   for light alone: then there are no links, and where that bake searched what this one would, no cells without air are searched
-  BakeScene(SceneSource lit, const BakeOptions& options, const KnownAir& known = {});
-
-  // The tree in the world's coordinates, in which engines look up; the scene's are relative to its middle.
-  ProbeTree treeInWorld() const;
-
-  SceneSource source;
-  LinkTable links;
-  RayScene rays;
-  ProbeTree full_tree;          // before cells in solid were left out
-  std::string searched_sha256;  // of all that light may have a say in when air is searched for: full_tree, faces of sky
-  AirPlaces air;                // of full_tree
-  ProbeTree tree;
-  double air_wall_s = 0.0;  // to find the air
-};
 
 // What the functions took and what they looked at. Seconds by the clock, summed over threads.
 struct FunctionTimes {
@@ -66,7 +32,7 @@ class BlendTargets;
 class SceneFunctions {
  public:
   // spool_folder   where samples lie meanwhile: 9 kB a distinct function, in a file without a name
-  SceneFunctions(const BakeScene& scene, const BakeOptions& options, int thread_count, const std::string& spool_folder);
+  SceneFunctions(const PreparedScene& scene, const BakeOptions& options, int thread_count, const std::string& spool_folder);
   ~SceneFunctions();
 
   // Makes the functions of all probes, and hands them to finishers (FunctionPipeline) in chunks of kBatchCount, the last of fewer.
@@ -103,7 +69,7 @@ class SceneFunctions {
   void setTargets(const PlacedProbe& probe, bool is_known, ThreadState& state, const ProbeBlock& block);
   void makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block);
 
-  const BakeScene& scene_;
+  const PreparedScene& scene_;
   BakeOptions options_;
   ProbeEyes eyes_;
   std::vector<std::unique_ptr<ThreadState>> threads_;

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "bake/scene_functions.h"
+#include "bake/prepared_scene.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bake/scene_functions.h"
+#include "bake/prepared_scene.h"
 #include "light/light_transport.h"
 #include "light/methods/light_method.h"
 #include "light/methods/method_set.h"
@@ -84,7 +84,7 @@ class RenderedScene {
   const int threads_;
   SceneSource source_;
   std::unique_ptr<RayScene> rays_;
-  std::optional<BakeScene> baked_scene_;  // in place of both: with what a bake and baselines need beside
+  std::optional<PreparedScene> baked_scene_;  // in place of both: with what a bake and baselines need beside
   std::unique_ptr<LightTransport> transport_;
   std::optional<LightGrid> grid_;
   std::unique_ptr<MethodSet> baselines_;

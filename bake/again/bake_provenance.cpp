@@ -58,7 +58,7 @@ nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<s
           {"pattern", supportPattern().hash}, {"options", options},         {"weights", weights}};
 }
 
-GridMetadata bakeMetadata(const BakeScene& scene, const nlohmann::ordered_json& options,
+GridMetadata bakeMetadata(const PreparedScene& scene, const nlohmann::ordered_json& options,
                           const std::map<std::string, std::string>& weights) {
   std::map<std::string, std::string> inputs = weights;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "bake/scene_functions.h"
+#include "bake/prepared_scene.h"
 #include "tool/command/options.h"
 
 namespace nlg {
@@ -16,7 +16,7 @@ namespace nlg {
 inline constexpr const char* kWeightsRole = "weights of ";
 inline constexpr const char* kLightRole = "scene and light";
 inline constexpr const char* kUngroupedRole = "scene and light without groups";  // of scenes that have any
-inline constexpr const char* kSearchedRole = "cells searched for air";           // BakeScene::searched_sha256
+inline constexpr const char* kSearchedRole = "cells searched for air";           // PreparedScene::searched_sha256
 
 // The settings that what a grid holds depends on.
 nlohmann::ordered_json bakedOptions(const OptionTable& table);
@@ -32,7 +32,7 @@ nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<s
 
 // options   as bakedOptions has them
 // weights   SHA-256 by kWeightsRole + representation
-GridMetadata bakeMetadata(const BakeScene& scene, const nlohmann::ordered_json& options,
+GridMetadata bakeMetadata(const PreparedScene& scene, const nlohmann::ordered_json& options,
                           const std::map<std::string, std::string>& weights);
 
 }  // namespace nlg

@@ -63,7 +63,7 @@ KnownAir knownAir(const std::string& path, const BakedGrid& baked) {
   return {originOf(path, baked)["inputs"].value(kSearchedRole, std::string()), &baked.grid.tree};
 }
 
-void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const std::vector<std::string>& asked,
+void requireFunctionsOf(const PreparedScene& scene, const OptionTable& table, const std::vector<std::string>& asked,
                         const std::string& path, const BakedGrid& baked) {
   const Json origin = originOf(path, baked);
   if (!sameGeometry(scene.source, baked, origin)) {
@@ -94,7 +94,7 @@ void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const 
   }
 }
 
-bool standsWhere(const BakeScene& scene, const BakedGrid& baked) { return sameTree(scene.treeInWorld(), baked.grid.tree); }
+bool standsWhere(const PreparedScene& scene, const BakedGrid& baked) { return sameTree(scene.treeInWorld(), baked.grid.tree); }
 
 std::vector<std::string> changesSince(const std::string& path, const BakedGrid& baked, const SceneSource& source,
                                       const OptionTable& table, const std::map<std::string, std::string>& weights) {
@@ -123,7 +123,7 @@ std::vector<std::string> changesSince(const std::string& path, const BakedGrid& 
   return changes;
 }
 
-LightStatistics relight(const BakeScene& scene, const BakeOptions& options, const OptionTable& table, BakedGrid* baked) {
+LightStatistics relight(const PreparedScene& scene, const BakeOptions& options, const OptionTable& table, BakedGrid* baked) {
   std::map<std::string, std::string> weights;
   const Json origin = Json::parse(baked->metadata.at("provenance"));
   for (const auto& [role, sha256] : origin.at("inputs").items()) {

@@ -8,7 +8,7 @@
 
 #include "bake/bake_options.h"
 #include "bake/light_bake.h"
-#include "bake/scene_functions.h"
+#include "bake/prepared_scene.h"
 #include "tool/command/options.h"
 
 namespace nlg {
@@ -31,10 +31,10 @@ KnownAir knownAir(const std::string& path, const BakedGrid& baked);
 // path    of the grid, for messages
 // table   of the bake's options, with their values of now
 // throws  InputError that names the first thing that differs: the scene, a setting, a representation, or where probes stand
-void requireFunctionsOf(const BakeScene& scene, const OptionTable& table, const std::vector<std::string>& asked,
+void requireFunctionsOf(const PreparedScene& scene, const OptionTable& table, const std::vector<std::string>& asked,
                         const std::string& path, const BakedGrid& baked);
 // Whether the probes of a bake would stand where those of the grid do: light may move them, since probes reach as far as lamps do.
-bool standsWhere(const BakeScene& scene, const BakedGrid& baked);
+bool standsWhere(const PreparedScene& scene, const BakedGrid& baked);
 
 inline constexpr const char* kLightChanged = "light changed";
 inline constexpr const char* kGroupsChanged = "groups of light changed";  // and nothing else of it
@@ -49,6 +49,6 @@ std::vector<std::string> changesSince(const std::string& path, const BakedGrid& 
                                       const OptionTable& table, const std::map<std::string, std::string>& weights);
 
 // The grid as a whole bake with this light would have left it, byte for byte; what of its metadata tells of light is of now.
-LightStatistics relight(const BakeScene& scene, const BakeOptions& options, const OptionTable& table, BakedGrid* baked);
+LightStatistics relight(const PreparedScene& scene, const BakeOptions& options, const OptionTable& table, BakedGrid* baked);
 
 }  // namespace nlg

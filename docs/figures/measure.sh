@@ -89,6 +89,7 @@ functions() {
 
 bakes() {
   local level
+  mkdir -p "$root/grids"
   for level in $all_levels; do
     made "$root/openarena/bakes/$level.json" "$bin/nlg-bake" "$(scene "$level")" --threads 1 --out "$root/grids/$level.safetensors" \
       --json "$root/openarena/bakes/$level.json"

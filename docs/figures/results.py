@@ -100,12 +100,34 @@ def report(problems, *, only_keys):
     return 3 if any(is_key for _, is_key in shown) else 6 if shown else 0
 
 
+def revisions(found):
+    """Revisions of figures, wherever they stand in results."""
+    if isinstance(found, list):
+        return set().union(*map(revisions, found))
+    if not isinstance(found, dict):
+        return set()
+    own = {found["revision"]} if isinstance(found.get("revision"), str) else set(found.get("revisions", []))
+    return own.union(*map(revisions, found.values()))
+
+
+def say_revisions(all_results):
+    """A line for every revision, where figures are of several: a release has one."""
+    files = {}
+    for name, results in all_results.items():
+        for revision in revisions(results):
+            files.setdefault(revision, []).append(name)
+    if len(files) > 1:
+        for revision, names in sorted(files.items()):
+            print(f"of revision {revision}: {', '.join(sorted(names))}")
+
+
 def write(all_results):
     problems = []
     for path, text in expected_texts(all_results, problems).items():
         if not path.exists() or read_text(path) != text:
             write_atomically(path, text.encode())
             print(path.relative_to(ROOT))
+    say_revisions(all_results)
     return report(problems, only_keys=True)
 
 

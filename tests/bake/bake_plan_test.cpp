@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bake/bake_report.h"
+#include "bake/report/bake_report.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/scene/built_scenes.h"
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <numeric>
 
-#include "bake/bake_report.h"
+#include "bake/report/bake_report.h"
 #include "bake/scene_bake.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/random.h"
@@ -93,7 +93,7 @@ class SceneBakeTest : public testing::Test {
   }
 
   Bake bake(const std::string& scene, const std::vector<Generator>& generators, const BakeOptions& options) const {
-    return bakeScene(BakeScene(scene, options), generators, options, folder_.string());
+    return bakeScene(PreparedScene(scene, options), generators, options, folder_.string());
   }
 
   TemporaryFolder folder_;
@@ -221,7 +221,7 @@ TEST_P(StoredThetaTest, HasTheErrorThatTheBakeReports) {
   BakeOptions options = houseOptions();
   options.policy.theta_precision = GetParam();
   const CheckOptions& limits = options.policy.check();
-  const BakeScene scene("house:3", options);
+  const PreparedScene scene("house:3", options);
   const Bake house = bakeScene(scene, sampleGenerators({"tent_mlp", "mlp"}), options, folder_.string());
   SceneFunctions functions(scene, options, 2, folder_.string());
   functions.makeAll([](int) { return [](const FunctionRows&) { return [] {}; }; });
@@ -259,8 +259,8 @@ TEST_F(SceneBakeTest, LeavesFunctionsThatItHasNoTimeForAndSaysSo) {
 
 TEST_F(SceneBakeTest, RefusesASceneWithoutATriangle) {
   const std::string path = write("none.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{}]})");
-  EXPECT_THROW(BakeScene(path, wallOptions()), InputError);
-  EXPECT_THROW(BakeScene("castle:3", wallOptions()), InputError);
+  EXPECT_THROW(PreparedScene(path, wallOptions()), InputError);
+  EXPECT_THROW(PreparedScene("castle:3", wallOptions()), InputError);
 }
 
 }  // namespace

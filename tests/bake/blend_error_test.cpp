@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "bake/scene_functions.h"
 #include "tests/bake/house_corner.h"
 #include "tests/datagen/hand_built_scenes.h"
 
@@ -49,7 +50,7 @@ struct Seen {
     functions.tellTargets(&targets);
     functions.makeAll([](int) { return [](const FunctionRows&) { return [] {}; }; });
   }
-  BakeScene scene;
+  PreparedScene scene;
   BlendTargets targets;
   SceneFunctions functions;
 };

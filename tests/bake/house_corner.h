@@ -33,7 +33,7 @@ inline std::vector<Generator> sampleGenerators(const std::vector<std::string>& n
   return generators;
 }
 
-inline Bake bakeOf(const BakeScene& scene, const BakeOptions& options, const GridMetadata& metadata = {},
+inline Bake bakeOf(const PreparedScene& scene, const BakeOptions& options, const GridMetadata& metadata = {},
                    const std::vector<Generator>& generators = sampleGenerators()) {
   return bakeScene(scene, generators, options, std::filesystem::temp_directory_path().string(), metadata);
 }

@@ -38,7 +38,7 @@ void makeFurnace(Scene& scene) {
 }
 
 // All probes with their bare tents, as a bake hands it to its light.
-LightGrid tentGrid(const BakeScene& scene) {
+LightGrid tentGrid(const PreparedScene& scene) {
   LightGrid grid;
   grid.tree = scene.treeInWorld();
   grid.probe_function.assign(grid.tree.probeCount(), kFreeSpace);
@@ -51,7 +51,7 @@ TEST(LightBake, FurnaceGivesEveryProbeTheSame) {
       BakeOptions options = roomOptions(way);
       options.light_cache = cached;
       options.light_error = kLeastLightError;
-      BakeScene scene("two_rooms:0", options);
+      PreparedScene scene("two_rooms:0", options);
       makeFurnace(scene.source.scene);
       LightGrid grid = tentGrid(scene);
       const LightStatistics statistics = bakeLight(scene, options, &grid);
@@ -74,7 +74,7 @@ TEST(LightBake, FurnaceGivesEveryProbeTheSame) {
 
 TEST(LightBake, SaysWhatIsBlackNearlyBlackOrTooBrightForEngines) {
   const BakeOptions options = roomOptions("integrated");
-  BakeScene scene("two_rooms:0", options);
+  PreparedScene scene("two_rooms:0", options);
   LightGrid grid = tentGrid(scene);
   // all light is 2 times the factor
   const auto warningOf = [&](float factor) {
@@ -109,7 +109,7 @@ TEST(LightBake, SaysWhatIsBlackNearlyBlackOrTooBrightForEngines) {
 TEST(LightBake, NamesRoomsThatNoLightReaches) {
   BakeOptions options = roomOptions("integrated");
   options.spacing_m = 0.5;
-  BakeScene scene("kitchen:0", options);
+  PreparedScene scene("kitchen:0", options);
   LightGrid grid = tentGrid(scene);
   LightStatistics statistics = bakeLight(scene, options, &grid);
   ASSERT_EQ(statistics.dark_rooms.size(), 1u);
@@ -142,7 +142,7 @@ TEST(LoadLitScene, OpenGroundWithASmallLampIsLitByDayARoomIsNot) {
 // measured of methods is the light that a bake leaves in its file, to the last bit, and what they answer is its look-up.
 TEST(LightBake, IsWhatMethodsOfTheSameWeightsAreSolvedFor) {
   const BakeOptions options = roomOptions("solved");
-  const BakeScene scene("two_rooms:0", options);
+  const PreparedScene scene("two_rooms:0", options);
   LightGrid grid = tentGrid(scene);
   grid.representations = {Representation::tentMlp()};
   Theta theta(grid.representations[0].thetaCount());

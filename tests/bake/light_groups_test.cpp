@@ -20,7 +20,7 @@ BakeOptions corner(const std::string& groups) {
   return options;
 }
 
-Bake bakeOf(const BakeOptions& options) { return bakeOf(BakeScene("house:3", options), options); }
+Bake bakeOf(const BakeOptions& options) { return bakeOf(PreparedScene("house:3", options), options); }
 
 double rms(const std::vector<float>& light) {
   double sum = 0.0;
@@ -48,7 +48,7 @@ TEST(LightGroupsOfABake, AreWhatEachLightGivesByItself) {
   both.scene_light.sky = sky.scene_light.sky = {"0.5", "0.7", "1"};
   both.scene_light.sun = {"120", "50", "5", "4.7", "4.1"};
   sky.scene_light.sun = {"0"};
-  const BakeScene scene_of_both("house:3", both), scene_of_sky("house:3", sky);
+  const PreparedScene scene_of_both("house:3", both), scene_of_sky("house:3", sky);
   const LightTransport all(scene_of_both.source.scene, scene_of_both.rays), alone(scene_of_sky.source.scene, scene_of_sky.rays);
   ASSERT_GE(all.groupCount(), 2u);
   GatherOptions gather{512, 64};

@@ -33,7 +33,7 @@ struct Settings {
 // The light of a grid as it begins, baked with these sets.
 Bake bakeOf(const std::vector<std::string>& sets, BakeOptions options = Settings({}).options) {
   options.light_set = sets;
-  return bakeOf(BakeScene("house:3", options), options);
+  return bakeOf(PreparedScene("house:3", options), options);
 }
 
 // Root mean square over probes of the error of irradiance over its light, as what packing may add is counted.

@@ -40,7 +40,7 @@ TEST(ThinnedGrid, IsSmallerAndLightsAsBefore) {
   const BakeOptions all = corner();
   BakeOptions some = all;
   some.thin_error = 0.05;
-  const BakeScene scene("house:3", all);
+  const PreparedScene scene("house:3", all);
   const Bake whole = bakeOf(scene, all), thin = bakeOf(scene, some);
   const Thinned& thinned = thin.statistics.light.thinned;
   EXPECT_GT(thinned.functions, 0u);
@@ -74,7 +74,7 @@ TEST(ThinnedGrid, IsSmallerAndLightsAsBefore) {
 // The budget is the whole file's, with all that it says of itself.
 TEST(ThinnedGrid, KeepsABudgetOrSaysWhatItTakes) {
   BakeOptions options = corner();
-  const BakeScene scene("house:3", options);
+  const PreparedScene scene("house:3", options);
   const GridMetadata metadata = {{"note", std::string(5000, 'x')}};
   const auto fileBytesOf = [&](const LightGrid& grid) {
     std::string bytes;
@@ -100,7 +100,7 @@ TEST(ThinnedGrid, KeepsTheDarkDark) {
   BakeOptions options = corner();
   options.extent_m.clear();
   options.thin_error = 0.1;
-  const BakeScene scene("daylight:8", options);
+  const PreparedScene scene("daylight:8", options);
   BakeOptions all = options;
   all.thin_error = 0.0;
   const Bake whole = bakeOf(scene, all), thin = bakeOf(scene, options);
@@ -129,7 +129,7 @@ TEST(ThinnedGrid, KeepsTheDarkDark) {
 TEST(ThinnedGrid, IsLitWhereAProbeWithoutWeightStands) {
   BakeOptions options = corner();
   options.thin_error = 0.1;
-  const BakeScene scene("house:3", options);
+  const PreparedScene scene("house:3", options);
   const Bake thin = bakeOf(scene, options);
   const Bake whole = bakeOf(scene, corner());
   int left_out = 0;
@@ -145,7 +145,7 @@ TEST(ThinnedGrid, IsLitWhereAProbeWithoutWeightStands) {
 }
 
 TEST(PlacesBesideSurfaces, StandInAirCloseToThem) {
-  const BakeScene scene("house:3", corner());
+  const PreparedScene scene("house:3", corner());
   const std::vector<glm::dvec3> beside = placesBesideSurfaces(scene.rays, scene.air.places, 1.0, 5);
   ASSERT_GT(beside.size(), scene.air.places.size() / 4);
   int in_air = 0;

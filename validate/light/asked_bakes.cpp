@@ -6,6 +6,7 @@
 
 #include "bake/light_bake.h"
 #include "bake/load_generators.h"
+#include "bake/scene_functions.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/policy/stage_runner.h"
 #include "runtime_eval/support/weighting_function.h"
@@ -67,7 +68,7 @@ std::string fileWord(std::string text) {
   return text;
 }
 
-std::vector<WordGrid> wordGrids(const BakeScene& scene, const Generator& generator, const BakeOptions& options,
+std::vector<WordGrid> wordGrids(const PreparedScene& scene, const Generator& generator, const BakeOptions& options,
                                 int thread_count) {
   // the bake's policy, its thetas kept at each stage
   ThetaTrace all;  // of all functions; each takes a theta, because those that the bare tent is enough for are none of the scene's

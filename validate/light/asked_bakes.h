@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bake/bake_options.h"
-#include "bake/scene_functions.h"
+#include "bake/prepared_scene.h"
 #include "light/methods/method_set.h"
 
 namespace nlg {
@@ -39,6 +39,7 @@ struct WordGrid {
 
 // One grid for each word but `stored`, in their order. Probes and functions are those of the bake with this one generator.
 // throws   as SceneFunctions does
-std::vector<WordGrid> wordGrids(const BakeScene& scene, const Generator& generator, const BakeOptions& options, int thread_count);
+std::vector<WordGrid> wordGrids(const PreparedScene& scene, const Generator& generator, const BakeOptions& options,
+                                int thread_count);
 
 }  // namespace nlg

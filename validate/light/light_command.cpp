@@ -56,7 +56,7 @@ struct Request {
 
 double finestSpacing(const Request& request) { return *std::min_element(request.spacings_m.begin(), request.spacings_m.end()); }
 
-LightPlaces placesInRooms(const BakeScene& scene, const std::vector<std::string>& extent_m, const LightPlaceOptions& options,
+LightPlaces placesInRooms(const PreparedScene& scene, const std::vector<std::string>& extent_m, const LightPlaceOptions& options,
                           int threads) {
   LightPlaces places = drawLightPlaces(scene.source.scene, scene.rays, lightExtent(scene.source.scene, extent_m), options);
   partIntoRooms(&places, scene.rays, threads);
@@ -97,7 +97,7 @@ struct AtSpacing {
 
 class LightMeasurement {
  public:
-  LightMeasurement(const Request& request, const BakeOptions& options, const BakeScene& scene)
+  LightMeasurement(const Request& request, const BakeOptions& options, const PreparedScene& scene)
       : request_(request),
         options_(options),
         threads_(options.threads > 0 ? options.threads : machineThreadCount()),
@@ -130,7 +130,7 @@ class LightMeasurement {
   }
 
   // scene   as it is at this spacing
-  Json spacingFigures(const BakeScene& scene, const BakeOptions& options, const GeneratorSets& sets,
+  Json spacingFigures(const PreparedScene& scene, const BakeOptions& options, const GeneratorSets& sets,
                       const AtSpacing& asked) const {
     const LightTransport transport(scene.source.scene, scene.rays);
     MethodSetOptions method_options = methodSetOptions(options, request_.probe, threads_);
@@ -317,7 +317,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   // truth and probes leave out the same direct light
   request.truth.direct = request.probe.direct = directLightFromName(options.light_direct);
   options.spacing_m = request.spacings_m.front();
-  auto scene = std::make_unique<BakeScene>(request.scene, options);
+  auto scene = std::make_unique<PreparedScene>(request.scene, options);
   tellNotes("nlg-validate", scene->source);
   if (!scene->source.sha256.empty()) hashes["scene"] = scene->source.sha256;
   const LightMeasurement measurement(request, options, *scene);
@@ -333,13 +333,13 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   // pictures, stages of theta and learned methods cost most: at the finest spacing alone
   const auto finest =
       static_cast<size_t>(std::min_element(request.spacings_m.begin(), request.spacings_m.end()) - request.spacings_m.begin());
-  std::vector<std::unique_ptr<BakeScene>> others;
+  std::vector<std::unique_ptr<PreparedScene>> others;
   std::vector<double> spacings_m = request.spacings_m;
   spacings_m.insert(spacings_m.end(), request.grid_spacings_m.begin(), request.grid_spacings_m.end());
   // one scene a spacing, since its tree depends on it; truth is measured once
   for (size_t s = 0; s < spacings_m.size(); ++s) {
     options.spacing_m = spacings_m[s];
-    if (s > 0) others.push_back(std::make_unique<BakeScene>(request.scene, options));
+    if (s > 0) others.push_back(std::make_unique<PreparedScene>(request.scene, options));
     AtSpacing asked{s >= request.spacings_m.size()};
     if (s == finest) asked = {asked.grids_alone, !request.pictures.empty(), request.words, request.neural};
     json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, asked));

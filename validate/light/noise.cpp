@@ -38,7 +38,7 @@ Noise noiseOf(const std::vector<std::vector<float>>& runs, const std::vector<boo
 
 }  // namespace
 
-NoiseFigures measureNoise(const BakeScene& scene, const BakeOptions& options, LightGrid grid, int runs) {
+NoiseFigures measureNoise(const PreparedScene& scene, const BakeOptions& options, LightGrid grid, int runs) {
   NLG_CHECK(runs, >=, 2);
   // the same positions for every run, in world coordinates as look-ups take them
   std::vector<PositionM> places;

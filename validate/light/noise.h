@@ -23,6 +23,6 @@ struct NoiseFigures {
 // Lights all probes `runs` times on one thread, each time with rays of another seed at the same places.
 // grid   baked, without light; in the world's coordinates
 // runs   >= 2
-NoiseFigures measureNoise(const BakeScene& scene, const BakeOptions& options, LightGrid grid, int runs);
+NoiseFigures measureNoise(const PreparedScene& scene, const BakeOptions& options, LightGrid grid, int runs);
 
 }  // namespace nlg

@@ -30,7 +30,7 @@ void measure(const Request& request, BakeOptions options, const OptionTable& tab
   refuseToReplaceInputs(request.out, {request.scene, request.weights});
   requireOutputFile(request.out);
   const std::vector<Generator> generators = loadGenerators({request.weights}).generators;
-  const BakeScene scene(request.scene, options);
+  const PreparedScene scene(request.scene, options);
   tellNotes("nlg-validate", scene.source);
   // functions are baked once, without light: noise is of the light alone
   BakeOptions unlit = options;

@@ -55,7 +55,7 @@ struct ReadyView {
 
 class ViewsMeasurement {
  public:
-  ViewsMeasurement(const Request& request, const BakeOptions& options, const BakeScene& scene)
+  ViewsMeasurement(const Request& request, const BakeOptions& options, const PreparedScene& scene)
       : request_(request),
         options_(options),
         scene_(scene),
@@ -259,7 +259,7 @@ class ViewsMeasurement {
 
   const Request& request_;
   const BakeOptions& options_;
-  const BakeScene& scene_;
+  const PreparedScene& scene_;
   const int threads_;
   LightTransport transport_;
   SceneViews views_;
@@ -305,7 +305,7 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
   if (request.cameras) used["cameras"] = true;
   for (const std::string& path : request.grids) hashes["grid " + std::filesystem::path(path).stem().string()] = fileSha256(path);
   // the scene is read once for all methods
-  const BakeScene scene(request.scene, options);
+  const PreparedScene scene(request.scene, options);
   tellNotes("nlg-validate", scene.source);
   if (!scene.source.sha256.empty()) hashes["scene"] = scene.source.sha256;
   ViewsMeasurement measurement(request, options, scene);

@@ -46,7 +46,7 @@ Result bakeHouse(const Change& change, KeptProbes* kept, int threads = 2) {
   options.threads = threads;
   SceneSource lit = loadLitScene("house:3", options);
   change(lit.scene);
-  const BakeScene scene(std::move(lit), options);
+  const PreparedScene scene(std::move(lit), options);
   Bake bake = bakeScene(scene, generators(), options, std::filesystem::temp_directory_path().string(), {}, kept);
   Result result{{}, std::move(bake.statistics)};
   const FileResult written =

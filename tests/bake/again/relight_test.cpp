@@ -32,7 +32,7 @@ std::string bytesOf(const LightGrid& grid, const GridMetadata& metadata, const B
 
 // The bytes of a whole bake's file.
 std::string bakedBytes(const std::string& request, const Settings& settings) {
-  const BakeScene scene(request, settings.options);
+  const PreparedScene scene(request, settings.options);
   return bytesOf(bakeOf(scene, settings.options).grid,
                  bakeMetadata(scene, bakedOptions(settings.table), {{"weights of tent_mlp4", "00ff"}}), settings.options);
 }

@@ -54,7 +54,8 @@ class BakeEqualsValidation : public testing::Test {
   }
 
   // Every distinct function of the scene, those that take no theta included, in the bake's order, and each probe's function.
-  std::vector<Samples> allFunctions(const BakeScene& scene, BakeOptions options, std::vector<uint32_t>* probe_function) const {
+  std::vector<Samples> allFunctions(const PreparedScene& scene, BakeOptions options,
+                                    std::vector<uint32_t>* probe_function) const {
     options.policy.bare_tent_rmse = 0.0;
     SceneFunctions functions(scene, options, 1, folder_.string());
     std::vector<Samples> result;
@@ -82,7 +83,7 @@ void BakeEqualsValidation::expectTheSame(const std::vector<std::string>& represe
   std::vector<const Generator*> pointers;
   for (const Generator& generator : generators) pointers.push_back(&generator);
   const BakeOptions options = houseOptions(precision);
-  const BakeScene scene("house:3", options);
+  const PreparedScene scene("house:3", options);
   const Bake bake = bakeScene(scene, generators, options, folder_.string());
   std::vector<uint32_t> probe_function;
   const std::vector<Samples> samples = allFunctions(scene, options, &probe_function);

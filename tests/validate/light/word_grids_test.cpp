@@ -21,7 +21,7 @@ TEST(WordGrids, EndAtWhatABakeStoresBeforeItRounds) {
   options.policy.theta_precision = ThetaPrecision::float32;
   std::vector<Generator> generators;
   generators.emplace_back(sampleGenerator(Representation::tentMlp(), 24, 3, 1));
-  const BakeScene scene("house:1", options);
+  const PreparedScene scene("house:1", options);
   const std::vector<WordGrid> words = wordGrids(scene, generators.front(), options, 2);
   // float32 is no rounding
   const LightGrid baked = bakeScene(scene, generators, options, temporaryFolder()).grid;

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bake/savings.h"
+#include "bake/report/savings.h"
 #include "bake/scene_bake.h"
 
 namespace nlg {

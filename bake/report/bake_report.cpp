@@ -1,4 +1,4 @@
-#include "bake/bake_report.h"
+#include "bake/report/bake_report.h"
 
 #include <fmt/format.h>
 

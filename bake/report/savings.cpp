@@ -1,4 +1,4 @@
-#include "bake/savings.h"
+#include "bake/report/savings.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

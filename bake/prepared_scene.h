@@ -1,0 +1,46 @@
+// Prepares a scene for its bake: reads and lights it, places its probes, and finds the air.
+#pragma once
+
+#include <string>
+
+#include "bake/bake_options.h"
+#include "datagen/visibility/link_table.h"
+#include "datagen/visibility/ray_scene.h"
+#include "light/air_places.h"
+#include "nlg/probe_tree.h"
+#include "scene/scene_source.h"
+
+namespace nlg {
+
+// A scene, read as the options say, with their sky and suns; what they did stands among its light_notes.
+// throws   InputError when the scene cannot be read or has no triangle; UsageError as applyLight does
+SceneSource loadLitScene(const std::string& request, const BakeOptions& options);
+
+// Where an earlier bake of the same geometry and settings found air.
+struct KnownAir {
+  std::string searched_sha256;      // PreparedScene's of that bake; empty: nothing is known
+  const ProbeTree* tree = nullptr;  // the grid's
+};
+
+// A scene ready for its first probe.
+struct PreparedScene {
+  // throws   UsageError on a setting that cannot be used; InputError when the scene cannot be read or has no triangle
+  PreparedScene(const std::string& request, const BakeOptions& options);
+  // The same of a scene that loadLitScene has read.
+  // known   for light alone: then there are no links, and where that bake searched what this one would, no cells without air are searched
+  PreparedScene(SceneSource lit, const BakeOptions& options, const KnownAir& known = {});
+
+  // The tree in the world's coordinates, in which engines look up; the scene's are relative to its middle.
+  ProbeTree treeInWorld() const;
+
+  SceneSource source;
+  LinkTable links;
+  RayScene rays;
+  ProbeTree full_tree;          // before cells in solid were left out
+  std::string searched_sha256;  // of all that light may have a say in when air is searched for: full_tree, faces of sky
+  AirPlaces air;                // of full_tree
+  ProbeTree tree;
+  double air_wall_s = 0.0;  // to find the air
+};
+
+}  // namespace nlg
