@@ -48,6 +48,9 @@ source workflow/environment.sh
 install_packages train pipeline tests
 build "train tests" nlg-bake nlg-datagen nlg-validate nlg-render nlg-pca nlg-cache nlg-train nlg-export bench_runtime_eval bench_libtorch
 bin=$source/build/release/bin
+mkdir -p "$root/openarena"
+simd=$(grep -qw avx512f /proc/cpuinfo && echo AVX-512 || echo AVX2)
+echo "$(sed -n '0,/^model name/s/^model name[^:]*: //p' /proc/cpuinfo), $simd, $(nproc) cores" > "$root/openarena/machine.txt"
 echo "measuring $(git describe --always --dirty --abbrev=12)"
 
 # made FILE COMMAND …: runs it where the file is missing; tools write files whole or not at all

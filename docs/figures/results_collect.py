@@ -252,6 +252,8 @@ def what_stays(earlier, found):
 def collect(run, configuration, earlier=None):
     """The results of one run's folder; what it does not hold is taken from earlier results of the same weights."""
     out = {"schema_version": RESULTS_VERSION, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
+    if (run / "machine.txt").exists():
+        out["machine"] = (run / "machine.txt").read_text().strip()
     readers = {"evaluation": ("evaluation/summary.json", summary), "validation": ("validation/summary.json", summary),
                "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}
     files = {}  # of sections that name their weights beside the figures
@@ -266,7 +268,7 @@ def collect(run, configuration, earlier=None):
             files[section] = found
     if found := sorted((run / "benchmarks").glob("*.json")):
         out["benchmarks"] = benchmarks(found)
-    if len(out) == 4:
+    if not set(out) & {"evaluation", "validation", "frontier", "stability", *BY_NAME}:
         fail(run, "the folder of a run that measured something", "none of its files")
     known = {}
     if earlier:

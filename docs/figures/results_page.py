@@ -247,7 +247,8 @@ def benchmarks_section(benchmarks):
 def page(all_results):
     """The whole page, of the main results; what was not measured has no section."""
     results = all_results[MAIN]
-    text = INTRODUCTION + f"\nMade by `{results['command']}`; the SHA-256 of the weights stand in their [cards](../../weights/README.md).\n"
+    of_machine = f" All times are of one machine: {results['machine']}." if "machine" in results else ""
+    text = INTRODUCTION + f"\nMade by `{results['command']}`; the SHA-256 of the weights stand in their [cards](../../weights/README.md).{of_machine}\n"
     sections = {"evaluation": evaluation_section, "validation": validation_section, "frontier": frontier_section, "bakes": bakes_section, "savings": savings_section,
                 "stability": stability_section, "benchmarks": benchmarks_section}
     for key, write in sections.items():
