@@ -128,7 +128,6 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, const s
   const ExtentBox box = probeExtent(scene, placement);
   plan.extent_m = box.high_m - box.low_m;
   plan.spacing_m = placement.spacing_min_m;
-  plan.has_density = !scene.density.empty();
   PlacedSample sample;
   plan.probes = estimateProbes(scene, placement, options.seed, &sample);
   plan.memory_bytes = kBaseBytes + kProbeBytes * plan.probes + kTriangleBytes * static_cast<double>(scene.triangles.size());
@@ -148,9 +147,8 @@ std::string toText(const BakePlan& plan, int thread_count) {
   if (glm::length(plan.extent_m - plan.scene_m) > 0.5 * plan.spacing_m) text += ", probes in " + sidesText(plan.extent_m);
   const std::string machine =
       plan.memory_bytes > plan.machine_bytes ? " (more than the " + bytesText(plan.machine_bytes) + " of this machine)" : "";
-  const char* boxes = plan.has_density ? " (in boxes as their nlg_density says)" : "";
-  text += fmt::format(", {:.3g} m apart{}: about {} before those without air are left out; about {}{}, roughly {} on {}\n",
-                      plan.spacing_m, boxes, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes), machine,
+  text += fmt::format(", {:.3g} m apart: about {} before those without air are left out; about {}{}, roughly {} on {}\n",
+                      plan.spacing_m, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes), machine,
                       durationText(plan.seconds), countText(static_cast<uint64_t>(thread_count), "thread"));
   if (!plan.chosen) return text;
   const ChosenSpacing& chosen = *plan.chosen;

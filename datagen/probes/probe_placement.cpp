@@ -45,33 +45,36 @@ ExtentBox extentToCover(const Scene& scene, const ProbePlacementOptions& options
   return box;
 }
 
-// What says how dense probes are.
-struct DensityRule {
-  DensityRule(const Scene& scene, double density_growth) : nearby(scene), growth(density_growth) {
-    for (const DensityBox& of : scene.density)
-      boxes.push_back({{of.box.low_m - scene.origin_m, of.box.high_m - scene.origin_m}, of.spacing_m});
-  }
-  NearbyTriangles nearby;
-  double growth;
-  std::vector<DensityBox> boxes;  // relative to the scene's origin
+// Judges cells by the extent, in lattice units, and by the nearest triangle.
+class Density {
+ public:
+  Density(const NearbyTriangles& nearby, const ProbeTreeFrame& frame, const LatticePoint& first, const LatticePoint& last,
+          double growth)
+      : nearby_(nearby), frame_(frame), first_(first), last_(last), growth_(growth) {}
 
-  // How often a spacing is halved until it is that of the finest box; the boxes are then met at most.
-  int halvings(double spacing_m) const {
-    int count = 0;
-    for (const DensityBox& box : boxes) {
-      while (box.spacing_m > 0.0 && count <= kMostHalvings && std::ldexp(spacing_m, -count) > kRounded * box.spacing_m) ++count;
+  CellVerdict judge(const ProbeCell& cell) const {
+    glm::dvec3 low;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (cell.low[axis] > last_[axis] || cell.low[axis] + cell.side <= first_[axis]) return CellVerdict::unneeded;
+      low[axis] = frame_.first_m[axis] + frame_.spacing_m * cell.low[axis];
     }
-    return std::min(count, kMostHalvings);
+    if (cell.side == 1) return CellVerdict::fits;
+    if (growth_ == 0.0) return CellVerdict::too_coarse;
+    const double side_m = frame_.spacing_m * cell.side;
+    return nearby_.anyCloser(low, low + side_m, side_m / growth_) ? CellVerdict::too_coarse : CellVerdict::fits;
   }
-  static constexpr int kMostHalvings = 5;  // a cell outside has still a side below a root's
-  static constexpr double kRounded = 1.0 + 1e-6;
+
+ private:
+  const NearbyTriangles& nearby_;
+  const ProbeTreeFrame& frame_;
+  LatticePoint first_, last_;  // units that hold the extent's lowest and highest position
+  double growth_;
 };
 
 // Where a tree stands: its frame, and the units that hold the extent's lowest and highest position.
 struct Lattice {
   ProbeTreeFrame frame;
   LatticePoint first{}, last{};
-  int32_t least_side = 1;  // units: of cells that lie in no box of the author's
 
   double cellCount() const {
     double cells = 1.0;
@@ -87,14 +90,9 @@ struct Lattice {
 };
 
 // None where a lattice cannot be so long, or the box is not finite.
-// spacing_m     outside the boxes of the rule
 // shift_units   of the lattice against the box's low corner
-std::optional<Lattice> latticeOver(const ExtentBox& box, double spacing_m, const glm::dvec3& shift_units, bool is_aligned,
-                                   const DensityRule& rule) {
+std::optional<Lattice> latticeOver(const ExtentBox& box, double spacing_m, const glm::dvec3& shift_units, bool is_aligned) {
   Lattice lattice;
-  const int halvings = rule.halvings(spacing_m);
-  lattice.least_side = 1 << halvings;
-  spacing_m = std::ldexp(spacing_m, -halvings);
   ProbeTreeFrame& frame = lattice.frame;
   frame.spacing_m = spacing_m;
   for (int axis = 0; axis < 3; ++axis) {
@@ -112,40 +110,6 @@ std::optional<Lattice> latticeOver(const ExtentBox& box, double spacing_m, const
   }
   return lattice;
 }
-
-// Judges cells by the extent, by the boxes of the scene's author, and by the nearest triangle.
-class Density {
- public:
-  Density(const DensityRule& rule, const Lattice& lattice) : rule_(rule), lattice_(lattice) {}
-
-  CellVerdict judge(const ProbeCell& cell) const {
-    const ProbeTreeFrame& frame = lattice_.frame;
-    glm::dvec3 low;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (cell.low[axis] > lattice_.last[axis] || cell.low[axis] + cell.side <= lattice_.first[axis])
-        return CellVerdict::unneeded;
-      low[axis] = frame.first_m[axis] + frame.spacing_m * cell.low[axis];
-    }
-    const double side_m = frame.spacing_m * cell.side;
-    const glm::dvec3 high = low + side_m;
-    bool is_inside = false;
-    for (const DensityBox& of : rule_.boxes) {
-      if (!glm::all(glm::lessThan(low, of.box.high_m)) || !glm::all(glm::lessThan(of.box.low_m, high))) continue;
-      const bool holds = glm::all(glm::lessThanEqual(of.box.low_m, low)) && glm::all(glm::lessThanEqual(high, of.box.high_m));
-      if (of.spacing_m == 0.0 && holds) return CellVerdict::unneeded;
-      if (of.spacing_m == 0.0) continue;
-      if (cell.side > 1 && side_m > DensityRule::kRounded * of.spacing_m) return CellVerdict::too_coarse;
-      is_inside |= holds;
-    }
-    if (is_inside || cell.side <= lattice_.least_side) return CellVerdict::fits;
-    if (rule_.growth == 0.0) return CellVerdict::too_coarse;
-    return rule_.nearby.anyCloser(low, high, side_m / rule_.growth) ? CellVerdict::too_coarse : CellVerdict::fits;
-  }
-
- private:
-  const DensityRule& rule_;
-  const Lattice& lattice_;
-};
 
 // Side of the cell that the tree has at a unit: the rule of ProbeTree::build, for the nodes around one unit alone.
 int32_t cellSideAt(const LatticePoint& unit, const Density& density) {
@@ -172,10 +136,9 @@ constexpr int kEstimatePlaces = 4096;
 constexpr size_t kSampledProbes = 256;
 
 // Cells by evenly spread places, each with the share of the extent that one cell there is; probes as a box of cells has.
-double probesOn(const Lattice& lattice, const DensityRule& rule, PlacedSample* sample = nullptr) {
-  const bool is_uniform = rule.growth == 0.0 && rule.boxes.empty();
-  if (is_uniform && sample == nullptr) return lattice.probeLimit();
-  const Density density(rule, lattice);
+double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double growth, PlacedSample* sample = nullptr) {
+  if (growth == 0.0 && sample == nullptr) return lattice.probeLimit();
+  const Density density(nearby, lattice.frame, lattice.first, lattice.last, growth);
   std::vector<ProbeCell> cells;
   std::vector<double> shares;  // of all cells up to each
   double share = 0.0;
@@ -200,19 +163,19 @@ double probesOn(const Lattice& lattice, const DensityRule& rule, PlacedSample* s
     const auto along = [&](int axis) { return frame.first_m[axis] + frame.spacing_m * cell.low[axis]; };
     sample->probes.push_back({{along(0), along(1), along(2)}, static_cast<float>(frame.spacing_m * cell.side)});
   }
-  return is_uniform ? lattice.probeLimit() : lattice.probeLimit() * share / kEstimatePlaces;
+  return growth == 0.0 ? lattice.probeLimit() : lattice.probeLimit() * share / kEstimatePlaces;
 }
 
 // A finest spacing that keeps the limit: for certain where all of the extent may be finest, else by the estimate, with room for
 // its error and for other shifts of the lattice. Infinite where not even one cell does.
-double fittingSpacing(const ExtentBox& box, const DensityRule& rule, double spacing_m, uint64_t max_probes) {
+double fittingSpacing(const ExtentBox& box, const NearbyTriangles& nearby, double spacing_m, double growth, uint64_t max_probes) {
   const auto limit = static_cast<double>(max_probes);
   // no probes fewer than three along an axis, as extents of a thin scene have them
   if (limit < 27.0) return HUGE_VAL;
   while (std::isfinite(spacing_m)) {
-    const std::optional<Lattice> lattice = latticeOver(box, spacing_m, glm::dvec3(0.999), false, rule);
+    const std::optional<Lattice> lattice = latticeOver(box, spacing_m, glm::dvec3(0.999), false);
     double excess = 8.0;
-    if (lattice) excess = std::min(lattice->probeLimit(), 1.3 * probesOn(*lattice, rule)) / limit;
+    if (lattice) excess = std::min(lattice->probeLimit(), 1.3 * probesOn(*lattice, nearby, growth)) / limit;
     if (excess <= 1.0) break;
     // probes fall with the square of the spacing at least, and with its cube at most
     spacing_m *= std::max(1.03, std::cbrt(excess));
@@ -268,9 +231,9 @@ std::string farObjects(const Scene& scene) {
   return "";
 }
 
-[[noreturn]] void refuse(const Scene& scene, const ExtentBox& box, double spacing_m, double probes, const DensityRule& rule,
+[[noreturn]] void refuse(const Scene& scene, const ExtentBox& box, double spacing_m, double probes, const NearbyTriangles& nearby,
                          const ProbePlacementOptions& options) {
-  const double fitting = fittingSpacing(box, rule, spacing_m, options.max_probes);
+  const double fitting = fittingSpacing(box, nearby, spacing_m, options.density_growth, options.max_probes);
   const std::string expected = "at most " + std::to_string(options.max_probes) + " probes" +
                                (options.max_probes < kMaxTreeProbes ? " (max_probes)" : "") +
                                (std::isfinite(fitting) ? "; a finest spacing of " + numberText(1.001 * fitting) + " m fits" : "");
@@ -283,12 +246,12 @@ std::string farObjects(const Scene& scene) {
 }
 
 // The estimate, where it is not far beyond the limit; a uniform tree's is no estimate.
-double acceptedEstimate(const Scene& scene, const ExtentBox& box, double spacing_m, const Lattice& lattice,
-                        const DensityRule& rule, const ProbePlacementOptions& options, PlacedSample* sample = nullptr) {
+double acceptedEstimate(const Scene& scene, const ExtentBox& box, const Lattice& lattice, const NearbyTriangles& nearby,
+                        const ProbePlacementOptions& options, PlacedSample* sample = nullptr) {
   const auto limit = static_cast<double>(options.max_probes);
-  const double probes = probesOn(lattice, rule, sample);
-  const bool is_certain = rule.growth == 0.0 && rule.boxes.empty() && lattice.cellCount() > limit;
-  if (is_certain || probes > kCertainlyMore * limit) refuse(scene, box, spacing_m, probes, rule, options);
+  const double probes = probesOn(lattice, nearby, options.density_growth, sample);
+  const bool is_certain = options.density_growth == 0.0 && lattice.cellCount() > limit;
+  if (is_certain || probes > kCertainlyMore * limit) refuse(scene, box, lattice.frame.spacing_m, probes, nearby, options);
   return probes;
 }
 
@@ -305,15 +268,6 @@ Draw drawOf(const ProbePlacementOptions& options, uint64_t seed) {
   glm::dvec3 shift;
   for (int axis = 0; axis < 3; ++axis) shift[axis] = random.uniform() * kRootSide;
   return {spacing_m, options.align_lattice ? glm::dvec3(0.0) : shift};
-}
-
-void checkBoxes(const DensityRule& rule, double spacing_m) {
-  const double finest = std::ldexp(spacing_m, -DensityRule::kMostHalvings);
-  for (const DensityBox& box : rule.boxes) {
-    if (box.spacing_m > 0.0 && finest > DensityRule::kRounded * box.spacing_m)
-      throw UsageError("nlg_density", "0, or " + numberText(finest) + " m and more: a 32nd of the spacing outside",
-                       numberText(box.spacing_m));
-  }
 }
 
 bool hasExtent(const Scene& scene, const ProbePlacementOptions& options) {
@@ -360,25 +314,24 @@ double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, 
   if (!hasExtent(scene, options)) return 0.0;
   const Draw draw = drawOf(options, seed);
   const ExtentBox box = extentToCover(scene, options, draw.spacing_m);
-  const DensityRule rule(scene, options.density_growth);
-  checkBoxes(rule, draw.spacing_m);
-  const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice, rule);
-  if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, rule, options);
+  const NearbyTriangles nearby(scene);
+  const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
+  if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
   if (sample != nullptr) sample->frame = lattice->frame;
-  return acceptedEstimate(scene, box, draw.spacing_m, *lattice, rule, options, sample);
+  return acceptedEstimate(scene, box, *lattice, nearby, options, sample);
 }
 
 ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options) {
   constexpr double kRoomSpacing = 0.5, kCellsOfSmall = 8.0, kOrdinary = 1.0;
   ChosenSpacing chosen;
   if (!hasExtent(scene, options)) return chosen;
-  const DensityRule rule(scene, options.density_growth);
+  const NearbyTriangles nearby(scene);
   const ExtentBox box = probeExtent(scene, options);
   const glm::dvec3 sides = box.high_m - box.low_m;
   const double largest = std::max({sides.x, sides.y, sides.z});
   const auto probesAt = [&](double spacing_m) {
-    const auto lattice = latticeOver(extentToCover(scene, options, spacing_m), spacing_m, glm::dvec3(0.5), false, rule);
-    return lattice ? probesOn(*lattice, rule) : HUGE_VAL;
+    const auto lattice = latticeOver(extentToCover(scene, options, spacing_m), spacing_m, glm::dvec3(0.5), false);
+    return lattice ? probesOn(*lattice, nearby, options.density_growth) : HUGE_VAL;
   };
   // half a metre, or an eighth of a small scene
   const double finest = largest > 0.0 ? std::min(kRoomSpacing, largest / kCellsOfSmall) : kOrdinary;
@@ -404,17 +357,15 @@ ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, 
   if (!hasExtent(scene, options)) return tree;
   const Draw draw = drawOf(options, seed);
   const ExtentBox box = extentToCover(scene, options, draw.spacing_m);
-  const DensityRule rule(scene, options.density_growth);
-  checkBoxes(rule, draw.spacing_m);
-  const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice, rule);
-  if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, rule, options);
+  const NearbyTriangles nearby(scene);
+  const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
+  if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
   // what is far too much is known without building it for minutes
-  if (lattice->probeLimit() > static_cast<double>(options.max_probes))
-    acceptedEstimate(scene, box, draw.spacing_m, *lattice, rule, options);
-  const Density density(rule, *lattice);
+  if (lattice->probeLimit() > static_cast<double>(options.max_probes)) acceptedEstimate(scene, box, *lattice, nearby, options);
+  const Density density(nearby, lattice->frame, lattice->first, lattice->last, options.density_growth);
   const CellJudge judge = [&](const ProbeCell& cell) { return density.judge(cell); };
   const ProbeTreeStatus status = ProbeTree::build(lattice->frame, judge, options.max_probes, &tree);
-  if (status != ProbeTreeStatus::ok) refuse(scene, box, draw.spacing_m, 0.0, rule, options);
+  if (status != ProbeTreeStatus::ok) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
   return tree;
 }
 

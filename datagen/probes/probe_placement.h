@@ -62,10 +62,7 @@ ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options);
 // empty tree when no extent is given, and one of the largest cells when it is. With density_growth <= 1/sqrt(3) a probe with a
 // triangle in its support always has the finest spacing (docs/theory/probes.md).
 //
-// In a box of the scene's author (Scene::density) cells are as large as its spacing allows, whatever is near; the lattice is then as fine as
-// the finest box asks, by halving the spacing.
-//
-// throws   UsageError when an option lies outside its range, a box asks for less than a 32nd of the spacing, or when the tree would hold more than max_probes probes (it names a
+// throws   UsageError when an option lies outside its range, or when the tree would hold more than max_probes probes (it names a
 //          spacing that fits; what is far too much is refused without building it) or reach over more than kMaxLatticeSide spacings
 ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed);
 
