@@ -7,7 +7,7 @@
 # The first part checks the present commit out into out/release/source and builds it there; all later parts are of that revision, whatever
 # is edited here. What is measured is not measured again: a run that was stopped goes on, and parts may run on different days.
 # `git worktree remove --force out/release/source; rm -r out/release` begins anew.
-# Needs Debian's packages of the levels (docs/guide/levels.md); cycles: blender; shaders: a Vulkan device, or mesa-vulkan-drivers.
+# Needs Debian's packages of the levels (docs/guide/levels.md); cycles: blender; shaders: grids of bakes, and a Vulkan device or mesa-vulkan-drivers.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 root=$PWD/out/release source=$PWD/out/release/source
@@ -23,7 +23,8 @@ parts=("$@")
 [ $# -gt 0 ] || parts=(functions bakes light views reliability cycles shaders)
 for part in "${parts[@]}"; do
   case $part in
-    functions | bakes | light | views | reliability | cycles | shaders | collect) ;;
+    functions | bakes | light | views | reliability | cycles | shaders) ;;
+    collect) [ "${parts[*]}" = collect ] || { echo "measure.sh: collect cannot be combined with parts: it comes when they are done" >&2; exit 2; } ;;
     *) echo "measure.sh: expected functions, bakes, light, views, reliability, cycles, shaders or collect, got '$part'" >&2; exit 2 ;;
   esac
 done
@@ -50,7 +51,10 @@ build "train tests" nlg-bake nlg-datagen nlg-validate nlg-render nlg-pca nlg-cac
 bin=$source/build/release/bin
 mkdir -p "$root/openarena"
 simd=$(grep -qw avx512f /proc/cpuinfo && echo AVX-512 || echo AVX2)
-echo "$(sed -n '0,/^model name/s/^model name[^:]*: //p' /proc/cpuinfo), $simd, $(nproc) cores" > "$root/openarena/machine.txt"
+machine="$(sed -n '0,/^model name/s/^model name[^:]*: //p' /proc/cpuinfo), $simd, $(nproc) cores"
+[ -f "$root/openarena/machine.txt" ] || echo "$machine" > "$root/openarena/machine.txt"
+known=$(cat "$root/openarena/machine.txt")
+[ "$known" = "$machine" ] || { echo "measure.sh: expected the machine that measured the other parts, $known, got $machine" >&2; exit 2; }
 echo "measuring $(git describe --always --dirty --abbrev=12)"
 
 # made FILE COMMAND …: runs it where the file is missing; tools write files whole or not at all
@@ -132,6 +136,7 @@ reliability() {
 cycles() { made "$root/cycles/sum.result.json" docs/figures/cycles/compare.py --bin "$bin" --out "$root/cycles"; }
 
 shaders() {
+  bakes
   build "train tests" bench_shader_parity
   made "$root/shaders/parity.txt" sh -c '"$1" "$2"/kaos2.safetensors "$2"/aggressor.safetensors > "$3"' sh "$bin/bench_shader_parity" "$root/grids" "$root/shaders/parity.txt"
 }

@@ -68,4 +68,8 @@ bool writeGenerators(const std::string& folder) {
 }  // namespace
 }  // namespace nlg
 
-int main(int argc, char** argv) { return argc == 2 && nlg::writeGrid(argv[1]) && nlg::writeGenerators(argv[1]) ? 0 : 1; }
+int main(int argc, char** argv) {
+  if (argc == 2 && nlg::writeGrid(argv[1]) && nlg::writeGenerators(argv[1])) return 0;
+  std::cerr << "make_release_files: expected a folder that can be written\n";
+  return 1;
+}
