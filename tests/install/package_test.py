@@ -133,7 +133,7 @@ def debian():
             test -s courtyard/index.html
             took "its page"
             cp courtyard.safetensors kept
-            apt-get install -q -y cmake g++ libhwy-dev
+            apt-get install -q -y cmake g++ libhwy-dev make
             cmake -S examples -B program && cmake --build program
             program/bake_minimal /usr/share/neural-light-grid/weights/tent_mlp4.safetensors
             program/bake_minimal_c /usr/share/neural-light-grid/weights/tent_mlp4.safetensors
