@@ -15,6 +15,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
+#include "tool/processor_time.h"
 #include "tool/progress.h"
 
 namespace nlg {
@@ -138,7 +139,7 @@ PreparedScene::PreparedScene(SceneSource lit, const BakeOptions& options, const 
   if (known.searched_sha256 == searched_sha256 && options.air_only) air_options.known = known.tree;
   air = findAirPlaces(rays, full_tree, air_options, options.threads > 0 ? options.threads : machineThreadCount());
   tree = options.air_only ? treeOfAir(full_tree, air) : full_tree;
-  air_wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  air_wall_s = secondsSince(start);
 }
 
 }  // namespace nlg
