@@ -1,4 +1,4 @@
-// Finds the weights that ship with the project, and loads generators.
+// Finds the supplied weights, and loads generators.
 #pragma once
 
 #include <string>

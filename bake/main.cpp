@@ -365,7 +365,7 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "probes") == 0) return nlg::probeListMain(argc - 1, argv + 1);
   CLI::App app{
       "Bakes one scene into a light grid: places probes, computes their weighting functions, and lights them.\n"
-      "nlg-bake SCENE: with the weights that ship.\n"
+      "nlg-bake SCENE: with the supplied weights.\n"
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own weights; the scene comes first, because --weights takes "
       "several files.\n"
       "nlg-bake SCENE --relight GRID: computes only the light of a baked grid again.\n"
@@ -383,8 +383,8 @@ int main(int argc, char** argv) {
   table.common({"unit", "spacing_m", "extent_m", "sky", "sun", "light_unit", "intensity", "light_direct", "out"});
   app.add_option("scene", request.scene, nlg::sceneForms())->required();
   app.add_option("--weights", request.weights,
-                 "weights of nlg-export. With several the bake chooses a representation for every function. None: the weights "
-                 "that ship, in the folder $NLG_WEIGHTS or beside the installed program");
+                 "weights of nlg-export. With several the bake chooses a representation for every function. None: the supplied "
+                 "weights, in the folder $NLG_WEIGHTS or beside the installed program");
   const CLI::Option* out =
       app.add_option("--out", request.out, "light grid to write. None: SCENE.safetensors in the current folder");
   app.add_option("--relight", request.relit,

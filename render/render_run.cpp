@@ -346,7 +346,7 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--out", r.out, "picture to write (.png)")->required();
   app.add_option("--grid", r.grid, "light grid that holds light, of nlg-bake");
   app.add_flag("--bake", r.bake, "bake the light grid with the settings of nlg-bake instead of reading one");
-  app.add_option("--weights", r.weights, "weights for --bake. None: the weights that ship");
+  app.add_option("--weights", r.weights, "weights for --bake. None: the supplied weights");
   app.add_option("--method", r.method,
                  "method that lights the picture: truth, grid, or a baseline: trilinear, valid-trilinear, exact-visibility, apv, "
                  "ddgi, tetrahedra; with :solved appended, its light is solved")

@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
       "Writes a page to walk through a level that is lit by its light grid and by baselines, with its probes and the sample "
       "points\n"
       "where the grid errs most. The page is a folder; a double click opens it, without a network.\n"
-      "nlg-view SCENE: bakes the grid first, with the weights that ship.\n"
+      "nlg-view SCENE: bakes the grid first, with the supplied weights.\n"
       "nlg-view SCENE --grid GRID: shows a grid of nlg-bake.\n"
       "nlg-view SCENE --watch: bakes again whenever the scene is saved, and updates the open page.",
       "nlg-view"};

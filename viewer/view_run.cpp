@@ -363,7 +363,7 @@ void describe(ViewRequest& r, CLI::App& app) {
   app.add_option("--out", r.out,
                  "folder to write; its page is index.html. None: a folder of the scene's name in the current folder");
   app.add_option("--grid", r.grid, "light grid that holds light, of nlg-bake. None: the scene is baked");
-  app.add_option("--weights", r.weights, "weights for the bake. None: the weights that ship");
+  app.add_option("--weights", r.weights, "weights for the bake. None: the supplied weights");
   app.add_option("--baselines", r.baselines,
                  "baselines beside the grid, at its probe spacing: trilinear, valid-trilinear, ddgi, or none. trilinear:solved "
                  "and valid-trilinear:solved have solved light")

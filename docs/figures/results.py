@@ -6,7 +6,7 @@
     docs/figures/results.py collect-fault-injection FOLDER                   what fault injection found → docs/results/reliability.json, then write
     docs/figures/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
     docs/figures/results.py write                                            docs/results → every text
-    docs/figures/results.py check                                            names every text that says something else
+    docs/figures/results.py check                                            names every text that says something else, and figures of another revision
 
 collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
 collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (light_results.py says what else may lie there; of that, what
@@ -16,7 +16,7 @@ write makes docs/reference/results.md, docs/reference/light.md, docs/reference/r
 What a run's folder does not have by itself, and is taken when it is there:
     nlg-bake LEVEL --threads 1 --out GRID --json RUN/bakes/LEVEL.json
     bench_runtime_eval --benchmark_repetitions=7 --benchmark_out=RUN/benchmarks/runtime_eval.json --benchmark_out_format=json
-check changes nothing; exit code 6 when a text disagrees, 3 when a text quotes what no results file holds.
+check changes nothing; exit code 6 when a text disagrees or figures are of several revisions, 3 when a text quotes what no results file holds.
 """
 import argparse
 import subprocess
@@ -61,7 +61,7 @@ def with_rule(text, problems):
         problems.append((f"{RULE.relative_to(ROOT)}: expected the lines that begin and end the rule, got none", True))
         return text
     sentences = results_page.verdict.rule(results_page.verdict.Limits(), defaults["tau_rmse"], defaults["tau_blend"])
-    whole = text[: begin + len(RULE_BEGINS)] + "".join(f"{i}. {sentence}\n" for i, sentence in enumerate(sentences, 1)) + text[end:]
+    whole = text[: begin + len(RULE_BEGINS)] + "".join(f"{i}. {sentence}\n" for i, sentence in enumerate(sentences, 1)) + f"\n{results_page.verdict.UNDECIDED_WHEN}\n" + text[end:]
     if whole != text:
         problems.append((f"{RULE.relative_to(ROOT)}: expected the rule as validate/report/verdict.py has it, got another text", False))
     return whole
@@ -110,15 +110,15 @@ def revisions(found):
     return own.union(*map(revisions, found.values()))
 
 
-def say_revisions(all_results):
-    """A line for every revision, where figures are of several: a release has one."""
+def without_one_revision(all_results):
+    """A line for every revision, where figures are of several, or of one that nobody can look up; else none."""
     files = {}
     for name, results in all_results.items():
         for revision in revisions(results):
             files.setdefault(revision, []).append(name)
-    if len(files) > 1:
-        for revision, names in sorted(files.items()):
-            print(f"of revision {revision}: {', '.join(sorted(names))}")
+    if len(files) == 1 and not next(iter(files)).endswith("-dirty"):
+        return []
+    return [f"docs/results: expected one revision without changes in all results, got {revision} in {', '.join(sorted(names))}" for revision, names in sorted(files.items())]
 
 
 def write(all_results):
@@ -127,7 +127,8 @@ def write(all_results):
         if not path.exists() or read_text(path) != text:
             write_atomically(path, text.encode())
             print(path.relative_to(ROOT))
-    say_revisions(all_results)
+    for line in without_one_revision(all_results):
+        print(line)
     return report(problems, only_keys=True)
 
 
@@ -197,7 +198,7 @@ def main():
     collecting_cycles = commands.add_parser("collect-cycles", help="light against Cycles → docs/results, then write")
     collecting_cycles.add_argument("folder", type=Path, help="--out of docs/figures/cycles/compare.py")
     commands.add_parser("write", help="docs/results → every text")
-    commands.add_parser("check", help="names every text that says something else")
+    commands.add_parser("check", help="names every text that says something else, and figures of another revision")
     arguments = parser.parse_args()
     if arguments.command == "collect":
         return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.add, arguments.made_by)
@@ -209,8 +210,9 @@ def main():
         return write(keep(cycles_page.collect(arguments.folder)))
     if arguments.command == "write":
         return write(load_results(RESULTS))
-    problems = []
-    expected_texts(load_results(RESULTS), problems)
+    problems, all_results = [], load_results(RESULTS)
+    expected_texts(all_results, problems)
+    problems += [(line, False) for line in without_one_revision(all_results)]
     return report(problems, only_keys=False)
 
 

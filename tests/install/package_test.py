@@ -1,13 +1,15 @@
 #!/usr/bin/python3
-"""The packages: what they hold, and that a bake from them is that of the build.
+"""The packages: what they hold, and that a bake from them is that of the build. And README's commands in a clone.
 
     package_test.py BUILD CPACK VERSION archive   unpacked into an empty folder, in an environment without anything
     package_test.py BUILD CPACK VERSION training  the same of training: a whole run of next to nothing
     package_test.py BUILD CPACK VERSION debian    both installed on a bare Debian 12 that is made for this: a first bake, a linked program and
                                                   a first own generator, with their times; skipped where none can be made
+    package_test.py BUILD CPACK VERSION clone     README's commands, as they stand there, in a clone of HEAD on another such Debian
 """
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -110,21 +112,36 @@ def training():
         assert (folder / "out/smoke/weights/tent_mlp4.safetensors").stat().st_size > 0 and (folder / "out/smoke/report.html").exists()
 
 
-def debian():
-    """One bare system from nothing, which goes with the command that makes it; its mounts are in a namespace of their own."""
+def bare_debian(folder, copied, wrong):
+    """Runs folder/install.sh beside what is copied on a system from nothing, which goes with the command that makes it; its mounts are in a
+    namespace of their own. The file "kept" that the script leaves there is then in the folder."""
     if os.geteuid() != 0 or not shutil.which("mmdebstrap"):
         skip("needs root and mmdebstrap")
+    hooks = [f"touch {folder}/made", f"cp -r {' '.join(map(str, copied))} {folder}/install.sh $1/root", 'chroot "$1" bash /root/install.sh', f"cp $1/root/kept {folder}"]
+    result = subprocess.run(["mmdebstrap", "--variant=apt", "--format=null", *("--customize-hook=" + hook for hook in hooks), "bookworm", "/dev/null"],
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if not (folder / "made").exists():
+        skip("no bare Debian 12 can be made here: " + result.stdout.strip().splitlines()[-1])
+    print(result.stdout)
+    assert result.returncode == 0, wrong
+
+
+TOOK = """set -e
+            export DEBIAN_FRONTEND=noninteractive
+            cd /root
+            SECONDS=0
+            took() { echo "took: $SECONDS s to $1"; }
+            apt-get update -q
+"""
+
+
+def debian():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         package, built = pack("DEB", folder)
         output(CPACK, "--config", BUILD / "CPackTraining.cmake", "-G", "DEB", "-B", folder / "training")
         training_package, = (folder / "training").glob("nlg-training*.deb")
-        (folder / "install.sh").write_text(f"""set -e
-            export DEBIAN_FRONTEND=noninteractive
-            cd /root
-            SECONDS=0
-            took() {{ echo "took: $SECONDS s to $1"; }}
-            apt-get update -q
+        (folder / "install.sh").write_text(TOOK + f"""
             apt-get install -q -y ./{package.name}
             took "the package installed"
             nlg bake {' '.join(BAKE)}
@@ -146,14 +163,38 @@ def debian():
             test -s training/out/smoke/weights/tent_mlp4.safetensors
             took "a first own generator"
             """)
-        hooks = [f"touch {folder}/made", f"cp -r {package} {training_package} {ROOT}/examples {folder}/courtyard.glb {folder}/install.sh $1/root", 'chroot "$1" bash /root/install.sh', f"cp $1/root/kept {folder}"]
-        result = subprocess.run(["mmdebstrap", "--variant=apt", "--format=null", *("--customize-hook=" + hook for hook in hooks), "bookworm", "/dev/null"],
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        if not (folder / "made").exists():
-            skip("no bare Debian 12 can be made here: " + result.stdout.strip().splitlines()[-1])
-        print(result.stdout)
-        assert result.returncode == 0, "the package does not install, bake and go"
+        bare_debian(folder, [package, training_package, ROOT / "examples", folder / "courtyard.glb"], "the package does not install, bake and go")
         assert (folder / "kept").read_bytes() == built, "another light grid than the build's"
+
+
+def clone():
+    sys.path.insert(0, str(ROOT / "tests/pipeline"))
+    from own_levels_test import SMALL as LITTLE, room
+    text = (ROOT / "README.md").read_text().split("\n# Reference\n")[0]
+    lines = [line.split(" #")[0].strip() for block in re.findall(r"```sh\n(.*?)```", text, flags=re.DOTALL) for line in block.splitlines()]
+    names = {"LEVELS": "levels", "LEVEL.glb": "levels/room0.obj"}
+    # a run of next to nothing, and a page that is not watched for changes until somebody stops it
+    little = " ".join(f"'--set={setting}'" for setting in LITTLE if not setting.startswith(("scenes.", "representations"))) + " '--set=representations={tent_mlp44: {}}'"
+    lines = [re.sub(r"\b(LEVELS|LEVEL\.glb)\b", lambda found: names[found[1]], line).replace("./pipeline.sh ", f"./pipeline.sh {little} ") for line in lines if "--watch" not in line]
+    assert sum("pipeline.sh" in line for line in lines) == 2 and sum("nlg" in line for line in lines) >= 4, lines
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        output("git", "clone", "--quiet", "--depth=1", ROOT.as_uri(), folder / "repository")
+        (folder / "levels").mkdir()
+        for seed in range(6):
+            (folder / f"levels/room{seed}.obj").write_text(room(seed))
+        shutil.copy(ROOT / "samples/courtyard.glb", folder / "level.glb")
+        output(BUILD / "bin/nlg-bake", "level.glb", "--out", "built.safetensors", cwd=folder, env={name: value for name, value in os.environ.items() if name != "NLG_WEIGHTS"})
+        commands = "\n".join(f"{line}\ntook {shlex.quote(line)}" for line in lines)
+        (folder / "install.sh").write_text(TOOK + f"""
+            cd repository
+            mv ../levels ../level.glb .
+            {commands}
+            test -s level/index.html && test -s out/levels/report.html && test -s levels/room0.safetensors
+            mv level.safetensors ../kept
+            """)
+        bare_debian(folder, [folder / "repository", folder / "levels", folder / "level.glb"], "README's commands fail in a clone")
+        assert (folder / "kept").read_bytes() == (folder / "built.safetensors").read_bytes(), "another light grid than the build's"
 
 
 def skip(reason):
@@ -164,6 +205,8 @@ def skip(reason):
 if __name__ == "__main__":
     if KIND == "debian":
         debian()
+    elif KIND == "clone":
+        clone()
     elif KIND == "training":
         training()
     else:

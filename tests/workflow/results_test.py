@@ -197,6 +197,17 @@ class Results(unittest.TestCase):
         self.assertEqual(result.returncode, 6)
         self.assertIn("README.md: expected 'number 0 of 1 is .0024', got 'number 0 of 1 is .0025'", result.stderr)
 
+    def test_check_names_figures_of_another_revision_or_of_none_that_can_be_looked_up(self):
+        self.filled("tent_mlp.stored.theta.rmse.mean:.4")
+        path = self.root / "docs/results/openarena.json"
+        before = json.loads(path.read_text())
+        for old, new in (("0123abc", "0123abc-dirty"), ('"revision": "0123abc", "held_out', '"revision": "4567def", "held_out')):
+            path.write_text(json.dumps(before).replace(old, new))
+            self.run_results("write")
+            result = self.run_results("check")
+            self.assertEqual(result.returncode, 6)
+            self.assertIn(f"expected one revision without changes in all results, got {'4567def' if '4567def' in new else '0123abc-dirty'}", result.stderr)
+
     def test_all_rows_of_a_table_have_the_cells_of_its_head(self):
         self.assertEqual(self.collect().returncode, 0)
         for page in ("docs/reference/results.md", "weights/README.md"):

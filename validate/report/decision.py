@@ -80,6 +80,10 @@ class Decision:
     def rule(self):
         return [sentence.replace("*", "") for sentence in verdict.rule(self.limits, self.tau["rmse"], self.tau["blend_rmse"])]
 
+    @property
+    def undecided_when(self):
+        return verdict.UNDECIDED_WHEN
+
     def text(self):
         """The verdict for a terminal: the headline, every generator's three figures, the rule."""
         shown = lambda figure, write: "–" if figure.value is None else write(figure.value) + ("" if figure.passes else " (!)")
@@ -87,7 +91,7 @@ class Decision:
         for j in self.judgements:
             lines.append(f"  {j.representation}, {j.verdict}: {shown(j.failing, percent)} of stored functions fail the check; {shown(j.hard, factor)} times the best known blend RMSE on hard ones; "
                          f"{shown(j.speedup, factor)} times as fast as a fit without it")
-        lines += ["A generator may ship when, on scenes that it was not trained on:", *(f"  - {sentence}" for sentence in self.rule())]
+        lines += ["A generator may ship when, on scenes that it was not trained on:", *(f"  - {sentence}" for sentence in self.rule()), verdict.UNDECIDED_WHEN]
         return "\n".join(lines).replace("\u00a0", " ") + "\n"
 
     def objections(self):
