@@ -95,6 +95,7 @@ ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& 
   placement.align_lattice = options.align_lattice;
   placement.max_probes = options.max_probes;
   placement.extent = extentFromNumbers(options.extent_m);
+  placement.density = source.scene.density;
   const auto place = [&](double spacing_m) {
     placement.spacing_min_m = placement.spacing_max_m = spacing_m;
     placement.reach.reset();
@@ -128,6 +129,13 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, const s
   const ExtentBox box = probeExtent(scene, placement);
   plan.extent_m = box.high_m - box.low_m;
   plan.spacing_m = placement.spacing_min_m;
+  for (const DensityBox& of : scene.density) {
+    if (overlaps({of.box.low_m - scene.origin_m, of.box.high_m - scene.origin_m}, box)) {
+      ++plan.density_boxes;
+    } else {
+      plan.outside.push_back(of.node);
+    }
+  }
   PlacedSample sample;
   plan.probes = estimateProbes(scene, placement, options.seed, &sample);
   plan.memory_bytes = kBaseBytes + kProbeBytes * plan.probes + kTriangleBytes * static_cast<double>(scene.triangles.size());
@@ -147,9 +155,15 @@ std::string toText(const BakePlan& plan, int thread_count) {
   if (glm::length(plan.extent_m - plan.scene_m) > 0.5 * plan.spacing_m) text += ", probes in " + sidesText(plan.extent_m);
   const std::string machine =
       plan.memory_bytes > plan.machine_bytes ? " (more than the " + bytesText(plan.machine_bytes) + " of this machine)" : "";
-  text += fmt::format(", {:.3g} m apart: about {} before those without air are left out; about {}{}, roughly {} on {}\n",
-                      plan.spacing_m, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes), machine,
+  const std::string boxes = plan.density_boxes > 0
+                                ? fmt::format(" (in {} as nlg_density says)",
+                                              plan.density_boxes == 1 ? "a box" : fmt::format("{} boxes", plan.density_boxes))
+                                : "";
+  text += fmt::format(", {:.3g} m apart{}: about {} before those without air are left out; about {}{}, roughly {} on {}\n",
+                      plan.spacing_m, boxes, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes), machine,
                       durationText(plan.seconds), countText(static_cast<uint64_t>(thread_count), "thread"));
+  for (const std::string& node : plan.outside)
+    text += "nlg_density: '" + node + "' lies outside what has probes: it changes nothing\n";
   if (!plan.chosen) return text;
   const ChosenSpacing& chosen = *plan.chosen;
   return text + fmt::format("spacing: {:.3g} m was chosen (--spacing-m); {:.3g} m would take about {}, {:.3g} m about {}\n",

@@ -23,6 +23,8 @@ struct BakePlan {
   glm::dvec3 extent_m{0.0};  // sides of what has probes
   double spacing_m = 0.0;
   std::optional<ChosenSpacing> chosen;       // where nobody named a spacing
+  size_t density_boxes = 0;                  // boxes with a spacing of their own
+  std::vector<std::string> outside;          // nodes of such boxes beyond the extent
   double probes = 0.0;                       // estimated, before those without air are left out
   double machine_bytes = 0.0;                // of memory that this machine has
   double memory_bytes = 0.0, seconds = 0.0;  // rough: mostly within a factor of two

@@ -75,7 +75,7 @@ struct LitSet {
 // Bounces between surfaces, once for all places of a set.
 void cacheSurfaces(const PreparedScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
   for (LitSet& set : *sets) {
-    set.cache = makeSurfaceCache(set.transport, scene.air.places, scene.tree.frame().spacing_m, set.options, threads);
+    set.cache = makeSurfaceCache(set.transport, scene.air.places, scene.air.spacing_m, set.options, threads);
     if (set.cache == nullptr) continue;
     statistics->cache_cells += set.cache->cellCount();
     statistics->cache_divided += set.cache->dividedCount();
@@ -186,8 +186,8 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   double error = options.thin_error;
   if (error == 0.0 && isWithin(lit)) return lit;
   const Progress progress("thinning");
-  const std::vector<glm::dvec3> beside = placesBesideSurfaces(inputs.scene.rays, inputs.scene.air.places,
-                                                              inputs.scene.tree.frame().spacing_m, options.seed, kBesideEvery);
+  const std::vector<glm::dvec3> beside =
+      placesBesideSurfaces(inputs.scene.rays, inputs.scene.air.places, inputs.scene.air.spacing_m, options.seed, kBesideEvery);
   // all changes are measured from the light of the whole grid
   const ProbeLight whole = std::move(lit);
   std::vector<const std::vector<LightSh>*> light;
@@ -205,8 +205,7 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
     if (error == kMostThinError) {
       // a size that is taken: the file names it, and other digits are some bytes more or less
       const size_t least = (bytesNow(lit) + 32 + 99) / 100 * 100;
-      throw UsageError("max_bytes",
-                       fmt::format("{} or more, or a spacing_m above {:g}", least, inputs.scene.tree.frame().spacing_m),
+      throw UsageError("max_bytes", fmt::format("{} or more, or a spacing_m above {:g}", least, inputs.scene.air.spacing_m),
                        fmt::format("{:.0f}", options.max_bytes));
     }
     // too large still: allows more error, in steps that find a size near the limit

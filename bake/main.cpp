@@ -340,7 +340,7 @@ nlohmann::ordered_json describeFile(const std::string& path) {
   nlohmann::ordered_json json = {{"scene", metadata["scene"]},
                                  {"probes", grid.tree.probeCount()},
                                  {"cells", grid.tree.cellCount()},
-                                 {"spacing_m", grid.tree.frame().spacing_m},
+                                 {"spacing_m", bakedSpacing(grid, metadata)},
                                  {"functions", grid.functionCount()},
                                  {"has_light", !grid.light.empty()},
                                  {"light_axes", grid.packed_light.axes.size()},

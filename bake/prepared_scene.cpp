@@ -21,9 +21,9 @@
 namespace nlg {
 namespace {
 
-ProbeTree placeProbes(const SceneSource& source, const BakeOptions& options) {
+ProbeTree placeProbes(const SceneSource& source, const BakeOptions& options, double* spacing_m) {
   const Progress progress("probe tree");
-  return placeProbes(source.scene, placementOf(source, options), options.seed);
+  return placeProbes(source.scene, placementOf(source, options), options.seed, spacing_m);
 }
 
 // So many places at least in the whole scene: a grid of a few probes has few cells, and its light would be fitted to next to
@@ -131,10 +131,11 @@ PreparedScene::PreparedScene(SceneSource lit, const BakeOptions& options, const 
     : source(std::move(lit)),
       links(known.tree == nullptr ? makeLinkTable({}) : LinkTable{}),
       rays(source.scene),
-      full_tree(placeProbes(source, options)),
+      full_tree(placeProbes(source, options, &spacing_m)),
       searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {
   const auto start = std::chrono::steady_clock::now();
   AirPlaceOptions air_options = airPlaceOptions(options, full_tree.cellCount());
+  air_options.spacing_m = spacing_m;
   // an earlier search of the same cells says which hold no air
   if (known.searched_sha256 == searched_sha256 && options.air_only) air_options.known = known.tree;
   air = findAirPlaces(rays, full_tree, air_options, options.threads > 0 ? options.threads : machineThreadCount());

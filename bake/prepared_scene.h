@@ -36,6 +36,7 @@ struct PreparedScene {
   SceneSource source;
   LinkTable links;
   RayScene rays;
+  double spacing_m = 0.0;       // of probes outside boxes with a spacing of their own
   ProbeTree full_tree;          // before cells in solid were left out
   std::string searched_sha256;  // of all that light may have a say in when air is searched for: full_tree, faces of sky
   AirPlaces air;                // of full_tree

@@ -178,7 +178,7 @@ std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const Probe
                                     const std::vector<uint8_t>& is_dark) {
   std::vector<DarkRoom> rooms;
   if (std::find(is_dark.begin(), is_dark.end(), 1) == is_dark.end()) return rooms;
-  DarkAir dark(transport.rays(), air.places, is_dark, tree.frame().spacing_m);
+  DarkAir dark(transport.rays(), air.places, is_dark, air.spacing_m);
   // a dark room: dark points joined by sight, none of which sees a lit one
   std::unordered_map<uint32_t, std::vector<uint32_t>> places_of;  // by root
   for (uint32_t p = 0; p < is_dark.size(); ++p) {

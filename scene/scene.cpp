@@ -125,11 +125,12 @@ void addParts(const SceneLight& light, const LightGroups& groups, PartsHash* par
 
 std::string sha256Of(const Scene& scene, const LightGroups& groups, Of asked) {
   const auto& [id, origin_m, positions, triangles, triangle_material, materials, images, base_places, emissive_places,
-               vertex_colours, objects, dropped_count, light, viewpoints, cavity_m, extent] = scene;
+               vertex_colours, objects, dropped_count, light, viewpoints, cavity_m, extent, density] = scene;
   PartsHash parts(asked);
   parts.add(Of::functions, origin_m, positions, triangles, extent.has_value());
   // of cavity_m the file says nothing: it is a setting, limited by sides
   if (extent) parts.add(Of::functions, extent->low_m, extent->high_m);
+  for (const DensityBox& of : density) parts.add(Of::functions, of.box.low_m, of.box.high_m, of.spacing_m);
   for (const uint32_t material : triangle_material)
     parts.add(Of::functions, materials[material].double_sided, materials[material].transmissive);
   for (const auto& [name, first_triangle, triangle_count, movable] : objects)
@@ -269,7 +270,7 @@ std::string geometryDifference(const Scene& scene, const Scene& other) {
   const SkyFaces &sky = scene.light.sky_faces, &other_sky = other.light.sky_faces;
   if (sky.positions != other_sky.positions || sky.triangles != other_sky.triangles) return "other faces of sky";
   // the hash also reads what no corner shows: the order of vertices, and the box
-  return sceneSha256(scene) == sceneSha256(other) ? "" : "vertices in another order, or another box nlg_extent";
+  return sceneSha256(scene) == sceneSha256(other) ? "" : "vertices in another order, or other boxes nlg_extent or nlg_density";
 }
 
 std::string sceneLightSha256(const Scene& scene) { return sceneLightSha256(scene, scene.light.groups); }

@@ -52,6 +52,13 @@ struct ExtentBox {
   glm::dvec3 low_m{0.0}, high_m{0.0};
 };
 
+// Where the scene's author says how far apart probes are at most. 0: cells wholly in the box have none.
+struct DensityBox {
+  ExtentBox box;
+  double spacing_m = 0.0;  // finite, >= 0
+  std::string node;
+};
+
 // Right-handed, y up, metres. Front faces wind counter-clockwise; a mirrored node's faces have been turned to do so.
 // Positions are relative to origin_m, which stands near the middle of the scene, so that a scene 100 km from the world's
 // origin loses no precision: world position = origin_m + position.
@@ -73,6 +80,7 @@ struct Scene {
   std::vector<Viewpoint> viewpoints;  // in the file's order
   double cavity_m = 0.0;              // hollows closed off from all air as wide as this are no air; 0: there are none (cavity.h)
   std::optional<ExtentBox> extent;    // where its author says that things move: a node nlg_extent of a glTF file
+  std::vector<DensityBox> density;    // of nodes with an extra nlg_density, in the file's order
 };
 
 struct Bounds {
@@ -85,7 +93,7 @@ Bounds objectBounds(const Scene& scene, const SceneObject& object);
 Bounds sceneBounds(const Scene& scene);
 
 // SHA-256 of what weighting functions can depend on, as it was read from whatever files: positions, triangles, which of them are
-// double-sided or let light through, faces of sky, objects, nlg_extent and the origin. Neither colours nor light count.
+// double-sided or let light through, faces of sky, objects, nlg_extent, nlg_density and the origin. Neither colours nor light count.
 std::string sceneSha256(const Scene& scene);
 // What of two scenes differs that weighting functions, or the ends of rays, can depend on, in words: "1,200 triangles, not 1,212". Empty
 // where nothing does.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "bake/again/bake_provenance.h"
 #include "export/shader/shader_export.h"
 #include "light/air.h"
 #include "render/camera.h"
@@ -417,7 +418,7 @@ Json makeView(ViewRequest request, BakeOptions options) {
     LightGrid grid;
     GridMetadata metadata;
     requireRead(request.grid, readLightGridFile(request.grid, &grid, &metadata), "a light grid");
-    const double spacing_m = grid.tree.frame().spacing_m;
+    const double spacing_m = bakedSpacing(grid, metadata);
     // probes stand as far apart as the nearest float says
     const bool is_other = static_cast<float>(options.spacing_m) != static_cast<float>(spacing_m);
     if (options.spacing_m != 0.0 && is_other)

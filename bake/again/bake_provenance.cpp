@@ -1,9 +1,12 @@
 #include "bake/again/bake_provenance.h"
 
+#include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bake/bake_options.h"
@@ -15,6 +18,8 @@
 
 namespace nlg {
 namespace {
+
+constexpr const char* kSpacing = "spacing_m";  // in metadata, where boxes made the lattice finer than it
 
 // Not by fileSha256: the program is no input of a bake that somebody watches.
 std::string programSha256() {
@@ -65,7 +70,15 @@ GridMetadata bakeMetadata(const PreparedScene& scene, const nlohmann::ordered_js
   inputs[kLightRole] = lightSha256(scene.source);
   if (!lightGroupNames(scene.source).empty()) inputs[kUngroupedRole] = ungroupedLightSha256(scene.source);
   inputs[kSearchedRole] = scene.searched_sha256;
-  return {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
+  GridMetadata metadata = {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
+  if (scene.spacing_m != scene.full_tree.frame().spacing_m) metadata[kSpacing] = fmt::format("{}", scene.spacing_m);
+  return metadata;
+}
+
+double bakedSpacing(const LightGrid& grid, const GridMetadata& metadata) {
+  const auto found = metadata.find(kSpacing);
+  const double spacing_m = found == metadata.end() ? 0.0 : std::strtod(found->second.c_str(), nullptr);
+  return spacing_m > 0.0 && std::isfinite(spacing_m) ? spacing_m : grid.tree.frame().spacing_m;
 }
 
 }  // namespace nlg

@@ -35,4 +35,7 @@ nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<s
 GridMetadata bakeMetadata(const PreparedScene& scene, const nlohmann::ordered_json& options,
                           const std::map<std::string, std::string>& weights);
 
+// Finest distance between the probes of a baked grid, metres, outside boxes with a spacing of their own (nlg_density).
+double bakedSpacing(const LightGrid& grid, const GridMetadata& metadata);
+
 }  // namespace nlg

@@ -45,36 +45,11 @@ ExtentBox extentToCover(const Scene& scene, const ProbePlacementOptions& options
   return box;
 }
 
-// Judges cells by the extent, in lattice units, and by the nearest triangle.
-class Density {
- public:
-  Density(const NearbyTriangles& nearby, const ProbeTreeFrame& frame, const LatticePoint& first, const LatticePoint& last,
-          double growth)
-      : nearby_(nearby), frame_(frame), first_(first), last_(last), growth_(growth) {}
-
-  CellVerdict judge(const ProbeCell& cell) const {
-    glm::dvec3 low;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (cell.low[axis] > last_[axis] || cell.low[axis] + cell.side <= first_[axis]) return CellVerdict::unneeded;
-      low[axis] = frame_.first_m[axis] + frame_.spacing_m * cell.low[axis];
-    }
-    if (cell.side == 1) return CellVerdict::fits;
-    if (growth_ == 0.0) return CellVerdict::too_coarse;
-    const double side_m = frame_.spacing_m * cell.side;
-    return nearby_.anyCloser(low, low + side_m, side_m / growth_) ? CellVerdict::too_coarse : CellVerdict::fits;
-  }
-
- private:
-  const NearbyTriangles& nearby_;
-  const ProbeTreeFrame& frame_;
-  LatticePoint first_, last_;  // units that hold the extent's lowest and highest position
-  double growth_;
-};
-
 // Where a tree stands: its frame, and the units that hold the extent's lowest and highest position.
 struct Lattice {
   ProbeTreeFrame frame;
   LatticePoint first{}, last{};
+  int32_t least_side = 1;  // units, of cells in no box with a spacing of its own
 
   double cellCount() const {
     double cells = 1.0;
@@ -111,6 +86,77 @@ std::optional<Lattice> latticeOver(const ExtentBox& box, double spacing_m, const
   return lattice;
 }
 
+constexpr int kMostHalvings = 5;  // of the spacing, for boxes: cells outside have still a side below a root's
+
+// Boxes with a spacing of their own that reach into the extent, relative to the scene's origin; their spacing is the nearest that cells
+// can have.
+std::vector<DensityBox> boxesIn(const ExtentBox& extent, const Scene& scene, const ProbePlacementOptions& options,
+                                double spacing_m) {
+  std::vector<DensityBox> boxes;
+  for (DensityBox of : options.density) {
+    if (of.spacing_m > 0.0) {
+      const double steps = std::round(std::log2(of.spacing_m / spacing_m));
+      if (steps < -kMostHalvings)
+        throw UsageError(
+            "nlg_density of '" + of.node + "'",
+            "0, or at least " + numberText(std::ldexp(spacing_m, -kMostHalvings)) + " m, a 32nd of the spacing elsewhere",
+            numberText(of.spacing_m) + " m");
+      of.spacing_m = spacing_m * std::exp2(std::min(steps, std::log2(kRootSide)));
+    }
+    of.box = {of.box.low_m - scene.origin_m, of.box.high_m - scene.origin_m};
+    if (overlaps(of.box, extent)) boxes.push_back(of);
+  }
+  return boxes;
+}
+
+// How often a spacing is halved to be that of the finest box.
+int halvings(const std::vector<DensityBox>& boxes, double spacing_m) {
+  int count = 0;
+  for (const DensityBox& of : boxes) {
+    while (of.spacing_m > 0.0 && std::ldexp(spacing_m, -count) > of.spacing_m) ++count;
+  }
+  return count;
+}
+
+// Judges cells by the extent, by boxes with a spacing of their own, and by the nearest triangle.
+class Density {
+ public:
+  Density(const NearbyTriangles& nearby, const Lattice& lattice, double growth, const std::vector<DensityBox>& boxes = {})
+      : nearby_(nearby), lattice_(lattice), growth_(growth), boxes_(boxes) {}
+
+  CellVerdict judge(const ProbeCell& cell) const {
+    const ProbeTreeFrame& frame = lattice_.frame;
+    glm::dvec3 low;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (cell.low[axis] > lattice_.last[axis] || cell.low[axis] + cell.side <= lattice_.first[axis])
+        return CellVerdict::unneeded;
+      low[axis] = frame.first_m[axis] + frame.spacing_m * cell.low[axis];
+    }
+    const double side_m = frame.spacing_m * cell.side;
+    const ExtentBox at{low, low + side_m};
+    bool is_too_coarse = false, is_inside = false;
+    for (const DensityBox& of : boxes_) {
+      if (!overlaps(of.box, at)) continue;
+      const bool holds =
+          glm::all(glm::lessThanEqual(of.box.low_m, at.low_m)) && glm::all(glm::lessThanEqual(at.high_m, of.box.high_m));
+      if (of.spacing_m == 0.0 && holds) return CellVerdict::unneeded;
+      if (of.spacing_m == 0.0) continue;
+      is_too_coarse |= cell.side > 1 && side_m > of.spacing_m;
+      is_inside |= holds;
+    }
+    if (is_too_coarse) return CellVerdict::too_coarse;
+    if (is_inside || cell.side <= lattice_.least_side) return CellVerdict::fits;
+    if (growth_ == 0.0) return CellVerdict::too_coarse;
+    return nearby_.anyCloser(at.low_m, at.high_m, side_m / growth_) ? CellVerdict::too_coarse : CellVerdict::fits;
+  }
+
+ private:
+  const NearbyTriangles& nearby_;
+  const Lattice& lattice_;
+  double growth_;
+  std::vector<DensityBox> boxes_;
+};
+
 // Side of the cell that the tree has at a unit: the rule of ProbeTree::build, for the nodes around one unit alone.
 int32_t cellSideAt(const LatticePoint& unit, const Density& density) {
   const auto low = [&](int32_t side) {
@@ -136,9 +182,12 @@ constexpr int kEstimatePlaces = 4096;
 constexpr size_t kSampledProbes = 256;
 
 // Cells by evenly spread places, each with the share of the extent that one cell there is; probes as a box of cells has.
-double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double growth, PlacedSample* sample = nullptr) {
-  if (growth == 0.0 && sample == nullptr) return lattice.probeLimit();
-  const Density density(nearby, lattice.frame, lattice.first, lattice.last, growth);
+// boxes   none of them finer than the lattice
+double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double growth, const std::vector<DensityBox>& boxes = {},
+                PlacedSample* sample = nullptr) {
+  const bool is_uniform = growth == 0.0 && boxes.empty();
+  if (is_uniform && sample == nullptr) return lattice.probeLimit();
+  const Density density(nearby, lattice, growth, boxes);
   std::vector<ProbeCell> cells;
   std::vector<double> shares;  // of all cells up to each
   double share = 0.0;
@@ -151,19 +200,44 @@ double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double gr
     const int32_t side = cellSideAt(unit, density);
     // the low corner of a cell: sides are powers of two
     for (int axis = 0; axis < 3; ++axis) unit[axis] &= -side;
+    if (density.judge({unit, side}) == CellVerdict::unneeded) continue;
     cells.push_back({unit, side});
     // places meet a cell in proportion to its volume: the inverse counts every cell once
     shares.push_back(share += 1.0 / (static_cast<double>(side) * side * side));
   }
   // a sample of probes takes cells by number, not by volume
-  for (size_t n = 0; sample != nullptr && n < kSampledProbes; ++n) {
+  for (size_t n = 0; sample != nullptr && !cells.empty() && n < kSampledProbes; ++n) {
     const double at = share * (static_cast<double>(n) + 0.5) / static_cast<double>(kSampledProbes);
     const ProbeCell& cell = cells[static_cast<size_t>(std::lower_bound(shares.begin(), shares.end() - 1, at) - shares.begin())];
     const ProbeTreeFrame& frame = lattice.frame;
     const auto along = [&](int axis) { return frame.first_m[axis] + frame.spacing_m * cell.low[axis]; };
     sample->probes.push_back({{along(0), along(1), along(2)}, static_cast<float>(frame.spacing_m * cell.side)});
   }
-  return growth == 0.0 ? lattice.probeLimit() : lattice.probeLimit() * share / kEstimatePlaces;
+  return is_uniform ? lattice.probeLimit() : lattice.probeLimit() * share / kEstimatePlaces;
+}
+
+// What boxes finer than a lattice add to its probes.
+// coarse   boxes that are not
+double probesOfFine(const Lattice& lattice, const std::vector<DensityBox>& fine, const std::vector<DensityBox>& coarse,
+                    const NearbyTriangles& nearby, double growth) {
+  constexpr double kNodeCells = 4.0;  // along an axis; nodes that a box reaches into are divided whole
+  double probes = 0.0;
+  for (const DensityBox& of : fine) {
+    Lattice inside = lattice;
+    double own = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto unit = [&](double at_m) {
+        const double units = (at_m - lattice.frame.first_m[axis]) / lattice.frame.spacing_m;
+        return std::clamp<double>(units, lattice.first[axis], lattice.last[axis] + 1.0);
+      };
+      const double low = unit(of.box.low_m[axis]), high = unit(of.box.high_m[axis]);
+      inside.first[axis] = std::min(static_cast<int32_t>(low), lattice.last[axis]);
+      inside.last[axis] = std::min(static_cast<int32_t>(high), lattice.last[axis]);
+      own *= (high - low) * lattice.frame.spacing_m / of.spacing_m + kNodeCells + 1.0;
+    }
+    probes += std::max(0.0, own - probesOn(inside, nearby, growth, coarse));
+  }
+  return probes;
 }
 
 // A finest spacing that keeps the limit: for certain where all of the extent may be finest, else by the estimate, with room for
@@ -232,26 +306,32 @@ std::string farObjects(const Scene& scene) {
 }
 
 [[noreturn]] void refuse(const Scene& scene, const ExtentBox& box, double spacing_m, double probes, const NearbyTriangles& nearby,
-                         const ProbePlacementOptions& options) {
-  const double fitting = fittingSpacing(box, nearby, spacing_m, options.density_growth, options.max_probes);
+                         const ProbePlacementOptions& options, double of_boxes = 0.0) {
+  const double others = std::max(0.0, static_cast<double>(options.max_probes) - std::max(0.0, of_boxes));
+  const double fitting = fittingSpacing(box, nearby, spacing_m, options.density_growth, static_cast<uint64_t>(others));
   const std::string expected = "at most " + std::to_string(options.max_probes) + " probes" +
                                (options.max_probes < kMaxTreeProbes ? " (max_probes)" : "") +
                                (std::isfinite(fitting) ? "; a finest spacing of " + numberText(1.001 * fitting) + " m fits" : "");
   const glm::dvec3 side_m = box.high_m - box.low_m;
   const std::string smaller = options.extent || scene.extent ? "" : farObjects(scene);
   throw UsageError(scene.id, expected,
-                   (probes > 0.0 ? "about " + roughCountText(probes, "probe") + ": " : "") + "spacing " + numberText(spacing_m) +
-                       " m over " + numberText(side_m.x) + " x " + numberText(side_m.y) + " x " + numberText(side_m.z) + " m" +
-                       (smaller.empty() ? "" : "; " + smaller));
+                   (probes > 0.0 ? "about " + roughCountText(probes, "probe") + ": " : "") +
+                       (of_boxes > 0.0 ? "boxes with nlg_density, about " + roughCountText(of_boxes, "probe") + ", and " : "") +
+                       "spacing " + numberText(spacing_m) + " m over " + numberText(side_m.x) + " x " + numberText(side_m.y) +
+                       " x " + numberText(side_m.z) + " m" + (smaller.empty() ? "" : "; " + smaller));
 }
 
 // The estimate, where it is not far beyond the limit; a uniform tree's is no estimate.
-double acceptedEstimate(const Scene& scene, const ExtentBox& box, const Lattice& lattice, const NearbyTriangles& nearby,
-                        const ProbePlacementOptions& options, PlacedSample* sample = nullptr) {
+double acceptedEstimate(const Scene& scene, const ExtentBox& box, const Lattice& lattice, const std::vector<DensityBox>& boxes,
+                        const NearbyTriangles& nearby, const ProbePlacementOptions& options, PlacedSample* sample = nullptr) {
   const auto limit = static_cast<double>(options.max_probes);
-  const double probes = probesOn(lattice, nearby, options.density_growth, sample);
-  const bool is_certain = options.density_growth == 0.0 && lattice.cellCount() > limit;
-  if (is_certain || probes > kCertainlyMore * limit) refuse(scene, box, lattice.frame.spacing_m, probes, nearby, options);
+  std::vector<DensityBox> fine, coarse;
+  for (const DensityBox& of : boxes) (of.spacing_m > 0.0 && of.spacing_m < lattice.frame.spacing_m ? fine : coarse).push_back(of);
+  const double of_boxes = probesOfFine(lattice, fine, coarse, nearby, options.density_growth);
+  const double probes = probesOn(lattice, nearby, options.density_growth, coarse, sample) + of_boxes;
+  const bool is_certain = options.density_growth == 0.0 && boxes.empty() && lattice.cellCount() > limit;
+  if (is_certain || probes > kCertainlyMore * limit)
+    refuse(scene, box, lattice.frame.spacing_m, probes, nearby, options, of_boxes);
   return probes;
 }
 
@@ -295,6 +375,10 @@ std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbe
   return box;
 }
 
+bool overlaps(const ExtentBox& a, const ExtentBox& b) {
+  return glm::all(glm::lessThan(a.low_m, b.high_m)) && glm::all(glm::lessThan(b.low_m, a.high_m));
+}
+
 ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options) {
   for (const std::optional<ExtentBox>& extent : {options.extent, scene.extent}) {
     if (extent) return {extent->low_m - scene.origin_m, extent->high_m - scene.origin_m};
@@ -318,7 +402,7 @@ double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, 
   const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
   if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
   if (sample != nullptr) sample->frame = lattice->frame;
-  return acceptedEstimate(scene, box, *lattice, nearby, options, sample);
+  return acceptedEstimate(scene, box, *lattice, boxesIn(box, scene, options, draw.spacing_m), nearby, options, sample);
 }
 
 ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options) {
@@ -351,18 +435,26 @@ ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options) {
   return chosen;
 }
 
-ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed) {
+ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, double* spacing_m) {
   checkOptions(options);
   ProbeTree tree;
   if (!hasExtent(scene, options)) return tree;
   const Draw draw = drawOf(options, seed);
   const ExtentBox box = extentToCover(scene, options, draw.spacing_m);
+  if (spacing_m != nullptr) *spacing_m = draw.spacing_m;
   const NearbyTriangles nearby(scene);
-  const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
+  std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
   if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
+  const std::vector<DensityBox> boxes = boxesIn(box, scene, options, draw.spacing_m);
   // what is far too much is known without building it for minutes
-  if (lattice->probeLimit() > static_cast<double>(options.max_probes)) acceptedEstimate(scene, box, *lattice, nearby, options);
-  const Density density(nearby, lattice->frame, lattice->first, lattice->last, options.density_growth);
+  if (lattice->probeLimit() > static_cast<double>(options.max_probes) || !boxes.empty())
+    acceptedEstimate(scene, box, *lattice, boxes, nearby, options);
+  if (const int count = halvings(boxes, draw.spacing_m); count > 0) {
+    lattice = latticeOver(box, std::ldexp(draw.spacing_m, -count), draw.shift_units, options.align_lattice);
+    if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
+    lattice->least_side = 1 << count;
+  }
+  const Density density(nearby, *lattice, options.density_growth, boxes);
   const CellJudge judge = [&](const ProbeCell& cell) { return density.judge(cell); };
   const ProbeTreeStatus status = ProbeTree::build(lattice->frame, judge, options.max_probes, &tree);
   if (status != ProbeTreeStatus::ok) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);

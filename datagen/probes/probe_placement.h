@@ -18,6 +18,7 @@ struct ProbePlacementOptions {
   bool align_lattice =
       false;  // no shift: the extent's low corner is a probe, and so is its high corner where whole spacings end there
   std::optional<ExtentBox> extent;       // where positions have probes; none: the scene's own, or its bounds
+  std::vector<DensityBox> density;       // world coordinates, as of Scene: 0 wins over all, the least spacing over others
   std::optional<ExtentBox> reach;        // what the scene's bounds are widened to hold where they are the extent
   uint64_t max_probes = kMaxTreeProbes;  // a scene and spacing that need more are refused
 };
@@ -25,6 +26,9 @@ struct ProbePlacementOptions {
 // The extent from the six numbers of a setting: low x, y, z, high x, y, z, metres, world coordinates; none when there are none.
 // throws   UsageError naming extent_m unless they are six finite numbers with low <= high
 std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbers);
+
+// Whether these have a position in common that is on no face.
+bool overlaps(const ExtentBox& a, const ExtentBox& b);
 
 // What the tree below covers at least, relative to the scene's origin.
 ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options);
@@ -45,7 +49,7 @@ double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, 
 
 // A finest spacing for who names none: half a metre, which rooms are well lit with, or the root of half where that takes more than
 // kManyProbes; else a metre, and more where that takes more than kMostChosenProbes. Finer for what is smaller than four metres.
-// options   but for their spacing
+// options   but for their spacing and boxes
 struct ChosenSpacing {
   double spacing_m = 1.0, probes = 0.0;             // as estimated
   double coarser_m = 0.0, probes_of_coarser = 0.0;  // what the next coarser one would take
@@ -62,8 +66,14 @@ ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options);
 // empty tree when no extent is given, and one of the largest cells when it is. With density_growth <= 1/sqrt(3) a probe with a
 // triangle in its support always has the finest spacing (docs/theory/probes.md).
 //
-// throws   UsageError when an option lies outside its range, or when the tree would hold more than max_probes probes (it names a
-//          spacing that fits; what is far too much is refused without building it) or reach over more than kMaxLatticeSide spacings
-ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed);
+// The spacing of a box is rounded to the nearest power of two times that elsewhere. The lattice has the finest; cells outside keep to the
+// spacing. In a box cells are as large as it allows, whatever is near; cells that also reach out of it are no larger than elsewhere. An
+// estimate counts what several fine boxes share for each.
+//
+// spacing_m   receives the finest outside boxes; may be null
+// throws   UsageError when an option lies outside its range, when a box asks for less than a 32nd of the spacing, or when the tree
+//          would hold more than max_probes probes (it names a spacing that fits; what is far too much is refused without building it)
+//          or reach over more than kMaxLatticeSide spacings
+ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, double* spacing_m = nullptr);
 
 }  // namespace nlg

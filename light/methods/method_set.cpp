@@ -72,7 +72,7 @@ MethodSet::MethodSet(const MethodScene& scene, const MethodSetOptions& options)
   const double start = processorSeconds();
   GatherOptions place = options.solve.place;
   const std::unique_ptr<SurfaceCache> cache =
-      makeSurfaceCache(scene.transport, scene.air.places, scene.tree.frame().spacing_m, options.solve, options.thread_count);
+      makeSurfaceCache(scene.transport, scene.air.places, scene.air.spacing_m, options.solve, options.thread_count);
   place.cache = cache.get();
   place_light_ = measureLight(scene.transport, scene.air.places, place, options.solve.seed, options.thread_count);
   measure_s_ = processorSeconds() - start;
@@ -260,8 +260,8 @@ void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, 
 void MethodSet::addThinned(const LightMethod& whole, LightGrid grid, double error) {
   const double start = processorSeconds();
   const glm::dvec3& origin_m = scene_.transport.scene().origin_m;
-  const auto beside = placesBesideSurfaces(scene_.transport.rays(), scene_.air.places, scene_.tree.frame().spacing_m,
-                                           options_.seed, kBesideEvery);
+  const auto beside =
+      placesBesideSurfaces(scene_.transport.rays(), scene_.air.places, scene_.air.spacing_m, options_.seed, kBesideEvery);
   GridThinner thinner(&grid, origin_m, scene_.air.places, {&place_light_}, beside, {whole.probe_light}, options_.solve.dark_share,
                       options_.thread_count);
   thinner.thinTo(error);

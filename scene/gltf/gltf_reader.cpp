@@ -119,8 +119,12 @@ class GltfConverter {
     tally(coarserNodes(model_, node), &left_out_[kCoarserNodes]);
     const glm::dmat4 world_from_local = world_from_parent * localTransform(node, place);
     const auto attempt = [&](const auto& step) { odd_.attempt(Oddities::kLeftOut, step); };
+    const bool has_density = node.extras.IsObject() && node.extras.Has("nlg_density");
+    if (has_density) attempt([&] { addDensity(node, node_idx, world_from_local, place); });
     if (isExtent(node)) {
       attempt([&] { addExtent(node, world_from_local, place); });
+    } else if (has_density) {
+      // its mesh is a box, and no geometry
     } else if (!verdict.why.empty() && node.mesh >= 0) {
       left_out_[verdict.why].objects.push_back(nodeName(model_, node_idx));
     } else if (node.mesh >= 0) {
@@ -177,21 +181,38 @@ class GltfConverter {
     return is_marked || node.name == "nlg_extent" || node.name.rfind("nlg_extent.", 0) == 0;
   }
 
-  // The box around its mesh, or around the cube from -1 to 1 that an empty stands for; around all such nodes together.
+  // Around all such nodes together.
   void addExtent(const tinygltf::Node& node, const glm::dmat4& world_from_local, const std::string& place) {
+    const ExtentBox box = boxOf(node, world_from_local, place);
+    if (!scene_.extent) scene_.extent = box;
+    scene_.extent->low_m = glm::min(scene_.extent->low_m, box.low_m);
+    scene_.extent->high_m = glm::max(scene_.extent->high_m, box.high_m);
+  }
+
+  void addDensity(const tinygltf::Node& node, int node_idx, const glm::dmat4& world_from_local, const std::string& place) {
+    const tinygltf::Value& extra = node.extras.Get("nlg_density");
+    const double spacing_m = extra.IsNumber() ? extra.GetNumberAsDouble() : -1.0;
+    if (!(spacing_m >= 0.0 && std::isfinite(spacing_m)))
+      fail(place + " '" + node.name + "': nlg_density", "metres between probes, or 0 for none",
+           extra.IsNumber() ? fmt::format("{:g}", spacing_m) : "no number");
+    scene_.density.push_back({boxOf(node, world_from_local, place), spacing_m, nodeName(model_, node_idx)});
+  }
+
+  // Around its mesh, or around the cube from -1 to 1 that an empty stands for.
+  ExtentBox boxOf(const tinygltf::Node& node, const glm::dmat4& world_from_local, const std::string& place) {
     std::vector<glm::vec3> corners = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
                                       {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
     if (node.mesh >= 0) {
       requireIndex(node.mesh, model_.meshes.size(), path_, place + ": mesh", "a mesh");
       corners = localMesh(node.mesh).positions;
     }
+    ExtentBox box{glm::dvec3(HUGE_VAL), glm::dvec3(-HUGE_VAL)};
     for (const glm::vec3& corner : corners) {
       const glm::dvec3 world(world_from_local * glm::dvec4(glm::dvec3(corner), 1.0));
       checkPosition(world, place);
-      if (!scene_.extent) scene_.extent = ExtentBox{world, world};
-      scene_.extent->low_m = glm::min(scene_.extent->low_m, world);
-      scene_.extent->high_m = glm::max(scene_.extent->high_m, world);
+      box = {glm::min(box.low_m, world), glm::max(box.high_m, world)};
     }
+    return box;
   }
 
   // Perspective cameras: no view of a level is without perspective.

@@ -112,5 +112,28 @@ TEST_F(SceneFiles, MayNameTheBoxInWhichThingsMove) {
   EXPECT_FALSE(extentOf(1.0));
 }
 
+TEST_F(SceneFiles, MaySayHowFarApartProbesAre) {
+  Parts parts;
+  parts.scenes = R"([{"nodes":[0,1,2]}])";
+  const auto read = [&](const std::string& first, const std::string& second) {
+    parts.nodes = R"([{"mesh":0},{"translation":[10,0,0],"scale":[5,2,3],"extras":{"nlg_density":)" + first +
+                  R"(}},{"mesh":0,"extras":{"nlg_density":)" + second + "}}]";
+    return loadScene(write("dense.gltf", parts.text()), {2.0});
+  };
+  const SceneSource source = read("0.25", "0");
+  ASSERT_EQ(source.scene.density.size(), 2u);
+  EXPECT_EQ(source.scene.density[0].box.low_m, glm::dvec3(10, -4, -6));
+  EXPECT_EQ(source.scene.density[0].spacing_m, 0.25);
+  EXPECT_EQ(source.scene.density[1].spacing_m, 0.0);
+  EXPECT_EQ(source.scene.triangles.size(), 2u);
+  // functions depend on it
+  EXPECT_NE(sceneSha256(read("0.5", "0").scene), sceneSha256(source.scene));
+  // what is no spacing is left out, and said
+  const SceneSource odd = read("-1", "\"fine\"");
+  EXPECT_TRUE(odd.scene.density.empty());
+  ASSERT_FALSE(odd.notes.empty());
+  EXPECT_NE(odd.notes.front().find("nlg_density"), std::string::npos) << odd.notes.front();
+}
+
 }  // namespace
 }  // namespace nlg

@@ -251,7 +251,7 @@ class ViewsMeasurement {
       json["views"].push_back(std::move(view));
     }
     if (!rows.empty()) {
-      const std::string heading = fmt::format("{}, probes {:g} m apart", scene_.source.id, scene_.tree.frame().spacing_m);
+      const std::string heading = fmt::format("{}, probes {:g} m apart", scene_.source.id, scene_.air.spacing_m);
       json["sheet"] = drawn(fileWord(scene_.source.id), contactSheet(rows, heading));
     }
     return json;
@@ -312,7 +312,7 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
   Json json = {{"schema_version", 1},
                {"provenance", provenance("nlg-validate views", used, hashes)},
                {"scene", scene.source.id},
-               {"spacing_m", scene.tree.frame().spacing_m}};
+               {"spacing_m", scene.air.spacing_m}};
   json.update(measurement.measure(sets));
   writeFileAtomically(request.out, json.dump(1) + "\n");
   std::cout << measurement.table() << request.out << '\n';

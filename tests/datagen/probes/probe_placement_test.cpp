@@ -298,6 +298,49 @@ TEST(ProbePlacement, ChoosesASpacingByWhatItTakes) {
   EXPECT_EQ(chooseSpacing(Scene(), options).spacing_m, 1.0);
 }
 
+// A metre apart but in three boxes: finer, coarser in spite of walls, and none.
+TEST(ProbePlacement, KeepsToTheBoxesOfTheScenesAuthor) {
+  Scene scene = boxScene({-8, -8, -8}, {8, 8, 8});
+  const ExtentBox fine{glm::dvec3(-2), glm::dvec3(2)}, coarse{glm::dvec3(0, -20, -20), glm::dvec3(20)},
+      none{glm::dvec3(-20), glm::dvec3(-4, 20, 20)};
+  ProbePlacementOptions options;
+  options.density = {{fine, 0.25, "fine"}, {coarse, 4.0, "coarse"}, {none, 0.0, "none"}};
+  for (DensityBox& of : options.density) of.box = {of.box.low_m + scene.origin_m, of.box.high_m + scene.origin_m};
+  options.spacing_min_m = options.spacing_max_m = 1.0;
+  double spacing_m = 0.0;
+  const ProbeTree tree = placeProbes(scene, options, 1, &spacing_m);
+  EXPECT_EQ(spacing_m, 1.0);
+  EXPECT_DOUBLE_EQ(tree.frame().spacing_m, 0.25);
+  std::set<double> outside, in_coarse;
+  tree.forEachCell([&](const ProbeCell& cell) {
+    glm::dvec3 low;
+    for (int axis = 0; axis < 3; ++axis) low[axis] = tree.frame().first_m[axis] + tree.frame().spacing_m * cell.low[axis];
+    const double side_m = tree.frame().spacing_m * cell.side;
+    const glm::dvec3 high = low + side_m;
+    const auto overlaps = [&](const ExtentBox& box) {
+      return glm::all(glm::lessThan(low, box.high_m)) && glm::all(glm::lessThan(box.low_m, high));
+    };
+    EXPECT_TRUE(high.x > none.high_m.x);
+    if (overlaps(fine)) EXPECT_DOUBLE_EQ(side_m, 0.25);
+    // a node of the tree is divided as a whole: a metre, here
+    if (overlaps({fine.low_m - 1.0, fine.high_m + 1.0})) return;
+    (overlaps(coarse) ? in_coarse : outside).insert(side_m);
+  });
+  EXPECT_EQ(*outside.begin(), 1.0);
+  EXPECT_EQ(*in_coarse.rbegin(), 4.0);
+  EXPECT_NEAR(estimateProbes(scene, options, 1) / static_cast<double>(tree.probeCount()), 1.0, 0.3);
+
+  // a box that is small beside the extent counts in the estimate, too, and the spacing that is chosen is not its own
+  options.density = {{{scene.origin_m - 0.7, scene.origin_m + 0.7}, 0.04, "small"}};
+  EXPECT_NEAR(estimateProbes(scene, options, 1) / static_cast<double>(placeProbes(scene, options, 1).probeCount()), 1.0, 0.3);
+  EXPECT_EQ(chooseSpacing(scene, options).spacing_m, chooseSpacing(scene, ProbePlacementOptions()).spacing_m);
+  options.density[0].spacing_m = 0.02;
+  EXPECT_NE(errorOf(scene, options).find("nlg_density of 'small'"), std::string::npos);
+  // what lies beyond the extent changes nothing
+  options.density = {{{scene.origin_m + 50.0, scene.origin_m + 60.0}, 0.25, "far"}};
+  EXPECT_EQ(placeProbes(scene, options, 1).frame().spacing_m, 1.0);
+}
+
 // Two strays kilometres off on either side; the room by itself has a few hundred probes.
 TEST(ProbePlacement, NamesTheObjectsThatMakeASceneTooLarge) {
   Scene scene = boxScene(glm::vec3(0), glm::vec3(8, 3, 6));

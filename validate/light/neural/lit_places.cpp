@@ -35,7 +35,7 @@ LitPlaces drawLitPlaces(const LightTransport& transport, const ProbeTree& tree, 
   // measured as the bake measures its own: the same rays, and bounces from a cache of their own
   ProbeLightOptions of_more = solve;
   of_more.seed = mixSeed(solve.seed, kMoreLightStream);
-  const std::unique_ptr<SurfaceCache> cache = makeSurfaceCache(transport, more, tree.frame().spacing_m, of_more, thread_count);
+  const std::unique_ptr<SurfaceCache> cache = makeSurfaceCache(transport, more, own.spacing_m, of_more, thread_count);
   of_more.place.cache = cache.get();
   const std::vector<LightSh> measured = measureLight(transport, more, of_more.place, of_more.seed, thread_count);
   lit.position_m.insert(lit.position_m.end(), more.begin(), more.end());
