@@ -86,7 +86,7 @@ constexpr double kShortest = 0.1, kLongest = 1e5;           // metres, of the lo
 constexpr double kShort = 0.5, kLong = 5e3, kHigh = 150.0;  // few levels beyond
 // Rooms: a cathedral's nave is 40 m high, and none of 24 levels of OpenArena is beyond. Not every scene has any: then triangles tell,
 // of which the modeller of a level makes few that are longer.
-constexpr double kLow = 0.25, kHighRoom = 40.0, kLongEdge = 40.0;
+constexpr double kLow = 0.25, kHighRoom = 40.0, kLongEdge = 40.0, kOrdinaryRoom = 2.7;
 constexpr double kRoomShare = 0.05;
 constexpr size_t kFewestTriangles = 12;
 
@@ -127,17 +127,19 @@ Evidence evidenceOf(const Scene& scene, const glm::dvec3& size) {
 
 std::string shown(const glm::dvec3& size) { return fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x, size.y, size.z); }
 
-// The first unit with which all of it would be usual; what is too large may be in centimetres or millimetres, what is too small has
-// often been divided by 100 or 1000.
+// The unit with which all of it would be usual, its rooms above all; what is too large may be in centimetres or millimetres, what is too
+// small has often been divided by 100 or 1000.
 std::string suggestion(const Evidence& evidence, double unit_m) {
+  double best = 0.0;
+  const auto oddity = [&](double factor) { return std::fabs(std::log(evidence.ceiling * factor / kOrdinaryRoom)); };
   for (const double factor : {0.01, 0.001, 100.0, 1000.0}) {
-    if (!isUsual(evidence * factor)) continue;
-    const char* const guess = factor == 0.01    ? "if it was made in centimetres, "
-                              : factor == 0.001 ? "if it was made in millimetres, "
-                                                : "";
-    return fmt::format("; {}--unit {:g} makes it {}", guess, unit_m * factor, shown(evidence.size * factor));
+    if (isUsual(evidence * factor) && (best == 0.0 || oddity(factor) < oddity(best))) best = factor;
   }
-  return "; --unit says how many metres a unit of the file has";
+  if (best == 0.0) return "; --unit says how many metres a unit of the file has";
+  const char* const guess = best == 0.01    ? "if it was made in centimetres, "
+                            : best == 0.001 ? "if it was made in millimetres, "
+                                            : "";
+  return fmt::format("; {}--unit {:g} makes it {}", guess, unit_m * best, shown(evidence.size * best));
 }
 
 }  // namespace
