@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Measures every figure that the documentation publishes at one clean revision, in a checkout of its own, on an idle machine.
 #
-#   docs/figures/measure.sh [PART …]     functions bakes light views reliability cycles shaders; none: all of them. Hours on two cores
+#   docs/figures/measure.sh [PART …]     functions bakes light views reliability cycles shaders; none: all of them
 #   docs/figures/measure.sh collect      what is there → docs/results and every text (results.py)
 #
 # The first part checks the present commit out into out/release/source and builds it there; all later parts are of that revision, whatever
-# is edited here. What is measured is not measured again: a run that was stopped goes on, and parts may run on different days.
+# is edited here. What is measured is not measured again: a run that was stopped goes on, and parts may run on different days. On two cores
+# some three hours.
 # `git worktree remove --force out/release/source; rm -r out/release` begins anew.
 # Needs Debian's packages of the levels (docs/guide/levels.md); cycles: blender; shaders: grids of bakes, and a Vulkan device or mesa-vulkan-drivers.
 set -euo pipefail
@@ -108,6 +109,8 @@ light() {
   local name file direct
   for direct in all reflected; do
     for name in $lit; do
+      # of indirect light: without the largest levels, and without boxes that a lamp alone lights
+      [[ $direct = all || " kaos2 oa_dm1 cornell:0 two_rooms:0 two_rooms:1 " != *" $name "* ]] || continue
       file=$root/light/$([ "$direct" = all ] || echo indirect/)${name//:/_}.json
       made "$file" "$bin/nlg-validate" light "$(scene "$name")" --weights "$default" --spacings 1 2 --grid-spacings 1.4 2.8 --thin-errors .03 .06 .1 \
         --light-direct "$direct" --out "$file"
