@@ -306,7 +306,7 @@ def seen_section(results):
         rows.append([name, light, *("; ".join([number(entry["all"]["hyab"], 1), percents(entry["all"]["off_2"]), percents(entry["edge"]["off_2"]) if "edge" in entry else "", percents(entry["all"]["ringing"])])
                                     if entry else "" for entry in entries)])
     return (SEEN_INTRODUCTION + f"\nRevision {revisions}.\n" + seen_targets(found, results["ours"])
-            + f"\n*ΔE; off; edges; rings*, shares in per cent, probes {spacing_text(SHOWN_SPACING)} apart (number of scenes).\n"
+            + f"\n*ΔE; off; edges; rings*, shares in per cent, probes as far apart as the bake chooses (number of scenes).\n"
             + table(["method", "light", *(f"{KIND_TITLES[kind].lower()} ({count})" for kind, count in kinds.items())], rows))
 
 
