@@ -141,7 +141,7 @@ cycles() { made "$root/cycles/sum.result.json" docs/figures/cycles/compare.py --
 shaders() {
   bakes
   build "train tests" bench_shader_parity
-  made "$root/shaders/parity.txt" sh -c '"$1" "$2"/kaos2.safetensors "$2"/aggressor.safetensors > "$3"' sh "$bin/bench_shader_parity" "$root/grids" "$root/shaders/parity.txt"
+  made "$root/shaders/parity.txt" bash -c '"$1" "$2"/{aggressor,am_galmevish2,czest1dm,hydronex2,islanddm,kaos2,oa_dm1,oa_koth1}.safetensors > "$3"' sh "$bin/bench_shader_parity" "$root/grids" "$root/shaders/parity.txt"
 }
 
 for part in "${parts[@]}"; do "$part"; done
