@@ -35,7 +35,7 @@ from results_quotes import MAIN, fill, load_results
 from tool.atomic_file import write_atomically
 from tool.errors import run as run_script
 from tool.errors import say
-from tool.input_file import as_documented, read_bytes, read_json, read_text
+from tool.input_file import as_documented, read_json, read_text
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "docs" / "results"
@@ -135,12 +135,11 @@ def write(all_results):
 def draw(run):
     """The plots of README and the results page, from the same run."""
     evaluation = run / "evaluation"
-    plots = [("frontier.py", "--frontier", "frontier.json", "error_against_time.png"), ("curve.py", "--summary", "summary.json", "error_against_bytes.png")]
-    for script, flag, source, picture in plots:
-        if (evaluation / source).exists():
-            subprocess.run(["/usr/bin/python3", ROOT / "validate" / "report" / script, flag, evaluation / source, "--out", IMAGES / picture], check=True)
-    if (evaluation / "slices.png").exists():
-        write_atomically(IMAGES / "slices.png", read_bytes(evaluation / "slices.png"))
+    for script, sources, picture in [("frontier.py", ["frontier"], "error_against_time.png"), ("curve.py", ["summary"], "error_against_bytes.png"), ("slices.py", ["summary", "slices"], "slices.png")]:
+        files = {name: evaluation / f"{name}.json" for name in sources}
+        if all(path.exists() for path in files.values()):
+            flags = [word for name, path in files.items() for word in (f"--{name}", path)]
+            subprocess.run(["/usr/bin/python3", ROOT / "validate" / "report" / script, *flags, "--out", IMAGES / picture], check=True)
 
 
 def keep(results):

@@ -139,7 +139,7 @@ def render(inputs, proof, limits):
         findings=findings, grouped=findings_module.grouped, plural=findings_module.plural, plots=svg, galleries=galleries,
         scales=slices.scales(limit), colour=plots.colour, representation_colour=plots.representation_colour,
         provenance=provenance_rows(inputs, proof, limits), quantiles=inputs_module.QUANTILES, names=plots.NAMES, shown=curve.SHOWN, **proof_values(proof, decision))
-    return page.encode(), slices.plate(inputs, limit), decision.text().encode()
+    return page.encode(), slices.plate(inputs.slices, inputs.representations, limit), decision.text().encode()
 
 
 def read_proof(arguments, summary):

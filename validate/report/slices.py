@@ -1,11 +1,26 @@
-"""Pictures of planes through weighting functions: target, stored, difference, and what stands there; for the page and for the README."""
+#!/usr/bin/env python3
+"""Pictures of planes through weighting functions: target, stored, difference, and what stands there; for the page, and as one PNG.
+
+    slices.py --summary S.json --slices L.json --out slices.png
+"""
+import argparse
 import base64
 import io
+import sys
 
+sys.dont_write_bytecode = True
+
+import packages
+
+packages.need("slices.py", "matplotlib", "numpy")
+
+import inputs as inputs_module
 import matplotlib
 import numpy as np
-
 from plots import INK, MUTED, plt, representation_colour
+
+from tool.atomic_file import write_files
+from tool.errors import run
 
 PHI_MAP = matplotlib.colormaps["inferno"]
 DIFFERENCE_MAP = matplotlib.colormaps["PuOr_r"]  # orange: the representation lets more in than the function
@@ -82,10 +97,10 @@ def gallery(slices, limit):
              "plane": plane_text(s), "images": [(kind, data_uri(colour_image(s, kind, limit))) for kind in KINDS]} for s in reversed(slices)]
 
 
-def plate(inputs, limit):
-    """The same of the first two representations as one PNG for the README: a column a function, a row a kind of picture."""
-    names = inputs.representations[:PLATE_REPRESENTATIONS]
-    shown = [s for name in names for s in inputs.slices if s.representation == name]
+def plate(slices, representations, limit):
+    """The same of the first two representations as one PNG: a column a function, a row a kind of picture."""
+    names = representations[:PLATE_REPRESENTATIONS]
+    shown = [s for name in names for s in slices if s.representation == name]
     left, cell, gap = 1.0, 1.42, 0.35
     band_height = 0.69 + cell * len(KINDS)
     width = cell * len(shown) + gap * (len(names) - 1) + left + 0.05
@@ -131,3 +146,21 @@ def draw_scale(figure, x, y, colour_map, transfer, ticks, labels, name):
     for spine in axes.spines.values():
         spine.set_visible(False)
     figure.text((x + 2.0) / width, (y + 0.03) / height, name, fontsize=8, color=INK)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Draws planes through the functions that nlg-validate names: target, stored, difference, geometry.")
+    parser.add_argument("--summary", required=True, help="summary.json of nlg-validate")
+    parser.add_argument("--slices", required=True, help="slices.json beside it")
+    parser.add_argument("--out", required=True, help="picture to write (.png)")
+    arguments = parser.parse_args()
+
+    def make():
+        representations = [name for name, _ in inputs_module.read_summary(arguments.summary)["representations"].entries()]
+        slices = inputs_module.read_slices(arguments.slices, representations)
+        return {arguments.out: plate(slices, representations, difference_limit(slices))}
+    return run("slices.py", lambda: write_files(make()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
