@@ -97,8 +97,9 @@ def check(run, tools):
     made, folders = run.artefacts(), run.picture_folders()
     # what was put aside stays wanted until it is there: an earlier check may have been of a run that then did not get far enough
     again = [path for path in [*shards, *made, *folders] if not os.path.lexists(path) and os.path.lexists(f"{path}.damaged")]
-    # a folder is judged file by file, those of the record among them, and made again as a whole
-    folder_of = {path: folder for folder in folders if os.path.isdir(folder)
+    # a folder is judged file by file, those of the record among them, and made again as a whole; one whose rule was killed is made again
+    # anyway, and is no damage
+    folder_of = {path: folder for folder, result in folders.items() if os.path.isdir(folder) and os.path.lexists(result)
                  for path in [*files_of([folder]), *(path for path in recorded if path.startswith(folder + os.sep))]}
     there = []
     for path in [*(path for path in [*shards, *made] if os.path.lexists(path)), *folder_of]:

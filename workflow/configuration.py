@@ -233,8 +233,8 @@ class Run:
         return [f"{self.data_folder}/{name}" for name in ("dataset.json", "basis.h5", "basis.json")] + [f"{self.folder}/{name}" for name in names]
 
     def picture_folders(self):
-        """Folders that a rule makes with whatever is in them."""
-        return [f"{self.folder}/light/{scene}_places" for scene in self.light_scenes]
+        """Folders that a rule makes with whatever is in them → the file that it makes last."""
+        return {f"{self.folder}/light/{scene}_places": f"{self.folder}/light/{scene}.json" for scene in self.light_scenes}
 
     def tools(self):
         """What the run starts; the others need not be built."""

@@ -97,6 +97,14 @@ workflow "${again[@]}"
 [ "$(sha256sum "${shards[@]}")" = "$before" ] || fail "the shards made again are others"
 [ "$(stat -c '%Y %Z' "${shards[1]}")" = "$age" ] || fail "a sound shard was made again"
 
+# --- a folder of pictures whose rule was killed is no damage, for the workflow makes it again anyway; of a rule that ended it is
+places=$temporary/smoke/light/two_rooms_0_places
+mkdir -p "$places"
+printf cut >"$places/picture.png"
+[ -z "$(check "$NLG_BIN" configs/smoke.yaml)" ] && [ -e "$places/picture.png" ] || fail "pictures of a killed rule: $(cat "$temporary/messages")"
+echo '{}' >"${places%_places}.json"
+[ "$(check "$NLG_BIN" configs/smoke.yaml)" = "$places" ] && [ -e "$places.damaged/picture.png" ] || fail "a cut picture was not put aside: $(cat "$temporary/messages")"
+
 # --- a configuration that cannot be used: nothing is looked at, one line, exit code 2; configurations_test.py has what may be wrong in one
 mkdir -p "$temporary/victim/dataset/training"
 echo precious >"$temporary/victim/dataset/training/house_0.0.h5"
@@ -108,6 +116,6 @@ refuses 2 "nowhere.yaml" "$NLG_BIN" "$temporary/nowhere.yaml"
 # --- what is judged is what the workflow makes
 NLG_OUT=$temporary /usr/bin/snakemake -s workflow/Snakefile --configfile configs/smoke.yaml --summary 2>"$temporary/log" | tail -n +2 | cut -f 1 |
   grep -v -e /dataset/ -e functions.cache -e 'savings/.*\.safetensors' | sort >"$temporary/made"
-NLG_OUT=$temporary /usr/bin/python3 -c 'import sys; sys.path.insert(0, "workflow"); import configuration; run = configuration.load(sys.argv[1]); print(*sorted(run.artefacts() + run.picture_folders()), sep="\n")' configs/smoke.yaml >"$temporary/judged"
+NLG_OUT=$temporary /usr/bin/python3 -c 'import sys; sys.path.insert(0, "workflow"); import configuration; run = configuration.load(sys.argv[1]); print(*sorted([*run.artefacts(), *run.picture_folders()]), sep="\n")' configs/smoke.yaml >"$temporary/judged"
 diff "$temporary/made" "$temporary/judged" || fail "artefacts of the configuration are not what the workflow makes: $(cat "$temporary/log")"
 echo "damaged artefact test: all holds"
