@@ -151,8 +151,10 @@ def read_damaged(injection, reading, how, random):
         chain.lay_out(injection.store, chain.Tool("", [], list(inputs), []), folder)
         is_damaged = damage(os.path.join(folder, reading.file), how, random)
         before = set(chain.files_in(folder))
-        ending = trial.run(reading.argv, folder, injection.environment, injection.limits)
-        trial.judge(ending, injection.limits, faults, REFUSED_TEXT if reading.is_text() else REFUSED, is_quiet=ending.code != 0)
+        # what a cut configuration leaves out has its default, which may take minutes and is no hang
+        limits = injection.pipeline_limits if reading.kind == "configurations" else injection.limits
+        ending = trial.run(reading.argv, folder, injection.environment, limits)
+        trial.judge(ending, limits, faults, REFUSED_TEXT if reading.is_text() else REFUSED, is_quiet=ending.code != 0)
         if ending.code == 0 and is_damaged and (not reading.is_text() or how in IN_PLACE):
             faults.add(trial.SILENT, f"{reading.file} was accepted")
         if ending.code != 0:
