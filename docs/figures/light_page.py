@@ -321,19 +321,23 @@ def scenes_section(scenes):
 
 BLEND_INTRODUCTION = """
 ## Holes, leaks and shares
-Errors of blends by the functions of {ours}, probes {spacing} apart, at points in air and before surfaces: *holes; leaks; total variation* in per cent ([definitions](../theory/errors.md)).
+Errors of blends by the functions of {ours}, probes {spacing} apart, at points in air and before surfaces, means over the scenes of a kind: *holes; leaks; total variation* in per cent ([definitions](../theory/errors.md)).
 """
 
 
 def blend_section(results):
-    """Empty of results without these figures."""
-    blends = {entry["name"]: entry["blend"] for entry in results["scenes"].values() if "blend" in entry}
-    if not blends:
+    """Means over the scenes of a kind; empty of results without these figures."""
+    kinds = {}
+    for entry in results["scenes"].values():
+        if "blend" in entry:
+            kinds.setdefault(entry["kind"], []).append(entry["blend"])
+    if not kinds:
         return ""
-    classes = list(next(iter(blends.values())))
-    cell = lambda found: "; ".join(number(100 * found[key], 2) for key in ("holes", "leaks", "total_variation"))
+    classes = list(next(iter(kinds.values()))[0])
+    mean = lambda blends, some, key: number(100 * sum(blend[some][key] for blend in blends) / len(blends), 2)
+    rows = [[f"{KIND_TITLES.get(kind, kind).lower()} ({len(blends)})", *("; ".join(mean(blends, some, key) for key in ("holes", "leaks", "total_variation")) for some in classes)] for kind, blends in kinds.items()]
     head = [name.replace("_", " ").replace("cm", " cm") for name in classes]
-    return BLEND_INTRODUCTION.format(ours=f"`{results['ours']}`", spacing=spacing_text(SHOWN_SPACING)) + table(["scene", *head], [[name, *(cell(found[some]) for some in classes)] for name, found in blends.items()])
+    return BLEND_INTRODUCTION.format(ours=f"`{results['ours']}`", spacing=spacing_text(SHOWN_SPACING)) + table(["scenes", *head], rows)
 
 
 def page(all_results):
