@@ -135,10 +135,10 @@ PreparedScene::PreparedScene(SceneSource lit, const BakeOptions& options, const 
       searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {
   const auto start = std::chrono::steady_clock::now();
   AirPlaceOptions air_options = airPlaceOptions(options, full_tree.cellCount());
-  air_options.spacing_m = spacing_m;
   // an earlier search of the same cells says which hold no air
   if (known.searched_sha256 == searched_sha256 && options.air_only) air_options.known = known.tree;
   air = findAirPlaces(rays, full_tree, air_options, options.threads > 0 ? options.threads : machineThreadCount());
+  air.spacing_m = spacing_m;
   tree = options.air_only ? treeOfAir(full_tree, air) : full_tree;
   air_wall_s = secondsSince(start);
 }

@@ -154,7 +154,7 @@ AirPlaces findAirPlaces(const RayScene& rays, const ProbeTree& tree, const AirPl
   });
   // in the order of the cells, whatever thread searched them
   AirPlaces air;
-  air.spacing_m = options.spacing_m > 0.0 ? options.spacing_m : tree.frame().spacing_m;
+  air.spacing_m = tree.frame().spacing_m;
   for (Block& block : blocks) {
     for (AirPlaces::Cell cell : block.cells) {
       cell.first += static_cast<uint32_t>(air.places.size());

@@ -19,7 +19,6 @@ struct AirPlaceOptions {
   uint64_t seed = 1;
   // treeOfAir of the same tree, from an earlier search, in any coordinates: cells that it lacks are not searched again
   const ProbeTree* known = nullptr;
-  double spacing_m = 0.0;  // of probes outside boxes with a spacing of their own; 0: the finest of the tree
 };
 
 struct AirPlaces {
@@ -32,7 +31,7 @@ struct AirPlaces {
   std::vector<glm::dvec3> places;  // relative to the scene's origin, in the order of cells
   uint64_t drawn = 0, votes = 0;   // places drawn, and those of them that rays had to vote about
   uint64_t in_cavities = 0;        // of those drawn: cavity.h
-  double spacing_m = 0.0;          // finest distance between probes, outside boxes with a spacing of their own
+  double spacing_m = 0.0;          // of the tree; a bake puts that outside boxes with a spacing of their own in its place
 };
 
 // Draws evenly spread places in every cell. A place is in air where isInAir says so (air.h); what sees a place that is known

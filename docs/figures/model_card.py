@@ -102,7 +102,7 @@ def training_facts(run, config, name):
 
 
 def known_facts(name, facts, entry):
-    """One row of the table of files; refuses facts and figures of other weights than those that ship."""
+    """One row of the table of files; refuses facts and figures of other weights than those supplied."""
     path = WEIGHTS / f"{name}.safetensors"
     metadata, tensors = read_header(path)
     sha256 = hash_of(path)

@@ -145,7 +145,7 @@ def draw(run):
 def keep(results):
     """Writes one results file; returns all of them."""
     all_results = {**load_results(RESULTS), results["run"]: results}
-    expected_texts(all_results, [])  # refuses figures of other weights than those that ship, before anything is written
+    expected_texts(all_results, [])  # refuses figures of other weights than those supplied, before anything is written
     write_atomically(RESULTS / f"{results['run']}.json", (results_collect.dump(results) + "\n").encode())
     return all_results
 
