@@ -132,9 +132,8 @@ class Light(unittest.TestCase):
         coarse, fine = results[0]["spacings"]
         self.assertEqual([method["weights"] for method in coarse["methods"]], ["target functions"] * 2, "learned at the finest spacing alone")
         learned = {method["weights"]: method for method in fine["methods"] if "learned" in method}
-        # steps by name: voxels and latents take a half of them, and the decoder for other voxels is two, each of half of the voxels
-        steps = {"latent bake": 2, "latent bake, other voxels": 4}
-        steps |= {f"neural volume, 2^{size}": 5 for size in (10, 12, 13, 14, 15, 17)} | {"SIREN, 64": 5, "SIREN, 128": 5}
+        # steps by name: voxels take a half of them
+        steps = {f"neural volume, 2^{size}": 5 for size in (10, 12, 13, 14, 15, 17)} | {"SIREN, 64": 5, "SIREN, 128": 5}
         steps |= {f"network grid, {width}": 5 for width in (8, 16, 32)} | {"voxel networks": 2}
         names = list(steps)
         self.assertEqual([name for name in learned if not name.startswith("SH octree")], names)

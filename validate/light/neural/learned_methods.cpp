@@ -9,7 +9,6 @@
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
-#include "validate/light/neural/latent_bake.h"
 #include "validate/light/neural/network_grid.h"
 #include "validate/light/neural/neural_volume.h"
 #include "validate/light/neural/siren.h"
@@ -19,11 +18,11 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kSplitStream = 0x73706c6974, kVolumeStream = 0x766f6c, kSirenStream = 0x736972656e, kVoxelStream = 0x766f78,
-                   kGridStream = 0x67726964, kLatentStream = 0x6c6174656e74;
+                   kGridStream = 0x67726964;
 constexpr size_t kFewestPlaces = 64;         // fewer tell nothing
 constexpr int kPartStepShare = 2;            // of a whole scene's steps: a voxel is simpler
 constexpr int kChecks = 40, kPatience = 15;  // of the held-out loss, over all steps
-constexpr float kSirenRate = 1e-3f, kVoxelRate = 3e-3f, kVolumeRate = 5e-3f, kGridRate = 2e-2f, kLatentRate = 1e-3f;
+constexpr float kSirenRate = 1e-3f, kVoxelRate = 3e-3f, kVolumeRate = 5e-3f, kGridRate = 2e-2f;
 
 struct VolumeSize {
   int table_log2, width;
@@ -68,13 +67,6 @@ std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOpt
     throw InputError("the scene", "air", fmt::format("{} sample points to learn light from", kFewestPlaces),
                      std::to_string(split.learned.size()));
   std::vector<Row> rows;  // the longest first
-  for (const LatentVoxels voxels : {LatentVoxels::own, LatentVoxels::other}) {
-    LatentBakeOptions latent;
-    latent.voxels = voxels;
-    latent.training = trainingOf(std::max(1, options.steps / kPartStepShare), kLatentRate, mixSeed(options.seed, kLatentStream));
-    rows.push_back({voxels == LatentVoxels::own ? "latent bake" : "latent bake, other voxels",
-                    [&lit, &split, latent] { return trainLatentBake(lit, split, latent); }});
-  }
   for (const VolumeSize& size : kVolumeSizes) {
     NeuralVolumeOptions volume;
     volume.table_log2 = size.table_log2;

@@ -7,7 +7,6 @@
 
 #include "tests/validate/light/neural/learned_places.h"
 #include "tool/error.h"
-#include "validate/light/neural/latent_bake.h"
 
 namespace nlg {
 namespace {
@@ -49,40 +48,6 @@ TEST(NetworkGrid, LearnsLightWithoutEdgesBetweenCells) {
     const double y = -0.5 + 0.3 * (x - 21.0), z = 4.0 + 0.5 * (x - 21.0);
     const auto at = [&](double moved) { return learned.irradiance_at({x + moved, y, z}, {0.0f, 1.0f, 0.0f}).irradiance.g; };
     ASSERT_NEAR(at(0.0), at(1e-4), 0.01f * kPi) << x;
-  }
-}
-
-// Voxels of a metre, lit alike all over, each at a level of its own.
-float levelOf(const glm::dvec3& p) {
-  const auto voxel = static_cast<uint64_t>((p.x - 20.0) + 8 * std::floor(p.y + 1.0) + 24 * std::floor(p.z - 3.0));
-  return 0.5f + static_cast<float>(mixSeed(7, voxel) % 1000) / 1000.0f;
-}
-
-LatentBakeOptions smallLatents(LatentVoxels voxels) {
-  LatentBakeOptions options;
-  options.voxels = voxels;
-  options.voxel_m = 1.0;
-  options.latent = 4;
-  options.decoder_width = 32;
-  options.decoder_layers = 2;
-  options.training = training(300, 3e-3f);
-  return options;
-}
-
-TEST(LatentBake, KnowsVoxelsThatItNeverLearnedFromByWhatIsObservedThere) {
-  const LitPlaces lit = placesWithLight(8000, [](const glm::dvec3& p) { return ambient(glm::vec3(levelOf(p))); });
-  for (const LatentVoxels voxels : {LatentVoxels::own, LatentVoxels::other}) {
-    const LearnedLight learned = trainLatentBake(lit, splitPlaces(8000, 1), smallLatents(voxels));
-    double squares = 0.0;
-    for (int i = 0; i < 500; ++i) {
-      const double answer = learned.irradiance_at(lit.position_m[i], {0.0f, 1.0f, 0.0f}).irradiance.g;
-      squares += std::pow(answer / (kPi * levelOf(lit.position_m[i])) - 1.0, 2) / 500.0;
-    }
-    // the mean of all voxels is .3 off
-    EXPECT_LT(std::sqrt(squares), 0.1) << static_cast<int>(voxels);
-    EXPECT_EQ(learned.bytes.weights, 2u * (11 * 32 + 33 * 32 + 33 * 3));
-    EXPECT_EQ(learned.bytes.light % 8, 0u);
-    EXPECT_EQ(learned.cost.words_by_place, 2u);
   }
 }
 
