@@ -129,15 +129,10 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, const s
   const ExtentBox box = probeExtent(scene, placement);
   plan.extent_m = box.high_m - box.low_m;
   plan.spacing_m = placement.spacing_min_m;
-  for (const DensityBox& of : scene.density) {
-    if (overlaps({of.box.low_m - scene.origin_m, of.box.high_m - scene.origin_m}, box)) {
-      ++plan.density_boxes;
-    } else {
-      plan.outside.push_back(of.node);
-    }
-  }
   PlacedSample sample;
   plan.probes = estimateProbes(scene, placement, options.seed, &sample);
+  plan.density_boxes = sample.boxes;
+  plan.outside = sample.boxes_outside;
   plan.memory_bytes = kBaseBytes + kProbeBytes * plan.probes + kTriangleBytes * static_cast<double>(scene.triangles.size());
   plan.machine_bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   // a small sample of probes, timed on this machine, stands for all

@@ -88,10 +88,15 @@ std::optional<Lattice> latticeOver(const ExtentBox& box, double spacing_m, const
 
 constexpr int kMostHalvings = 5;  // of the spacing, for boxes: cells outside have still a side below a root's
 
+// Whether these have a position in common that is on no face.
+bool overlaps(const ExtentBox& a, const ExtentBox& b) {
+  return glm::all(glm::lessThan(a.low_m, b.high_m)) && glm::all(glm::lessThan(b.low_m, a.high_m));
+}
+
 // Boxes with a spacing of their own that reach into the extent, relative to the scene's origin; their spacing is the nearest that cells
-// can have.
+// can have. outside   receives the nodes of the others, when given
 std::vector<DensityBox> boxesIn(const ExtentBox& extent, const Scene& scene, const ProbePlacementOptions& options,
-                                double spacing_m) {
+                                double spacing_m, std::vector<std::string>* outside = nullptr) {
   std::vector<DensityBox> boxes;
   for (DensityBox of : options.density) {
     if (of.spacing_m > 0.0) {
@@ -104,7 +109,11 @@ std::vector<DensityBox> boxesIn(const ExtentBox& extent, const Scene& scene, con
       of.spacing_m = spacing_m * std::exp2(std::min(steps, std::log2(kRootSide)));
     }
     of.box = {of.box.low_m - scene.origin_m, of.box.high_m - scene.origin_m};
-    if (overlaps(of.box, extent)) boxes.push_back(of);
+    if (overlaps(of.box, extent)) {
+      boxes.push_back(of);
+    } else if (outside != nullptr) {
+      outside->push_back(of.node);
+    }
   }
   return boxes;
 }
@@ -375,10 +384,6 @@ std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbe
   return box;
 }
 
-bool overlaps(const ExtentBox& a, const ExtentBox& b) {
-  return glm::all(glm::lessThan(a.low_m, b.high_m)) && glm::all(glm::lessThan(b.low_m, a.high_m));
-}
-
 ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options) {
   for (const std::optional<ExtentBox>& extent : {options.extent, scene.extent}) {
     if (extent) return {extent->low_m - scene.origin_m, extent->high_m - scene.origin_m};
@@ -401,8 +406,13 @@ double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, 
   const NearbyTriangles nearby(scene);
   const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
   if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
-  if (sample != nullptr) sample->frame = lattice->frame;
-  return acceptedEstimate(scene, box, *lattice, boxesIn(box, scene, options, draw.spacing_m), nearby, options, sample);
+  const std::vector<DensityBox> boxes =
+      boxesIn(box, scene, options, draw.spacing_m, sample != nullptr ? &sample->boxes_outside : nullptr);
+  if (sample != nullptr) {
+    sample->frame = lattice->frame;
+    sample->boxes = boxes.size();
+  }
+  return acceptedEstimate(scene, box, *lattice, boxes, nearby, options, sample);
 }
 
 ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options) {

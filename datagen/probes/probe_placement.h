@@ -27,9 +27,6 @@ struct ProbePlacementOptions {
 // throws   UsageError naming extent_m unless they are six finite numbers with low <= high
 std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbers);
 
-// Whether these have a position in common that is on no face.
-bool overlaps(const ExtentBox& a, const ExtentBox& b);
-
 // What the tree below covers at least, relative to the scene's origin.
 ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options);
 
@@ -44,6 +41,8 @@ struct PlacedSample {
     float spacing_m;
   };
   std::vector<Probe> probes;
+  size_t boxes = 0;                        // with a spacing of their own that reach into the extent
+  std::vector<std::string> boxes_outside;  // nodes of the others
 };
 double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, PlacedSample* sample = nullptr);
 
