@@ -52,7 +52,8 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.add("light_samples", &o.light_samples,
             "sample points in air per cell at which light is measured; raised in scenes that would have fewer than 2,048 in all",
             1, 4096);
-  table.add("light_rays", &o.light_rays, "rays per sample point", 8, 1 << 20);
+  table.add("light_rays", &o.light_rays,
+            "rays per sample point, at least 8. 0: 64 to 512, about 16 million in all where these limits allow", 0, 1 << 20);
   table.add("light_probe_rays", &o.light_probe_rays, "rays per probe, with --light point", 8, 1 << 24);
   table.add("light_cache", &o.light_cache,
             "cache irradiance at surfaces, so that each bounce is traced once for all probes. Off: every path is traced in full");

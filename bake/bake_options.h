@@ -36,7 +36,7 @@ struct BakeOptions {
   std::string light = "solved";      // how probes are lit; "none": they are not
   std::string light_direct = "all";  // which light of lamps and suns probes hold themselves
   int light_samples = 12;            // in air, of every cell
-  int light_rays = 128;              // of every place
+  int light_rays = 0;                // of every place; 0: raysOfPlace
   int light_probe_rays = 512;        // of every probe, when light is "point"
   bool light_cache = true;           // bounces are kept on surfaces, where they are traced
   double light_pull = 0.1;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "bake/light_bake.h"
 #include "datagen/functions/function_collector.h"
 #include "datagen/functions/function_rows.h"
 #include "datagen/visibility/link_table.h"
@@ -20,6 +21,7 @@ namespace {
 // What the sample below does not see. Of twenty scenes: docs/lab/performance.md.
 // Of a thread: for a probe, bounces between surfaces and the solve; and for a ray of a sample point.
 constexpr double kLightProbeSeconds = 0.3e-3, kLightRaySeconds = 0.18e-6;
+constexpr double kAirShare = 0.5;  // of sample points that cells could have: those in air
 constexpr double kBaseBytes = 75e6, kProbeBytes = 6e3, kTriangleBytes = 400.0;
 
 constexpr double kMostSampleSeconds = 0.25;  // for functions, and as much again for their theta
@@ -137,9 +139,11 @@ BakePlan planBake(const SceneSource& source, const BakeOptions& options, const s
   plan.machine_bytes = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   // a small sample of probes, timed on this machine, stands for all
   double seconds = generators.empty() ? 0.0 : functionSeconds(sample, RayScene(scene), options, generators);
-  if (options.light != "none")
-    seconds += (kLightProbeSeconds + kLightRaySeconds * options.light_rays * options.light_samples) *
+  if (options.light != "none") {
+    const auto places = static_cast<size_t>(kAirShare * plan.probes * options.light_samples);
+    seconds += (kLightProbeSeconds + kLightRaySeconds * probeLightOptions(options, places).place.rays * options.light_samples) *
                static_cast<double>(litScenes(source).size());
+  }
   plan.seconds = 0.2 + seconds * plan.probes / thread_count;
   return plan;
 }

@@ -25,6 +25,7 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kLightStream = 0x6c69676874;
+constexpr int kFewestRays = 8;  // of a place: one for each set whose spread tells their noise
 
 using Clock = std::chrono::steady_clock;
 
@@ -268,10 +269,12 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
   return warnings;
 }
 
-ProbeLightOptions probeLightOptions(const BakeOptions& options) {
+ProbeLightOptions probeLightOptions(const BakeOptions& options, size_t place_count) {
+  if (options.light_rays > 0 && options.light_rays < kFewestRays)
+    throw UsageError("light_rays", fmt::format("0, or at least {}", kFewestRays), std::to_string(options.light_rays));
   ProbeLightOptions light;
   light.caches_surfaces = options.light_cache;
-  light.place.rays = options.light_rays;
+  light.place.rays = options.light_rays > 0 ? options.light_rays : raysOfPlace(place_count);
   light.probe.rays = options.light_probe_rays;
   light.place.direct = light.probe.direct = directLightFromName(options.light_direct);
   light.pull = options.light_pull;
@@ -286,7 +289,7 @@ LightStatistics bakeLight(const PreparedScene& scene, const BakeOptions& options
   grid->groups.clear();
   LightStatistics statistics;
   if (options.light == "none") return statistics;
-  ProbeLightOptions light_options = probeLightOptions(options);
+  ProbeLightOptions light_options = probeLightOptions(options, scene.air.places.size());
   light_options.way = lightWayFromName(options.light);
   const int threads = threadsOf(options);
   const GroupsOfGrid groups{lightGroupNames(scene.source), firstGroupCount(scene.source)};

@@ -45,9 +45,10 @@ struct LightStatistics : LightAtPlaces {
 // engines' files hold. A line each, with what to do; of dark rooms three at most, and one for the others.
 std::vector<std::string> lightWarnings(const LightStatistics& statistics);
 
-// What the settings say of light at places and of the solve; by the default way.
+// What the settings say of light at so many places and of the solve; by the default way.
 // throws   UsageError on an unknown name in them
-ProbeLightOptions probeLightOptions(const BakeOptions& options);
+// throws   UsageError also on fewer than 8 rays of a place
+ProbeLightOptions probeLightOptions(const BakeOptions& options, size_t place_count);
 
 // Fills grid->light, and the light of groups and sets, by options.light, as the file will hold it; leaves it empty for "none".
 //

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "light/direction_guide.h"
 #include "light/directions.h"
 #include "light/emitters.h"
 #include "light/sunlight.h"
@@ -20,7 +21,11 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kSetCount = 8;          // of directions, whose means say how sure the whole is
 constexpr int kSurePathVertices = 3;  // no roulette before
 constexpr float kSurvival = 0.95f;    // at most
-constexpr int kLampSamples = 16;      // of one lamp at a place, at least
+// Samples of one light at a place. They differ only in its penumbra: elsewhere one would do.
+constexpr int kRaysPerSample = 4, kMostOfSun = 32, kMostOfLamp = 64;
+// … at one of many places, whose mean counts; a sun of so small a radius, in radians, has a penumbra that no probe resolves.
+constexpr int kFewestShare = 64, kRaysPerSmallSun = 16;
+constexpr float kSmallSun = 0.02f;
 constexpr uint64_t kPathStream = 0x70617468, kEmitterStream = 0x656d6974, kLampStream = 0x6c616d70, kSunStream = 0x73756e,
                    kSkyStream = 0x736b79;
 
@@ -34,6 +39,54 @@ float spotShare(const Lamp& lamp, const glm::vec3& from_lamp) {
 }
 
 using Arriving = ArrivingLight;
+
+// Where the rays of a place go: ray i of count, with its density per steradian; the density of any direction; and what its last ray met.
+struct DrawnDirection {
+  glm::vec3 direction;
+  float density;
+};
+
+struct EvenDirections {
+  static constexpr bool kIsGuided = false;
+  Lattice lattice;
+
+  DrawnDirection draw(int i, int count) {
+    const auto [u, v] = lattice.point(i, count);
+    return {sphereDirection(u, v), density({})};
+  }
+  float density(const glm::vec3&) const { return 0.25f / kPi; }
+  void met(float) {}
+};
+
+struct GuidedDirections {
+  static constexpr bool kIsGuided = true;
+  Lattice lattice;
+  DirectionGuide& guide;
+  size_t bin = 0;
+
+  DrawnDirection draw(int i, int count) {
+    const auto [u, v] = lattice.point(i, count);
+    const DirectionGuide::Drawn drawn = guide.draw(u, v);
+    bin = drawn.bin;
+    return {drawn.direction, drawn.density};
+  }
+  float density(const glm::vec3& direction) const { return guide.density(direction); }
+  void met(float radiance) { guide.learn(bin, radiance); }
+};
+
+struct CosineDirections {
+  static constexpr bool kIsGuided = false;
+  Lattice lattice;
+  const glm::vec3& normal;
+
+  DrawnDirection draw(int i, int count) {
+    const auto [u, v] = lattice.point(i, count);
+    const glm::vec3 direction = cosineDirection(normal, u, v);
+    return {direction, density(direction)};
+  }
+  float density(const glm::vec3& direction) const { return std::max(1e-6f, glm::dot(direction, normal) / kPi); }
+  void met(float) {}
+};
 
 }  // namespace
 
@@ -305,10 +358,10 @@ struct LightTransport::Impl {
 
   // Everything that arrives at a place, direction by direction: add(set, direction, flux, group). Flux is what the mean over a set's
   // directions takes: the sum over all directions of radiance times solid angle is the mean over sets.
-  // direction_of   of ray i of a set: the direction; density: of a direction, per steradian
-  template <class DirectionOf, class Density, class Add>
-  void gather(const glm::vec3& from, const GatherOptions& options, uint64_t seed, uint64_t index, const DirectionOf& direction_of,
-              const Density& density, const Add& add, std::vector<SurfacePoint>* hits = nullptr) const {
+  template <class Directions, class Add>
+  void gather(const glm::vec3& from, const GatherOptions& options, uint64_t seed, uint64_t index, Directions directions,
+              const Add& add, std::vector<SurfacePoint>* hits = nullptr) const {
+    const auto density = [&](const glm::vec3& direction) { return directions.density(direction); };
     const int rays_per_set = std::max(1, options.rays / kSetCount);
     const int count = rays_per_set * kSetCount;
     const auto share = 1.0f / static_cast<float>(rays_per_set);
@@ -321,11 +374,11 @@ struct LightTransport::Impl {
     Random random(mixSeed(seed, kPathStream, index)), emitter_random(mixSeed(seed, kEmitterStream, index));
     for (int i = 0; i < count; ++i) {
       const int set = i % kSetCount;
-      const glm::vec3 direction = direction_of(i, count);
-      const float direction_density = density(direction);
+      const auto [direction, direction_density] = directions.draw(i, count);
       GroupedLight light;
       std::fill_n(light.begin(), group_count, glm::vec3(0.0f));  // most scenes have one group of sixteen
       addRadiance(from, direction, options, direction_density, random, &light, hits != nullptr ? &(*hits)[i] : nullptr);
+      directions.met(luminance(sumOf(light)));
       for (size_t g = 0; g < group_count; ++g) {
         if (light[g] != glm::vec3(0.0f)) add(set, direction, light[g] * (share / direction_density), g);
       }
@@ -337,19 +390,34 @@ struct LightTransport::Impl {
       const auto [u, v] = sky_lattice.point(i, count);
       if (skyLight(from, u, v, density, &arriving)) add(set, arriving.direction, arriving.flux * share, groups().of_sky);
     }
-    // suns and lamps have samples of their own, spread over their discs and over all sets
+    // suns and lamps have samples of their own, spread over their discs and over all sets; with fewer samples than sets, each sample
+    // counts in every set, whose spread then says nothing of its noise
     const auto sampleAll = [&](int samples, uint64_t stream, size_t of_group, const auto& light) {
       const Lattice lattice(mixSeed(seed, stream), index);
       for (int i = 0; i < samples; ++i) {
         const auto [u, v] = lattice.point(i, samples);
-        if (light(u, v))
-          add(i % kSetCount, arriving.direction, arriving.flux * (static_cast<float>(kSetCount) / samples), of_group);
+        if (!light(u, v)) continue;
+        const glm::vec3 flux = arriving.flux * (static_cast<float>(kSetCount) / static_cast<float>(samples));
+        if (samples >= kSetCount) {
+          add(i % kSetCount, arriving.direction, flux, of_group);
+          continue;
+        }
+        for (int set = 0; set < kSetCount; ++set) add(set, arriving.direction, flux / static_cast<float>(kSetCount), of_group);
       }
     };
-    const int sun_samples = std::clamp(options.rays / 4 / kSetCount * kSetCount, kSetCount, 2 * kLampSamples);
+    const bool is_of_many = Directions::kIsGuided || hits != nullptr;
+    // part   of the rays; fewest: of the samples, where a place is one of many
+    const auto sampleCount = [&](float part, int fewest, int most) {
+      const int in_sets = kSetCount * static_cast<int>(part * static_cast<float>(options.rays) / (kRaysPerSample * kSetCount));
+      if (in_sets >= kSetCount || !is_of_many) return std::clamp(in_sets, kSetCount, most);
+      return std::max({1, fewest, static_cast<int>(part * static_cast<float>(options.rays) / kRaysPerSample)});
+    };
     for (size_t s = 0; s < scene.light.suns.size() && options.direct == DirectLight::all; ++s) {
-      sampleAll(sun_samples, mixSeed(kSunStream, s), LightGroups::of(groups().of_sun, s),
-                [&](double u, double v) { return sunLight(scene.light.suns[s], from, u, v, &arriving); });
+      const Sun& sun = scene.light.suns[s];
+      const bool is_small = is_of_many && sun.angular_radius < kSmallSun;
+      sampleAll(sampleCount(is_small ? static_cast<float>(kRaysPerSample) / kRaysPerSmallSun : 1.0f, 1, kMostOfSun),
+                mixSeed(kSunStream, s), LightGroups::of(groups().of_sun, s),
+                [&](double u, double v) { return sunLight(sun, from, u, v, &arriving); });
     }
     if (options.direct == DirectLight::none || options.direct == DirectLight::reflected) return;
     float total = 0.0f;
@@ -358,25 +426,22 @@ struct LightTransport::Impl {
       const Lamp& lamp = scene.light.lamps[l];
       const float part = openLight(lamp, from) / total;
       if (part <= 0.0f) continue;
-      // far lamps that add next to nothing together get one sample a set, near ones what their size needs
-      const int samples = std::clamp(kSetCount * static_cast<int>(part * static_cast<float>(options.rays) / (4 * kSetCount)),
-                                     kSetCount, 4 * kLampSamples);
-      sampleAll(samples, mixSeed(kLampStream, l), LightGroups::of(groups().of_lamp, l),
-                [&](double u, double v) { return lampLight(lamp, from, u, v, &arriving); });
+      // in proportion to its part
+      sampleAll(sampleCount(part, options.rays / kFewestShare, kMostOfLamp), mixSeed(kLampStream, l),
+                LightGroups::of(groups().of_lamp, l), [&](double u, double v) { return lampLight(lamp, from, u, v, &arriving); });
     }
   }
 
   template <class Add>
   void gatherFromAllSides(const glm::vec3& from, const GatherOptions& options, uint64_t seed, uint64_t index,
-                          const Add& add) const {
+                          DirectionGuide* guide, const Add& add) const {
     const Lattice lattice(seed, index);
-    gather(
-        from, options, seed, index,
-        [&](int i, int count) {
-          const auto [u, v] = lattice.point(i, count);
-          return sphereDirection(u, v);
-        },
-        [](const glm::vec3&) { return 0.25f / kPi; }, add);
+    if (guide == nullptr) {
+      gather(from, options, seed, index, EvenDirections{lattice}, add);
+      return;
+    }
+    gather(from, options, seed, index, GuidedDirections{lattice, *guide}, add);
+    guide->endPlace();
   }
 };
 
@@ -406,19 +471,19 @@ size_t LightTransport::groupCount() const { return impl_->group_count; }
 std::vector<ArrivingLight> LightTransport::arriving(const glm::dvec3& position_m, const GatherOptions& options,
                                                     uint64_t seed) const {
   std::vector<ArrivingLight> result;
-  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, 0,
+  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, 0, nullptr,
                             [&](int, const glm::vec3& direction, const glm::vec3& flux, size_t) {
                               result.push_back({direction, flux / static_cast<float>(kSetCount)});
                             });
   return result;
 }
 
-GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed,
-                                     uint64_t index) const {
+GatheredLight LightTransport::gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed, uint64_t index,
+                                     DirectionGuide* guide) const {
   GatheredLight result;
   if (!impl_->groups().names.empty()) result.groups.resize(impl_->group_count);
   std::array<LightSh, kSetCount> sets{};
-  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, index,
+  impl_->gatherFromAllSides(glm::vec3(position_m), options, seed, index, guide,
                             [&](int set, const glm::vec3& direction, const glm::vec3& flux, size_t group) {
                               const std::array<float, kShCount> basis = shBasis(direction.x, direction.y, direction.z);
                               for (int k = 0; k < kShCount; ++k) sets[set][k] += flux * basis[k];
@@ -441,14 +506,8 @@ GatheredIrradiance LightTransport::gatherIrradiance(const glm::dvec3& position_m
                                                     std::vector<SurfacePoint>* hits) const {
   GatheredIrradiance result;
   std::array<glm::vec3, kSetCount> sets{};
-  const Lattice lattice(seed);
   impl_->gather(
-      glm::vec3(position_m), options, seed, 0,
-      [&](int i, int count) {
-        const auto [u, v] = lattice.point(i, count);
-        return cosineDirection(normal, u, v);
-      },
-      [&](const glm::vec3& direction) { return std::max(1e-6f, glm::dot(direction, normal) / kPi); },
+      glm::vec3(position_m), options, seed, 0, CosineDirections{Lattice(seed), normal},
       [&](int set, const glm::vec3& direction, const glm::vec3& flux, size_t group) {
         const glm::vec3 irradiance = flux * std::max(0.0f, glm::dot(direction, normal));
         sets[set] += irradiance;

@@ -31,6 +31,7 @@ glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal);
 // By group of lights (LightGroups): what each gives adds up to the whole. Beyond the scene's groups all are 0.
 using GroupedLight = std::array<glm::vec3, kMaxLightGroups>;
 
+class DirectionGuide;
 class SurfaceCache;
 
 // Which light of lamps and suns counts at the place itself. What they send to surfaces, and those send on, always does: an engine
@@ -86,7 +87,9 @@ class LightTransport {
   // position_m   relative to the scene's origin, in air
   // index        of the place among those of one seed: what follow one another send rays into each other's gaps, so that their
   //              mean is less noisy than that of places with seeds of their own
-  GatheredLight gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed, uint64_t index = 0) const;
+  // guide        of the places before this one, where there are any; learns from it
+  GatheredLight gather(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed, uint64_t index = 0,
+                       DirectionGuide* guide = nullptr) const;
 
   // The same, direction by direction: for whoever stores light in a form of its own.
   std::vector<ArrivingLight> arriving(const glm::dvec3& position_m, const GatherOptions& options, uint64_t seed) const;

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "light/air.h"
+#include "light/direction_guide.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -240,6 +241,11 @@ LightWay lightWayFromName(const std::string& name) {
   throw UsageError("light", "solved, integrated, point or none", "'" + name + "'");
 }
 
+int raysOfPlace(size_t place_count) {
+  constexpr size_t kAll = 16'000'000, kFewest = 64, kMost = 512, kStep = 8;
+  return static_cast<int>(std::clamp(kAll / std::max<size_t>(1, place_count), kFewest, kMost) / kStep * kStep);
+}
+
 WeightsAt weightsOf(const LightGrid& grid, const glm::dvec3& origin_m) {
   return [&grid, origin_m](const glm::dvec3& position_m, ProbeWeights* weights) {
     const glm::dvec3 world = position_m + origin_m;
@@ -257,8 +263,10 @@ std::vector<LightSh> measureLight(const LightTransport& transport, const std::ve
   }
   Progress progress("sample points lit", static_cast<int64_t>(places.size()));
   parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
+    // of a block alone, whatever thread measures it
+    DirectionGuide guide;
     for (uint64_t i = first; i < end; ++i) {
-      const GatheredLight gathered = transport.gather(places[i], options, mixSeed(seed, kPlaceStream), i);
+      const GatheredLight gathered = transport.gather(places[i], options, mixSeed(seed, kPlaceStream), i, &guide);
       light[i] = gathered.light;
       for (size_t g = 0; groups != nullptr && g < groups->size(); ++g) (*groups)[g][i] = gathered.groups[g];
     }

@@ -24,6 +24,10 @@ enum class LightWay : uint8_t {
 // throws   UsageError on a name that is none of "point", "integrated", "solved"
 LightWay lightWayFromName(const std::string& name);
 
+// Rays of each of so many sample points: 64 to 512, some 16 million in all where these limits allow. More rays leave fewer stains on a
+// small scene's walls; in a large level a cell's twelve points average out the noise of 64.
+int raysOfPlace(size_t place_count);
+
 struct ProbeLightOptions {
   LightWay way = LightWay::solved;
   GatherOptions place{64, 64};   // of every place in air

@@ -17,7 +17,7 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr uint64_t kBlock = 64, kDiscoveryBlock = 512;
 constexpr size_t kParts = 128;  // that the cells are put together in, by ranges of their keys
 constexpr int kCoordinateBits = 20;
-constexpr uint64_t kDiscoveryStream = 0x646973, kCellStream = 0x63656c6c, kPathStream = 0x72657374;
+constexpr uint64_t kDiscoveryStream = 0x646973, kCellStream = 0x63656c6c, kPathStream = 0x72657374, kPointStream = 0x706f696e74;
 constexpr int kLeastRays = 8;  // of a point that gathers
 constexpr int kMostIterations = 64;
 constexpr float kSettled = 1e-4f;      // of the largest irradiance: a change that ends the exchange
@@ -25,7 +25,10 @@ constexpr float kMarginShare = 0.05f;  // of a cell: how far beyond the points t
 constexpr double kFewestHits = 0.5;    // of a cell, by all rays of all places: measuring it takes as long as some paths
 constexpr float kReflectanceStep =
     0x1p-13f;  // up to 8: what is scattered back by a transmissive surface, as a path takes it, may be beyond 1
-constexpr float kLiftShare = 0.05f;  // of a cell: off the surface, to see whether two of its points see each other
+constexpr float kOffset =
+    0.3717f;  // of the cubes, in cells: walls like to stand on whole numbers, and would fall into two by their last bits
+// Of a cell: how far off the surface rays between its points are. At the surface, and over a door's gap.
+constexpr std::array<float, 2> kLiftShares = {0.05f, 0.4f};
 
 // 0 … 5: the axis that a normal is nearest to, and its sign.
 uint64_t sideOf(const glm::vec3& normal) {
@@ -53,6 +56,14 @@ void forEachCell(const std::vector<Point>& points, const Visit& visit) {
   }
 }
 
+// Whether a wall or a door stands between two points of a surface.
+bool standsBetween(const RayScene& rays, float cell_m, const glm::vec3& a, const glm::vec3& normal_a, const glm::vec3& b,
+                   const glm::vec3& normal_b) {
+  return std::any_of(kLiftShares.begin(), kLiftShares.end(), [&](float share) {
+    return rays.isBlocked(a + normal_a * (share * cell_m), b + normal_b * (share * cell_m));
+  });
+}
+
 float largest(const glm::vec3& rgb) { return std::max({rgb.r, rgb.g, rgb.b}); }
 
 }  // namespace
@@ -61,6 +72,7 @@ SurfaceCache::SurfaceCache(const LightTransport& transport, const std::vector<gl
                            const SurfaceCacheOptions& options, int thread_count)
     : cells_per_m_(1.0f / options.cell_m), group_count_(transport.groupCount()) {
   findCells(transport, places, options, thread_count);
+  findWholeCells(transport, thread_count);
   buildTable();
   measure(transport, options, thread_count);
   const Progress progress("bounces between surfaces");
@@ -68,11 +80,11 @@ SurfaceCache::SurfaceCache(const LightTransport& transport, const std::vector<gl
   for (size_t group = 0; group < group_count_; ++group) exchange(group, thread_count);
   links_ = {};
   points_ = {};
+  is_whole_ = {};
 }
 
-// Offset by an odd share of a cell: walls like to stand on whole numbers, and would fall into two cells by their last bits.
 SurfaceCache::Spot SurfaceCache::spotOf(const glm::vec3& point, const glm::vec3& normal) const {
-  const glm::vec3 at = point * cells_per_m_ + 0.3717f, low = glm::floor(at);
+  const glm::vec3 at = point * cells_per_m_ + kOffset, low = glm::floor(at);
   Spot spot{sideOf(normal), {}};
   for (int axis = 0; axis < 3; ++axis) {
     const auto cube = static_cast<int64_t>(low[axis]) + (1 << (kCoordinateBits - 1));
@@ -151,7 +163,7 @@ void SurfaceCache::addCells(const LightTransport& transport, const std::vector<s
   const auto isBefore = [](const Found& point, uint64_t key) { return point.key < key; };
   std::vector<std::vector<Found>> parts(sample.empty() ? 0 : kParts);
   std::vector<size_t> divided(parts.size(), 0);
-  const float lift_m = kLiftShare / cells_per_m_;
+  const float cell_m = 1.0f / cells_per_m_;
   parallelFor(parts.size(), thread_count, [&](uint64_t part, int) {
     std::vector<Found> found;
     for (const std::vector<Found>& block : blocks) {
@@ -165,8 +177,8 @@ void SurfaceCache::addCells(const LightTransport& transport, const std::vector<s
       bool is_divided = false;
       for (size_t a = first; a < end; ++a) {
         for (size_t b = a + 1; b < end && !is_divided; ++b)
-          is_divided = transport.rays().isBlocked(found[a].position + found[a].normal * lift_m,
-                                                  found[b].position + found[b].normal * lift_m);
+          is_divided =
+              standsBetween(transport.rays(), cell_m, found[a].position, found[a].normal, found[b].position, found[b].normal);
       }
       if (is_divided)
         ++divided[part];
@@ -186,6 +198,34 @@ void SurfaceCache::addCells(const LightTransport& transport, const std::vector<s
   first_point_.push_back(static_cast<uint32_t>(points_.size()));
 }
 
+// A cell holds all over its cube where nothing stands between the middle of its points and the cube's corners. Otherwise rays that end
+// beyond the outermost points go on as paths, which takes longer and is noisier.
+void SurfaceCache::findWholeCells(const LightTransport& transport, int thread_count) {
+  is_whole_.assign(keys_.size(), 0);
+  const float cell_m = 1.0f / cells_per_m_;
+  parallelForBlocks(keys_.size(), kDiscoveryBlock, thread_count, [&](uint64_t first_cell, uint64_t end_cell, int) {
+    for (size_t cell = first_cell; cell < end_cell; ++cell) {
+      const uint32_t first = first_point_[cell], end = first_point_[cell + 1];
+      const glm::vec3 normal = points_[first].normal;
+      glm::vec3 middle(0.0f);
+      for (uint32_t p = first; p < end; ++p) middle += points_[p].position / static_cast<float>(end - first);
+      const std::array<int, 2> across = acrossAxes(normal);
+      const auto facing = static_cast<int>(sideOf(normal) / 2);
+      is_whole_[cell] = 1;
+      for (int corner = 0; corner < 4 && is_whole_[cell] != 0; ++corner) {
+        glm::vec3 way(0.0f);
+        for (int a = 0; a < 2; ++a) {
+          const int axis = across[static_cast<size_t>(a)];
+          const float low = (std::floor(middle[axis] * cells_per_m_ + kOffset) - kOffset) * cell_m;
+          way[axis] = low + (corner >> a & 1 ? cell_m : 0.0f) - middle[axis];
+        }
+        way[facing] = -glm::dot(way, normal) / normal[facing];
+        if (standsBetween(transport.rays(), cell_m, middle, normal, middle + way, normal)) is_whole_[cell] = 0;
+      }
+    }
+  });
+}
+
 // What 4 x 4 x 4 cubes have of one side lies together, hashed as one: neighbouring places send their rays to the same surfaces.
 size_t SurfaceCache::firstSlot(uint64_t key) const {
   constexpr uint64_t kLow = 3;
@@ -200,6 +240,7 @@ void SurfaceCache::buildTable() {
   constexpr int kMargin = static_cast<int>(255.0f * kMarginShare);
   for (uint32_t cell = 0; cell < keys_.size(); ++cell) {
     Slot made{keys_[cell], cell, {255, 255}, {0, 0}};
+    if (is_whole_[cell] != 0) std::swap(made.low, made.high);
     for (uint32_t p = first_point_[cell]; p < first_point_[cell + 1]; ++p) {
       const Spot spot = spotOf(points_[p].position, points_[p].normal);
       for (size_t a = 0; a < 2; ++a) {
@@ -240,13 +281,15 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
         for (size_t g = 0; g < group_count_; ++g) direct_[cell * group_count_ + g] += light[g] * weight;
       };
       const uint32_t first = first_point_[cell];
-      // as many points as leave each kLeastRays rays
-      const uint32_t points = std::min<uint32_t>(first_point_[cell + 1] - first, std::max(1, options.rays_per_cell / kLeastRays));
+      // as many points as leave each kLeastRays rays, beginning with any: the first is on the low side in every cell
+      const uint32_t found = first_point_[cell + 1] - first;
+      const uint32_t points = std::min<uint32_t>(found, std::max(1, options.rays_per_cell / kLeastRays));
+      const auto begin = static_cast<uint32_t>(mixSeed(options.seed, kPointStream, keys_[cell]) % found);
       const int rays = std::max(kLeastRays, options.rays_per_cell / static_cast<int>(points) / kLeastRays * kLeastRays);
       const float ray_share = kPi / static_cast<float>(rays * static_cast<int>(points));
       link_share_[cell] = ray_share / kPi;
       for (uint32_t p = 0; p < points; ++p) {
-        const Found& point = points_[first + p];
+        const Found& point = points_[first + (begin + p) % found];
         const glm::dvec3 from(point.position + point.normal * transport.nudge());
         const uint64_t seed = mixSeed(options.seed, kCellStream, keys_[cell], p);
         // without bounces: what arrives from emission, lamps, suns and sky
@@ -328,7 +371,9 @@ std::unique_ptr<SurfaceCache> makeSurfaceCache(const LightTransport& transport, 
   SurfaceCacheOptions options;
   const float share = 0.25f * std::clamp(std::sqrt(64.0f / static_cast<float>(light.place.rays)), 1.0f, 2.0f);
   options.cell_m = std::max(1e-6f, std::min(share * static_cast<float>(spacing_m), glm::length(bounds.max - bounds.min) / 48.0f));
-  options.rays_per_cell = std::clamp(light.place.rays / 2, kLeastRays, options.rays_per_cell);
+  // a cell keeps a link a ray: in large scenes that is what fills memory
+  const int most = std::clamp(raysOfPlace(places.size()) / 8, 2 * kLeastRays, 8 * kLeastRays);
+  options.rays_per_cell = std::clamp(light.place.rays / 8, kLeastRays, most);
   // a cell d off that faces a place takes cell² / 4 pi d² of its rays
   const double rays = static_cast<double>(places.size()) * light.place.rays;
   options.reach_m = options.cell_m * static_cast<float>(std::sqrt(rays / (4.0 * kPi * kFewestHits)));

@@ -71,6 +71,7 @@ class SurfaceCache {
   void findCells(const LightTransport& transport, const std::vector<glm::dvec3>& places, const SurfaceCacheOptions& options,
                  int thread_count);
   void addCells(const LightTransport& transport, const std::vector<std::vector<Found>>& blocks, int thread_count);
+  void findWholeCells(const LightTransport& transport, int thread_count);
   void buildTable();
   size_t firstSlot(uint64_t key) const;  // where the search for a cell begins
   void measure(const LightTransport& transport, const SurfaceCacheOptions& options, int thread_count);
@@ -81,6 +82,7 @@ class SurfaceCache {
   std::vector<uint64_t> keys_;         // by cell, rising
   std::vector<uint32_t> first_point_;  // by cell, into points_; one more at the end
   std::vector<Found> points_;
+  std::vector<uint8_t> is_whole_;     // by cell
   std::vector<glm::vec3> direct_;     // by cell and group: irradiance of lamps, suns, sky, emitters, and of what is no cell
   std::vector<uint32_t> first_link_;  // by cell, into links_; one more at the end
   std::vector<Link> links_;

@@ -216,7 +216,7 @@ void RenderedScene::makeGrid(bool has_baselines) {
 
 void RenderedScene::makeBaselines() {
   MethodSetOptions options;
-  options.solve = probeLightOptions(options_);
+  options.solve = probeLightOptions(options_, baked_scene_->air.places.size());
   options.probe = options.solve.probe;
   options.thread_count = threads_;
   options.seed = mixSeed(options_.seed, kBaselineStream);

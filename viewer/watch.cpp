@@ -310,9 +310,10 @@ std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, cons
   const bool stay = !is_thinned && (isAll(kLightChanged) || isAll(kGroupsChanged));
   Words quick = stay ? Words{"--relight", grid} : Words{};
   if (is_thinned) quick.insert(quick.end(), {"--thin-error", "0", "--max-bytes", "0"});
-  quick.insert(quick.end(), {"--light-rays", std::to_string(std::min(options.light_rays, kPreviewRays)), "--light-samples",
-                             std::to_string(std::min(options.light_samples, kPreviewPlaces)), "--light-probe-rays",
-                             std::to_string(std::min(options.light_probe_rays, kPreviewProbeRays))});
+  quick.insert(quick.end(), {"--light-rays",
+                             std::to_string(std::min(options.light_rays > 0 ? options.light_rays : kPreviewRays, kPreviewRays)),
+                             "--light-samples", std::to_string(std::min(options.light_samples, kPreviewPlaces)),
+                             "--light-probe-rays", std::to_string(std::min(options.light_probe_rays, kPreviewProbeRays))});
   return {{quick, preview, "preview"}, {{"--relight", preview}, grid, "final"}};
 }
 

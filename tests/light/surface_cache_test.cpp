@@ -99,6 +99,29 @@ TEST(SurfaceCache, HoldsWhereMostRaysEnd) {
   EXPECT_GT(held, 0.8 * ended) << held << " of " << ended;
 }
 
+// A door with a gap of 2 cm: the floor under it is one, and what it sends is not.
+TEST(SurfaceCache, DoorsWithAGapStopWhatCellsHold) {
+  SceneOfFaces faces;
+  faces.addRoom({-4, 0, -2}, {4, 3, 2}, 0.1f);
+  faces.addBox({-0.02f, 0.02f, -2.05f}, {0.02f, 3.05f, 2.05f});
+  Scene scene = faces.finish();
+  scene.materials[0].base_color = glm::vec3(0.5f);
+  Lamp lamp;
+  lamp.position = {-1, 1.5f, 0};
+  lamp.intensity = glm::vec3(10.0f);
+  scene.light.lamps.push_back(lamp);
+  const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {3.9, 2.9, 1.9}, 400, 5);
+  const CachedScene lit(scene, places);
+  double traced = 0.0, cached = 0.0;
+  for (const glm::dvec3& place : places) {
+    if (place.x < 0.2) continue;
+    traced += lit.irradiance(place, {0, -1, 0}, false).r;
+    cached += lit.irradiance(place, {0, -1, 0}, true).r;
+  }
+  // cells blur what shines through the gap
+  EXPECT_LT(cached, 1.5 * traced) << traced;
+}
+
 TEST(SurfaceCache, DarkRoomStaysDark) {
   for (const Scene& scene : {twoRooms(), dividedRoom()}) {
     const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {3.9, 2.9, 1.9}, 400, 5);

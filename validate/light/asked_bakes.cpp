@@ -49,10 +49,10 @@ std::vector<std::string> weightsPaths(const std::vector<std::string>& weights) {
   return paths;
 }
 
-MethodSetOptions methodSetOptions(const BakeOptions& options, const GatherOptions& probe, int thread_count) {
+MethodSetOptions methodSetOptions(const BakeOptions& options, const GatherOptions& probe, size_t place_count, int thread_count) {
   MethodSetOptions method_options;
   method_options.probe = probe;
-  method_options.solve = probeLightOptions(options);
+  method_options.solve = probeLightOptions(options, place_count);
   if (options.thin_error > 0.0) method_options.thin_errors = {options.thin_error};
   method_options.light_error = options.light_error;
   method_options.theta = options.policy.theta_precision;

@@ -25,7 +25,7 @@ std::vector<std::string> weightsPaths(const std::vector<std::string>& weights);
 
 // Of methods that keep light as the bake does.
 // probe   rays of every probe
-MethodSetOptions methodSetOptions(const BakeOptions& options, const GatherOptions& probe, int thread_count);
+MethodSetOptions methodSetOptions(const BakeOptions& options, const GatherOptions& probe, size_t place_count, int thread_count);
 
 // "pf3 or pf5" as a part of a file's name: pf3-or-pf5.
 std::string fileWord(std::string text);

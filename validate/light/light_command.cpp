@@ -133,7 +133,7 @@ class LightMeasurement {
   Json spacingFigures(const PreparedScene& scene, const BakeOptions& options, const GeneratorSets& sets,
                       const AtSpacing& asked) const {
     const LightTransport transport(scene.source.scene, scene.rays);
-    MethodSetOptions method_options = methodSetOptions(options, request_.probe, threads_);
+    MethodSetOptions method_options = methodSetOptions(options, request_.probe, scene.air.places.size(), threads_);
     if (!request_.thin_errors.empty()) method_options.thin_errors = request_.thin_errors;
     MethodSet methods({transport, scene.links, scene.tree, scene.air}, method_options);
     if (!asked.grids_alone && !request_.grids_only) {
@@ -187,7 +187,7 @@ class LightMeasurement {
  private:
   // Baselines that learn from more places than the bake has.
   void addLearned(const MethodScene& scene, const BakeOptions& options, MethodSet* methods, Json* json) const {
-    const ProbeLightOptions solve = methodSetOptions(options, request_.probe, threads_).solve;
+    const ProbeLightOptions solve = methodSetOptions(options, request_.probe, scene.air.places.size(), threads_).solve;
     const LitPlaces lit =
         drawLitPlaces(scene.transport, scene.tree, scene.air, methods->placeLight(), solve, request_.neural_samples, threads_);
     const double measure_s = methods->measure_s() + lit.measure_s;

@@ -9,7 +9,7 @@ import bpy
 from . import settings
 from .errors import ToolError
 
-# While a level is worked on: no fits, a quarter of the rays, a third of the places. docs/guide/blender.md says what that costs and saves.
+# While a level is worked on: no fits, 16 rays a place, a third of the places. docs/guide/blender.md says what that costs and saves.
 PREVIEW = [
     "--lm-iterations", "0", "--lm-theta0-iterations", "0", "--adam-steps", "0", "--code-iterations", "0", "--refine-rounds", "0",
     "--light-rays", "16", "--light-samples", "4",
