@@ -46,8 +46,7 @@ struct LightStatistics : LightAtPlaces {
 std::vector<std::string> lightWarnings(const LightStatistics& statistics);
 
 // What the settings say of light at so many places and of the solve; by the default way.
-// throws   UsageError on an unknown name in them
-// throws   UsageError also on fewer than 8 rays of a place
+// throws   UsageError on an unknown name in them, and on 1 to 7 rays of a place
 ProbeLightOptions probeLightOptions(const BakeOptions& options, size_t place_count);
 
 // Fills grid->light, and the light of groups and sets, by options.light, as the file will hold it; leaves it empty for "none".

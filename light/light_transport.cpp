@@ -23,9 +23,9 @@ constexpr int kSurePathVertices = 3;  // no roulette before
 constexpr float kSurvival = 0.95f;    // at most
 // Samples of one light at a place. They differ only in its penumbra: elsewhere one would do.
 constexpr int kRaysPerSample = 4, kMostOfSun = 32, kMostOfLamp = 64;
-// … at one of many places, whose mean counts; a sun of so small a radius, in radians, has a penumbra that no probe resolves.
-constexpr int kFewestShare = 64, kRaysPerSmallSun = 16;
-constexpr float kSmallSun = 0.02f;
+// In bakes, where many places are averaged, a lamp has one sample at least for so many rays, and a small sun one for so many.
+constexpr int kRaysPerFewest = 64, kRaysPerSmallSun = 16;
+constexpr float kSmallSun = 0.02f;  // radius, radians: no probe resolves its penumbra
 constexpr uint64_t kPathStream = 0x70617468, kEmitterStream = 0x656d6974, kLampStream = 0x6c616d70, kSunStream = 0x73756e,
                    kSkyStream = 0x736b79;
 
@@ -390,19 +390,14 @@ struct LightTransport::Impl {
       const auto [u, v] = sky_lattice.point(i, count);
       if (skyLight(from, u, v, density, &arriving)) add(set, arriving.direction, arriving.flux * share, groups().of_sky);
     }
-    // suns and lamps have samples of their own, spread over their discs and over all sets; with fewer samples than sets, each sample
-    // counts in every set, whose spread then says nothing of its noise
+    // suns and lamps have samples of their own, spread over their discs and over all sets. With fewer samples than sets, which only
+    // bakes have, the spread of the sets is no measure of noise; there nobody reads it
     const auto sampleAll = [&](int samples, uint64_t stream, size_t of_group, const auto& light) {
       const Lattice lattice(mixSeed(seed, stream), index);
       for (int i = 0; i < samples; ++i) {
         const auto [u, v] = lattice.point(i, samples);
-        if (!light(u, v)) continue;
-        const glm::vec3 flux = arriving.flux * (static_cast<float>(kSetCount) / static_cast<float>(samples));
-        if (samples >= kSetCount) {
-          add(i % kSetCount, arriving.direction, flux, of_group);
-          continue;
-        }
-        for (int set = 0; set < kSetCount; ++set) add(set, arriving.direction, flux / static_cast<float>(kSetCount), of_group);
+        if (light(u, v))
+          add(i % kSetCount, arriving.direction, arriving.flux * (static_cast<float>(kSetCount) / samples), of_group);
       }
     };
     const bool is_of_many = Directions::kIsGuided || hits != nullptr;
@@ -410,7 +405,7 @@ struct LightTransport::Impl {
     const auto sampleCount = [&](float part, int fewest, int most) {
       const int in_sets = kSetCount * static_cast<int>(part * static_cast<float>(options.rays) / (kRaysPerSample * kSetCount));
       if (in_sets >= kSetCount || !is_of_many) return std::clamp(in_sets, kSetCount, most);
-      return std::max({1, fewest, static_cast<int>(part * static_cast<float>(options.rays) / kRaysPerSample)});
+      return std::clamp(std::max(fewest, static_cast<int>(part * static_cast<float>(options.rays) / kRaysPerSample)), 1, most);
     };
     for (size_t s = 0; s < scene.light.suns.size() && options.direct == DirectLight::all; ++s) {
       const Sun& sun = scene.light.suns[s];
@@ -427,7 +422,7 @@ struct LightTransport::Impl {
       const float part = openLight(lamp, from) / total;
       if (part <= 0.0f) continue;
       // in proportion to its part
-      sampleAll(sampleCount(part, options.rays / kFewestShare, kMostOfLamp), mixSeed(kLampStream, l),
+      sampleAll(sampleCount(part, options.rays / kRaysPerFewest, kMostOfLamp), mixSeed(kLampStream, l),
                 LightGroups::of(groups().of_lamp, l), [&](double u, double v) { return lampLight(lamp, from, u, v, &arriving); });
     }
   }

@@ -240,7 +240,10 @@ void SurfaceCache::buildTable() {
   constexpr int kMargin = static_cast<int>(255.0f * kMarginShare);
   for (uint32_t cell = 0; cell < keys_.size(); ++cell) {
     Slot made{keys_[cell], cell, {255, 255}, {0, 0}};
-    if (is_whole_[cell] != 0) std::swap(made.low, made.high);
+    if (is_whole_[cell] != 0) {
+      made.low = {0, 0};
+      made.high = {255, 255};
+    }
     for (uint32_t p = first_point_[cell]; p < first_point_[cell + 1]; ++p) {
       const Spot spot = spotOf(points_[p].position, points_[p].normal);
       for (size_t a = 0; a < 2; ++a) {

@@ -9,32 +9,30 @@
 namespace nlg {
 namespace {
 
-// Two rooms of 4 x 3 x 4 m side by side, walls of 10 cm between and around; a lamp in the first one.
-Scene twoRooms() {
-  SceneOfFaces faces;
-  faces.addRoom({-4.05f, 0, -2}, {-0.05f, 3, 2}, 0.1f);
-  faces.addRoom({0.05f, 0, -2}, {4.05f, 3, 2}, 0.1f);
+Scene withLamp(const SceneOfFaces& faces, const glm::vec3& position) {
   Scene scene = faces.finish();
   scene.materials[0].base_color = glm::vec3(0.5f);
   Lamp lamp;
-  lamp.position = {-2, 2, 0.5f};
+  lamp.position = position;
   lamp.intensity = glm::vec3(10.0f);
   scene.light.lamps.push_back(lamp);
   return scene;
 }
 
-// One room of 8 m whose floor and walls run on behind a partition that reaches from wall to wall.
-Scene dividedRoom() {
+// Two rooms of 4 x 3 x 4 m side by side, walls of 10 cm between and around; a lamp in the first one.
+Scene twoRooms() {
+  SceneOfFaces faces;
+  faces.addRoom({-4.05f, 0, -2}, {-0.05f, 3, 2}, 0.1f);
+  faces.addRoom({0.05f, 0, -2}, {4.05f, 3, 2}, 0.1f);
+  return withLamp(faces, {-2, 2, 0.5f});
+}
+
+// One room of 8 m whose floor and walls run on behind a partition that reaches from wall to wall, and from low_m to the ceiling.
+Scene dividedRoom(float half_m = 0.05f, float low_m = -0.05f) {
   SceneOfFaces faces;
   faces.addRoom({-4, 0, -2}, {4, 3, 2}, 0.1f);
-  faces.addBox({-0.05f, -0.05f, -2.05f}, {0.05f, 3.05f, 2.05f});
-  Scene scene = faces.finish();
-  scene.materials[0].base_color = glm::vec3(0.5f);
-  Lamp lamp;
-  lamp.position = {-1, 1.5f, 0};
-  lamp.intensity = glm::vec3(10.0f);
-  scene.light.lamps.push_back(lamp);
-  return scene;
+  faces.addBox({-half_m, low_m, -2.05f}, {half_m, 3.05f, 2.05f});
+  return withLamp(faces, {-1, 1.5f, 0});
 }
 
 std::vector<glm::dvec3> placesIn(const glm::dvec3& low, const glm::dvec3& high, int count, uint64_t seed) {
@@ -99,19 +97,10 @@ TEST(SurfaceCache, HoldsWhereMostRaysEnd) {
   EXPECT_GT(held, 0.8 * ended) << held << " of " << ended;
 }
 
-// A door with a gap of 2 cm: the floor under it is one, and what it sends is not.
+// The floor runs on under a door with a gap of 2 cm; its light does not.
 TEST(SurfaceCache, DoorsWithAGapStopWhatCellsHold) {
-  SceneOfFaces faces;
-  faces.addRoom({-4, 0, -2}, {4, 3, 2}, 0.1f);
-  faces.addBox({-0.02f, 0.02f, -2.05f}, {0.02f, 3.05f, 2.05f});
-  Scene scene = faces.finish();
-  scene.materials[0].base_color = glm::vec3(0.5f);
-  Lamp lamp;
-  lamp.position = {-1, 1.5f, 0};
-  lamp.intensity = glm::vec3(10.0f);
-  scene.light.lamps.push_back(lamp);
   const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {3.9, 2.9, 1.9}, 400, 5);
-  const CachedScene lit(scene, places);
+  const CachedScene lit(dividedRoom(0.02f, 0.02f), places);
   double traced = 0.0, cached = 0.0;
   for (const glm::dvec3& place : places) {
     if (place.x < 0.2) continue;
