@@ -145,6 +145,7 @@ ProbeLight joined(std::vector<ProbeLight> lit, const GroupsOfGrid& groups) {
   ProbeLight all;
   all.light = lit.front().light;
   all.unread = lit.front().unread;
+  all.unseen = lit.front().unseen;
   for (ProbeLight& of_set : lit) {
     if (of_set.groups.empty()) of_set.groups.push_back(std::move(of_set.light));
     std::move(of_set.groups.begin(), of_set.groups.end(), std::back_inserter(all.groups));
@@ -325,6 +326,7 @@ LightStatistics bakeLight(const PreparedScene& scene, const BakeOptions& options
   statistics.solve_wall_s = secondsSince(start);
   // what thinning left out is unread on purpose
   statistics.unread_probes = lit.unread - statistics.thinned.probes;
+  statistics.unseen_places = lit.unseen;
   statistics.solve_iterations = lit.iterations;
   takeLight(lit, groups, grid);
   // rounded as the file stores it, so that grid, report and file have one light

@@ -25,6 +25,7 @@ struct LightStatistics : LightAtPlaces {
   std::vector<std::pair<std::string, LightAtPlaces>> of_sets;  // by name; none where there are no sets
   bool is_gathered = false;                                    // all bounces came from the level's own light: one ray held them
   uint64_t places = 0, rays_per_place = 0;
+  uint64_t unseen_places = 0;  // of these: dark that nobody sees (light/standing.h), which the solve leaves out
   uint64_t unread_probes = 0;  // that weigh nothing at any place
   int solve_iterations = 0;
   uint64_t cache_cells = 0, cache_divided = 0;          // of surface; those that walls divide are not used

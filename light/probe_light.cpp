@@ -6,6 +6,7 @@
 
 #include "light/air.h"
 #include "light/direction_guide.h"
+#include "light/standing.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -17,6 +18,8 @@ namespace {
 constexpr uint64_t kPlaceStream = 0x706c6163, kProbeStream = 0x70726f62;
 constexpr uint64_t kBlockPlaces = 64, kBlockSamples = 4096;
 constexpr double kDarkestShare = 0.05;  // of the mean: an error in darker places is seen against so much
+// Of the mean: what has less is dark enough for nobody to have a light there, where nobody can stand.
+constexpr float kUnseenDarkOfMean = 0.01f;
 // Rounds of the solve: each weighs places anew by the answer of the one before.
 constexpr int kRounds = 5;
 // Of the rounds before the last: places are weighed anew after each, and answers are the same to four digits at half of the steps.
@@ -73,6 +76,17 @@ float meanLight(const std::vector<LightSh>& light) {
   double sum = 0.0;
   for (const LightSh& sh : light) sum += lightOf(sh);
   return static_cast<float>(std::max(1e-12, sum / std::max<double>(1.0, static_cast<double>(light.size()))));
+}
+
+// By place, whether its dark is nobody's to see (standing.h). Errors are relative to the light where they stand: a share of a hundredth
+// that a probe has in the hollow of a wall would outweigh the lit room before it, and leave a black spot there.
+std::vector<uint8_t> unseenDark(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
+                                const std::vector<LightSh>& place_light) {
+  const float most = kUnseenDarkOfMean * meanLight(place_light);
+  std::vector<uint8_t> is_dark(places.size());
+  std::transform(place_light.begin(), place_light.end(), is_dark.begin(),
+                 [most](const LightSh& light) { return lightOf(light) < most ? 1 : 0; });
+  return findUnseenDark(transport, places, is_dark, tree.frame().spacing_m);
 }
 
 // The say of a place: 1 where the weights' sum is no accident, less below.
@@ -293,6 +307,13 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
   parallelForBlocks(places.size(), kBlockPlaces, thread_count, [&](uint64_t first, uint64_t end, int) {
     for (uint64_t i = first; i < end; ++i) weights_at(places[i], &weights[i]);
   });
+  uint64_t unseen = 0;
+  if (options.way == LightWay::solved) {
+    const std::vector<uint8_t> is_unseen = unseenDark(transport, tree, places, place_light);
+    for (size_t i = 0; i < places.size(); ++i) {
+      if (is_unseen[i]) ++unseen, weights[i].count = 0;
+    }
+  }
   // the talk's integral is over the function; what a solve leans on is read at places by shares, which beside walls are far more
   const std::vector<ProbeWeights> leaned_on = options.way == LightWay::solved ? sharesOf(weights) : weights;
   Means means(tree, places, leaned_on, place_light);
@@ -334,6 +355,7 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
     }
   }
   result.unread = unread;
+  result.unseen = unseen;
   judge(weights, place_light, &result);
   return result;
 }

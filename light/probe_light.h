@@ -62,6 +62,7 @@ struct ProbeLight {
   LightByGroup groups;         // by group and probe: they add up to light
   int iterations = 0;          // of the solve
   uint64_t unread = 0;         // probes that weigh nothing at every place: they hold the light of places around them
+  uint64_t unseen = 0;         // places whose dark nobody sees (standing.h): a solve leaves them out
   // How far blends are from what was measured at places, over their mean light: RMS, of irradiance over all normals; and the place
   // where it is worst. The noise of what was measured is among it.
   double error = 0.0;

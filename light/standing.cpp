@@ -11,6 +11,7 @@
 
 #include "light/air.h"
 #include "runtime_eval/numbers/random.h"
+#include "scene/lights/light_options.h"
 
 namespace nlg {
 namespace {
@@ -92,17 +93,20 @@ class DarkAir {
   std::unordered_map<uint64_t, std::vector<uint32_t>> cubes_;
 };
 
-// Where an eye is, or nothing in what is no room.
+enum class Roof : uint8_t { needed, not_needed };
+
+// Where an eye is, or nothing in what is no room: all of a room is under a roof, where one is needed.
 std::optional<glm::dvec3> eyeIn(const std::vector<uint32_t>& room, const std::vector<glm::dvec3>& places, const Spots& spots,
-                                const RayScene& rays) {
+                                const RayScene& rays, Roof roof) {
   const size_t step = std::max<size_t>(1, room.size() / kAskedPlaces);
+  const bool needs_roof = roof == Roof::needed;
   std::optional<glm::dvec3> eye;
-  for (size_t i = 0; i < room.size(); i += step) {
+  for (size_t i = 0; i < room.size() && (!eye || needs_roof); i += step) {
     const glm::dvec3& place = places[room[i]];
-    if (rays.lightHit(glm::vec3(place), {0.0f, 1.0f, 0.0f}).kind != LightHit::Kind::surface) return std::nullopt;
+    if (needs_roof && rays.lightHit(glm::vec3(place), {0.0f, 1.0f, 0.0f}).kind != LightHit::Kind::surface) return std::nullopt;
     if (eye) continue;
     const std::optional<Spot> spot = spots.below(place);
-    if (spot && spot->is_upright && spot->has_roof) eye = spot->eye_m;
+    if (spot && spot->is_upright && (spot->has_roof || !needs_roof)) eye = spot->eye_m;
   }
   return eye;
 }
@@ -174,6 +178,24 @@ bool Spots::isWide(const Spot& spot) const {
   return free >= kTurns / 2;
 }
 
+std::vector<uint8_t> findUnseenDark(const LightTransport& transport, const std::vector<glm::dvec3>& places,
+                                    const std::vector<uint8_t>& is_dark, double reach_m) {
+  std::vector<uint8_t> is_unseen(places.size(), 0);
+  if (std::find(is_dark.begin(), is_dark.end(), 1) == is_dark.end()) return is_unseen;
+  DarkAir dark(transport.rays(), places, is_dark, reach_m);
+  std::unordered_map<uint32_t, std::vector<uint32_t>> regions;  // by root; what is said of each depends on no other
+  for (uint32_t p = 0; p < is_dark.size(); ++p) {
+    if (is_dark[p]) regions[dark.rootOf(p)].push_back(p);
+  }
+  const bool has_sky = transport.rays().hasSkyFaces() || hasLightFromOutside(transport.scene());
+  const Spots spots(transport, {glm::dvec3(-INFINITY), glm::dvec3(INFINITY)});
+  for (const auto& [root, region] : regions) {
+    if (eyeIn(region, places, spots, transport.rays(), has_sky ? Roof::not_needed : Roof::needed)) continue;
+    for (const uint32_t p : region) is_unseen[p] = 1;
+  }
+  return is_unseen;
+}
+
 std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const ProbeTree& tree, const AirPlaces& air,
                                     const std::vector<uint8_t>& is_dark) {
   std::vector<DarkRoom> rooms;
@@ -198,7 +220,7 @@ std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const Probe
   std::sort(candidates.begin(), candidates.end());  // as places are, whatever the map's order
   for (const std::vector<uint32_t>& places : candidates) {
     if (places.size() < kFewestPlaces) continue;
-    const std::optional<glm::dvec3> eye = eyeIn(places, air.places, spots, transport.rays());
+    const std::optional<glm::dvec3> eye = eyeIn(places, air.places, spots, transport.rays(), Roof::needed);
     if (!eye) continue;
     DarkRoom& room = rooms.emplace_back(DarkRoom{*eye, 0.0});
     for (const uint32_t p : places) room.volume_m3 += volume_m3[p];

@@ -1,4 +1,4 @@
-// Where a player can stand, and rooms there that no light reaches. A spot is a floor, and room for a figure in the air over it.
+// Where a player can stand, rooms there that no light reaches, and dark that nobody sees. A spot is a floor, and room for a figure in the air over it.
 #pragma once
 
 #include <cstdint>
@@ -65,5 +65,15 @@ inline constexpr double kDarkOfMean = 1e-4;  // of the mean light over places: w
 // is_dark   by place
 std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const ProbeTree& tree, const AirPlaces& air,
                                     const std::vector<uint8_t>& is_dark);
+
+// Dark sample points whose dark nobody sees: joined by sight, they hold no place where a figure stands upright. Hollow walls, cupboards,
+// what is above a ceiling and below a floor. In a scene that no light enters from outside also where some of them have nothing above:
+// that is the outside of its rooms. One answer for all that are joined.
+//
+// is_dark   by place
+// reach_m   as near as places are joined
+// returns   by place
+std::vector<uint8_t> findUnseenDark(const LightTransport& transport, const std::vector<glm::dvec3>& places,
+                                    const std::vector<uint8_t>& is_dark, double reach_m);
 
 }  // namespace nlg

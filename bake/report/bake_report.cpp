@@ -98,6 +98,7 @@ nlohmann::ordered_json lightJson(const LightStatistics& light) {
       {"packing_error", light.packing.error},
       {"packing_worst", light.packing.worst},
       {"places", light.places},
+      {"unseen_places", light.unseen_places},
       {"rays_per_place", light.rays_per_place},
       {"cache_cells", light.cache_cells},
       {"cache_divided", light.cache_divided},
@@ -152,8 +153,15 @@ std::string placesSummary(const std::string& set, uint64_t places, const LightAt
 std::string lightSummary(const LightStatistics& light) {
   if (!light.is_lit) return "light: none\n";
   std::string text = thinnedSummary(light);
-  if (light.of_sets.empty()) text += placesSummary("", light.places, light);
-  for (const auto& [set, at_places] : light.of_sets) text += placesSummary(set, light.places, at_places);
+  const uint64_t seen = light.places - light.unseen_places;
+  if (light.of_sets.empty()) text += placesSummary("", seen, light);
+  for (const auto& [set, at_places] : light.of_sets) text += placesSummary(set, seen, at_places);
+  if (light.unseen_places > 0) {
+    text += fmt::format(
+        "dark where nobody can stand: {} of {} sample points, hollows or the outside of a closed scene; no probe's light is "
+        "fitted to them\n",
+        light.unseen_places, light.places);
+  }
   return text + fmt::format("stored light: {}, which adds {:.1f} % to the error of a probe, {:.0f} % at most{}\n",
                             bytesText(static_cast<double>(light.file_bytes)), 100.0 * light.packing.error,
                             100.0 * light.packing.worst,

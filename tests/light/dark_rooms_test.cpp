@@ -51,5 +51,44 @@ TEST(DarkRooms, AreNotWhereNobodyCanStand) {
   EXPECT_TRUE(darkRoomsOf(ground.finish()).empty()) << "nothing is above";
 }
 
+// Where all is dark that lies above x = 0: how much of it nobody sees.
+double unseenShare(const Scene& scene) {
+  const RayScene rays(scene);
+  const LightTransport transport(scene, rays);
+  ProbePlacementOptions placement;
+  placement.spacing_min_m = placement.spacing_max_m = 0.5;
+  const AirPlaces air = findAirPlaces(rays, placeProbes(scene, placement, 1), {}, 1);
+  std::vector<uint8_t> is_dark;
+  // not what is outside of both rooms
+  for (const glm::dvec3& p : air.places)
+    is_dark.push_back(p.x > 0.0 && p.x < 3.0 && p.y > 0.0 && p.y < 2.5 && p.z > 0.0 && p.z < 3.0);
+  const std::vector<uint8_t> is_unseen = findUnseenDark(transport, air.places, is_dark, 0.5);
+  double dark = 0.0, unseen = 0.0;
+  for (size_t p = 0; p < is_dark.size(); ++p) {
+    EXPECT_LE(is_unseen[p], is_dark[p]) << "what is lit is seen";
+    dark += is_dark[p];
+    unseen += is_unseen[p];
+  }
+  return unseen / dark;
+}
+
+TEST(UnseenDark, IsAllOfWhereNobodyCanStandAndNothingOfARoom) {
+  EXPECT_EQ(unseenShare(twoRooms(1.0f, true)), 1.0) << "too low to stand in";
+  EXPECT_EQ(unseenShare(twoRooms(2.5f, true)), 0.0) << "a dark room";
+}
+
+// A lit room, and beside it what is outside: ground, on which a figure stands.
+TEST(UnseenDark, IsOutsideOnlyWhereNoLightComesFromThere) {
+  SceneOfFaces faces;
+  faces.addBox({-3, 0, 0}, {-0.05f, 2.5f, 3}, true);
+  faces.addBox({-3.1f, -0.1f, -0.1f}, {-0.02f, 2.6f, 3.1f});
+  faces.addQuad({-0.02f, 0, 0}, {-0.02f, 0, 3}, {3, 0, 3}, {3, 0, 0});
+  faces.addQuad({2.9f, 0, 0}, {2.9f, 0, 3}, {2.9f, 2.5f, 3}, {2.9f, 2.5f, 0}, Sides::two);
+  Scene scene = faces.finish();
+  EXPECT_EQ(unseenShare(scene), 1.0) << "closed to all light";
+  scene.light.suns.push_back({{0.0f, -1.0f, 0.0f}, glm::vec3(1.0f)});
+  EXPECT_EQ(unseenShare(scene), 0.0) << "a sun: whoever stands there sees the dark";
+}
+
 }  // namespace
 }  // namespace nlg

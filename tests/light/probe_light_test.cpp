@@ -21,7 +21,7 @@ LightSh uniformLight(float value) {
 
 // A closed room, its probes with bare tents, and light that the test makes up.
 struct TentRoom {
-  TentRoom() : scene(makeScene()), rays(scene), transport(scene, rays) {
+  explicit TentRoom(Scene of = makeScene()) : scene(std::move(of)), rays(scene), transport(scene, rays) {
     ProbePlacementOptions options;
     options.spacing_min_m = options.spacing_max_m = 1.0;
     const ProbeTree full = placeProbes(scene, options, 1);
@@ -59,6 +59,29 @@ TEST(ProbeLight, IsTheLightOfPlacesWhereAllHaveTheSame) {
   const TentRoom room;
   const ProbeLight lit = room.solved(std::vector<LightSh>(room.air.places.size(), uniformLight(2.0f)), {});
   for (const LightSh& light : lit.light) EXPECT_NEAR(light[0].g, 2.0f, 1e-4f);
+}
+
+// A wall of two sheets, 30 cm apart and open below the floor, in a room that has light everywhere: the dark in the wall is nobody's to
+// see, and the bare tents of probes before it, which reach into it, stay as bright as the room.
+TEST(ProbeLight, IsNotDarkForAHollowWall) {
+  SceneOfFaces faces;
+  faces.addRoom({-2.5f, -1.5f, -2.5f}, {2.5f, 1.5f, 2.5f}, 0.2f);
+  for (const float x : {-0.15f, 0.15f})
+    faces.addQuad({x, -1.5f, -2.5f}, {x, 1.5f, -2.5f}, {x, 1.5f, 2.5f}, {x, -1.5f, 2.5f}, Sides::two);
+  Scene scene = faces.finish();
+  scene.cavity_m = 0.0;  // as where a hole makes air of it
+  const TentRoom room(std::move(scene));
+  std::vector<LightSh> place_light;
+  size_t hollow = 0;
+  for (const glm::dvec3& place : room.air.places) {
+    const bool is_hollow = std::fabs(place.x) < 0.15;
+    hollow += is_hollow;
+    place_light.push_back(uniformLight(is_hollow ? 0.0f : 1.0f));
+  }
+  const ProbeLight lit = room.solved(place_light, {});
+  ASSERT_GT(hollow, 50u);
+  EXPECT_EQ(lit.unseen, hollow);
+  for (const LightSh& light : lit.light) EXPECT_NEAR(light[0].g, 1.0f, 1e-3f);
 }
 
 // One place in a thousand stands beside a lamp: with squared errors all probes around it rise far above what the places between
