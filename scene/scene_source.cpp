@@ -136,8 +136,16 @@ SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
 }
 
+// Of what was asked for, as much as a scene takes.
+double cavityOf(const Scene& scene, double cavity_m) {
+  const Bounds bounds = sceneBounds(scene);
+  const glm::dvec3 most_m = kCavityShare * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
+  return std::min({cavity_m, most_m.x, most_m.y, most_m.z});
+}
+
 SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
   GltfLevel level = readGltf(path, reading.unit_m, reading.transmissive_cover, reading.gltf, reading.images);
+  level.scene.cavity_m = cavityOf(level.scene, reading.cavity_m);  // which tells rooms from walls
   const std::string sides = giveSolidsOneSide(level.scene).note();
   if (!sides.empty()) level.notes.push_back(sides);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
@@ -217,10 +225,7 @@ void describe(SceneReading& reading, OptionTable& table) {
 
 SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   SceneSource source = readScene(request, reading);
-  const Bounds bounds = sceneBounds(source.scene);
-  const glm::dvec3 sides_m = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
-  source.scene.cavity_m =
-      std::min({reading.cavity_m, kCavityShare * sides_m.x, kCavityShare * sides_m.y, kCavityShare * sides_m.z});
+  source.scene.cavity_m = cavityOf(source.scene, reading.cavity_m);
   return source;
 }
 

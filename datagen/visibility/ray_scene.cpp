@@ -8,7 +8,7 @@
 
 #include <embree3/rtcore.h>
 
-#include "datagen/visibility/triangle_distance.h"
+#include "scene/solid/triangle_distance.h"
 #include "tool/error.h"
 #include "tool/progress.h"
 

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "scene/solid/closed_shells.h"
+#include "scene/solid/inscribed_ball.h"
 
 namespace nlg {
 namespace {
@@ -26,6 +27,7 @@ constexpr double kTouch_m = 1e-3;        // along the line below: a point that l
 // Of the scene's box, a shell and its box: what fills more is a room that is all there is, not a solid without a place in air.
 constexpr double kMostOfScene = 0.5, kWholeScene = 0.9;
 constexpr uint64_t kMostTests = uint64_t{1} << 33;
+constexpr uint64_t kMostBallTests = uint64_t{1} << 26;  // of a shell without an answer by then it is held that a ball fits
 constexpr size_t kNamedObjects = 3;
 
 constexpr uint32_t kNone = ~0u;
@@ -335,6 +337,40 @@ class Nesting {
   uint64_t test_count_ = 0;
 };
 
+// Whether a ball of the scene's cavity_m fits into shells: else what stands in one is sunk into a wall, or is a cupboard's shelf.
+class Width {
+ public:
+  // container   by part
+  Width(const Scene& scene, const Parts& parts, const std::vector<uint32_t>& container) : scene_(scene), parts_(parts) {
+    for (uint32_t i = 0; i < container.size(); ++i) {
+      if (container[i] != kNone && parts.all[i].isInward()) inner_[container[i]].push_back(i);
+    }
+  }
+
+  bool isWide(uint32_t part_idx) {
+    if (!(scene_.cavity_m > 0.0)) return true;
+    std::vector<Facet> facets;
+    addFacets(part_idx, &facets);
+    // between the two surfaces of thick walls
+    for (const uint32_t inner : inner_[part_idx]) addFacets(inner, &facets);
+    return ballFits(facets, scene_.cavity_m, &tests_left_).value_or(true);
+  }
+
+ private:
+  void addFacets(uint32_t part_idx, std::vector<Facet>* facets) const {
+    const Part& part = parts_.all[part_idx];
+    for (uint32_t i = part.first; i < part.first + part.count; ++i) {
+      const glm::uvec3& t = scene_.triangles[parts_.triangles[i]];
+      facets->push_back({scene_.positions[t.x], scene_.positions[t.y], scene_.positions[t.z]});
+    }
+  }
+
+  const Scene& scene_;
+  const Parts& parts_;
+  std::map<uint32_t, std::vector<uint32_t>> inner_;  // by part, those wound inward in it
+  uint64_t tests_left_ = kMostBallTests;
+};
+
 // By part: whether its faces bound solid.
 struct Verdict {
   std::vector<char> is_hollow, is_solid;
@@ -372,12 +408,16 @@ Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
     return shell.volume_m3 > kMostOfScene * scene_volume && boxVolume(shell.high - shell.low) > kWholeScene * scene_volume;
   };
   // shells wound outward (docs/theory/visibility.md, Double-sided materials, first rows of the table)
+  Width width(scene, parts, container);
   for (uint32_t i = 0; i < count; ++i) {
     if (!parts.all[i].isOutward()) continue;
+    // others are solid in any case
+    const bool is_narrow = (verdict.is_hollow[i] || parts.all[i].hasHoles()) && !width.isWide(i);
+    if (is_narrow) verdict.is_hollow[i] = 0;
     const bool is_alone = outside_count == static_cast<size_t>(is_part_outside[i]);
     if (!holds_something[i] && is_alone && isAllThereIs(parts.all[i].shell)) verdict.is_hollow[i] = 1;
     verdict.is_room[i] = verdict.is_hollow[i] && is_alone;
-    verdict.is_solid[i] = !verdict.is_hollow[i] && (!parts.all[i].hasHoles() || nesting.hasRooms()[i]);
+    verdict.is_solid[i] = !verdict.is_hollow[i] && (!parts.all[i].hasHoles() || nesting.hasRooms()[i] || is_narrow);
   }
   // shells wound inward: the inner surface of thick walls, or a room around everything else
   for (uint32_t i = 0; i < count; ++i) {
@@ -403,7 +443,7 @@ std::string DoubleSidedFaces::note() const {
     text += fmt::format("; {}: {}", words, fmt::join(objects.begin(), objects.begin() + named, ", "));
     if (named < objects.size()) text += fmt::format(" and {} more", objects.size() - named);
   };
-  addNames("hollow, since something lies in it", hollow);
+  addNames("hollow, since it is wide and something lies in it", hollow);
   addNames("a room seen from within, so that its faces were turned inward", turned);
   return text;
 }

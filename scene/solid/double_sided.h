@@ -21,8 +21,8 @@ struct DoubleSidedFaces {
 };
 
 // Gives faces of double-sided materials that bound solid a one-sided copy of their material, appended to the scene's: those of
-// shells, closed or nearly, by the rule of docs/theory/visibility.md, "Double-sided materials". Transmissive surfaces stay what
-// they are, and close nothing. A scene without double-sided materials stays as it is.
+// shells, closed or nearly, by the rule of docs/theory/visibility.md, "Double-sided materials", for which the scene's cavity_m must
+// be known. Transmissive surfaces stay what they are, and close nothing. A scene without double-sided materials stays as it is.
 DoubleSidedFaces giveSolidsOneSide(Scene& scene);
 
 }  // namespace nlg

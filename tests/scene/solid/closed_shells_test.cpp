@@ -20,6 +20,7 @@ using Quads = std::vector<std::array<glm::vec3, 4>>;
 class SceneOfObjects {
  public:
   SceneOfObjects() {
+    scene_.cavity_m = 0.5;
     scene_.materials.resize(2);
     scene_.materials[0].double_sided = true;
     scene_.materials[1].double_sided = true;
@@ -217,7 +218,9 @@ TEST(DoubleSided, ARoomWoundOutwardIsHollowByWhateverLiesInIt) {
   DoubleSidedFaces faces;
   // it stands on the floor, a centimetre deep
   EXPECT_EQ(solidsOf(room().object("chest").quads(box({1, -0.01f, 1}, {2, 1, 2})), &faces), Names{"chest"});
-  EXPECT_EQ(faces.note(), "12 of its 26 double-sided faces bound solid, 14 are sheets; hollow, since something lies in it: room");
+  EXPECT_EQ(faces.note(),
+            "12 of its 26 double-sided faces bound solid, 14 are sheets; hollow, since it is wide and something lies in it: "
+            "room");
 }
 
 TEST(DoubleSided, ARoomWoundOutwardAroundAllElseIsTheOneWoundInward) {
@@ -246,7 +249,7 @@ TEST(DoubleSided, ABoxThatIsAllThereIsIsARoom) {
             (Names{"room", "chest"}));
 }
 
-TEST(DoubleSided, ShellsWithHolesAreSolidWhereSomethingStandsInTheirRooms) {
+TEST(DoubleSided, ShellsWithHolesAreSolidWhereTheyAreNarrowOrTheirRoomsInUse) {
   // the far wall with a square hole, in four parts
   const auto holed = [](Quads box, float z) {
     Quads quads = without(std::move(box), 5);
@@ -270,7 +273,7 @@ TEST(DoubleSided, ShellsWithHolesAreSolidWhereSomethingStandsInTheirRooms) {
     small.push_back({p, q, middle + 0.4f * (q - middle), middle + 0.4f * (p - middle)});
   }
   EXPECT_NEAR(shellOf(small).hole_area_m2, 0.16 * 12, 1e-5);
-  EXPECT_EQ(solidsOf(onGround().object("house").quads(small)), Names{}) << "a house that nobody lives in";
+  EXPECT_EQ(solidsOf(onGround().object("house").quads(small)), Names{"house"}) << "a house that nobody lives in";
   EXPECT_EQ(solidsOf(onGround().object("house").quads(small).lamp({2.1f, 1.5f, 2.2f})), Names{"house"});
   EXPECT_EQ(solidsOf(onGround().object("house").quads(small).object("chest").quads(box({1, 0.2f, 1}, {2, 1, 2}))),
             (Names{"house", "chest"}));
@@ -292,7 +295,9 @@ TEST(DoubleSided, AHouseOfOneManifoldIsSolidWithItsRoomInUse) {
   objects.lamp({2, 2.5f, 2}).camera({2, 1.6f, 1});
   EXPECT_EQ(solidsOf(objects), (Names{"house", "chest"}));
   objects.lamp({0.1f, 1.5f, 2});
-  EXPECT_EQ(solidsOf(objects), Names{"chest"}) << "a lamp in the wall";
+  EXPECT_EQ(solidsOf(objects), (Names{"house", "chest"})) << "a lamp in the wall";
+  objects.scene_.cavity_m = 0.15;
+  EXPECT_EQ(solidsOf(objects), Names{"chest"}) << "a ball as small fits into the wall";
 }
 
 TEST(DoubleSided, OuterAndInnerShellAreWallsWithTheRoomInUse) {
@@ -334,6 +339,50 @@ TEST(DoubleSided, RoomsInRoomsAreHollowEach) {
   SceneOfObjects objects = onGround();
   objects.object("hall").quads(kRoom).object("cabin").quads(box({1, 0, 1}, {3, 2, 3})).lamp({2, 1, 2});
   EXPECT_EQ(solidsOf(objects), Names{});
+}
+
+TEST(DoubleSided, AWallIsSolidWhateverIsSunkIntoIt) {
+  const Quads wall = box({0, 0, 0}, {6, 3, 0.2f});
+  const auto walled = [&] { return onGround().object("wall").quads(wall); };
+  const Quads pipe = box({1, 0.2f, 0.05f}, {1.1f, 2.9f, 0.15f}), picture = box({3, 1, 0.19f}, {4, 2, 0.195f});
+  EXPECT_EQ(solidsOf(walled().object("pipe").quads(pipe)), (Names{"wall", "pipe"}));
+  EXPECT_EQ(solidsOf(walled().object("picture").quads(picture)), (Names{"wall", "picture"}));
+  EXPECT_EQ(solidsOf(walled().lamp({2, 2, 0.1f})), Names{"wall"});
+  // a modeller's wall without its underside: a fiftieth of its area
+  const Quads bottomless = without(wall, 2);
+  EXPECT_EQ(solidsOf(onGround().object("wall").quads(bottomless)), Names{"wall"});
+  EXPECT_EQ(solidsOf(onGround().object("wall").quads(bottomless).object("pipe").quads(pipe)), (Names{"wall", "pipe"}));
+  // between outer and inner surface of a house
+  const Quads outer = box({0, 0, 0}, {5, 3, 4}), inner = inverted(box({0.2f, 0.2f, 0.2f}, {4.8f, 2.8f, 3.8f}));
+  EXPECT_EQ(solidsOf(onGround().object("house").quads(outer).quads(inner).object("pipe").quads(pipe).lamp({2, 2, 2})),
+            (Names{"house", "pipe"}));
+}
+
+TEST(DoubleSided, ACupboardIsSolidUnlessItIsWide) {
+  const auto cupboard = [](float depth_m) {
+    return onGround()
+        .object("cupboard")
+        .quads(box({0, 0, 0}, {1.2f, 2, depth_m}))
+        .object("shelf")
+        .quads(box({0.02f, 1, 0.02f}, {1.18f, 1.02f, depth_m - 0.02f}));
+  };
+  EXPECT_EQ(solidsOf(cupboard(0.4f)), (Names{"cupboard", "shelf"}));
+  EXPECT_EQ(solidsOf(cupboard(0.49f)), (Names{"cupboard", "shelf"})) << "just too narrow for a ball of 50 cm";
+  EXPECT_EQ(solidsOf(cupboard(0.54f)), Names{"shelf"}) << "just wide enough";
+  SceneOfObjects narrow = cupboard(0.4f);
+  narrow.scene_.cavity_m = 0.3;
+  EXPECT_EQ(solidsOf(narrow), Names{"shelf"});
+  narrow.scene_.cavity_m = 0.0;
+  EXPECT_EQ(solidsOf(narrow), Names{"shelf"}) << "all hollows are air";
+}
+
+TEST(DoubleSided, ARoomWithFurnitureAndAGardenIsHollow) {
+  SceneOfObjects objects = onGround();
+  objects.object("room").quads(box({0, 0, 0}, {4, 2.5f, 3}));
+  objects.object("table").quads(box({1, 0.01f, 1}, {2, 0.8f, 2})).object("tree").quads(box({8, 0, 0}, {9, 4, 1}));
+  DoubleSidedFaces faces;
+  EXPECT_EQ(solidsOf(objects, &faces), (Names{"table", "tree"}));
+  EXPECT_EQ(faces.hollow, Names{"room"});
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "datagen/visibility/triangle_distance.h"
+#include "scene/solid/triangle_distance.h"
 
 #include <algorithm>
 #include <cmath>
