@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "datagen/visibility/air_regions.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
@@ -13,22 +14,17 @@ constexpr int kWaysOut = 3;  // so many of the walks come out of what is open
 constexpr int kSteps = 16;   // of a walk
 constexpr int kLooks = 4;    // of a step: half of them anywhere, half of them onward
 
-glm::vec3 randomDirection(Random& random) {
-  for (;;) {
-    const auto x = static_cast<float>(random.uniform(-1.0, 1.0)), y = static_cast<float>(random.uniform(-1.0, 1.0)),
-               z = static_cast<float>(random.uniform(-1.0, 1.0));
-    const glm::vec3 direction(x, y, z);
-    const float square = glm::dot(direction, direction);
-    if (square > 1e-4f && square <= 1.0f) return direction / std::sqrt(square);
-  }
-}
-
-// One walk: of a few points in sight to the one that is farthest from `fled`, and so on, until one lies in wide air or a ray meets
-// nothing.
+// One walk, through gaps in which no region is known: of a few points in sight to the one that is farthest from `fled`, and so on, until one lies in wide air or a ray meets
+// nothing, or its region is known.
 // fled   where the last walk ended, for it to go another way; in the end, where this one did
 bool comesOut(const RayScene& rays, glm::vec3 at, float radius_m, glm::vec3* fled, Random& random) {
   const glm::vec3 from = *fled;
   for (int step = 0; step < kSteps; ++step) {
+    const std::optional<bool> is_closed = step > 0 ? rays.airRegions().isClosedAround(at) : std::nullopt;
+    if (is_closed.has_value()) {
+      *fled = at;
+      return !*is_closed;
+    }
     float farthest_m = -1.0f;
     glm::vec3 next = at;
     const float gone_m = glm::distance(at, from);
@@ -58,6 +54,7 @@ bool isInCavity(const RayScene& rays, const glm::dvec3& position_m) {
   const auto radius_m = static_cast<float>(0.5 * rays.cavityWidth());
   const glm::vec3 place(position_m);
   if (!(radius_m > 0.0f) || rays.isFree(place, radius_m)) return false;
+  if (const std::optional<bool> is_closed = rays.airRegions().isClosedAround(place)) return *is_closed;
   Random random(kWalkStream);
   glm::vec3 fled = place;
   int out = 0;

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
 
 #include <embree3/rtcore.h>
 
+#include "datagen/visibility/air_regions.h"
 #include "scene/solid/triangle_distance.h"
 #include "tool/error.h"
 #include "tool/progress.h"
@@ -44,6 +46,7 @@ struct RayScene::Impl {
   RTCScene transmissive_scene = nullptr;       // null without transmissive surfaces
   std::vector<glm::vec3> sky_normals;          // by sky face, not normalised
   double cavity_m = 0.0;
+  std::optional<AirRegions> air_regions;
 
   // What a ray meets within a short stretch, all of it.
   struct FacingCollector {
@@ -89,23 +92,21 @@ bool collectTriangle(RTCPointQueryFunctionArguments* arguments) {
   return false;
 }
 
-struct ClosenessTest {
+struct NearestSurface {
   const TriangleChoice& surfaces;
   const std::vector<glm::vec3>& positions;
   const std::vector<glm::uvec3>& triangles;
-  float radius;
-  bool is_closer = false;
+  float distance;
 };
 
-bool findCloser(RTCPointQueryFunctionArguments* arguments) {
-  ClosenessTest& test = *static_cast<ClosenessTest*>(arguments->userPtr);
+bool findNearer(RTCPointQueryFunctionArguments* arguments) {
+  NearestSurface& nearest = *static_cast<NearestSurface*>(arguments->userPtr);
   const RTCPointQuery& at = *arguments->query;
-  const glm::uvec3& corners = test.triangles[test.surfaces[arguments->primID]];
-  const float distance =
-      distanceToTriangle({at.x, at.y, at.z}, test.positions[corners.x], test.positions[corners.y], test.positions[corners.z]);
-  if (!(distance < test.radius)) return false;
-  test.is_closer = true;
-  arguments->query->radius = 0.0f;  // nothing more to find out
+  const glm::uvec3& corners = nearest.triangles[nearest.surfaces[arguments->primID]];
+  const float distance = distanceToTriangle({at.x, at.y, at.z}, nearest.positions[corners.x], nearest.positions[corners.y],
+                                            nearest.positions[corners.z]);
+  if (!(distance < nearest.distance)) return false;
+  nearest.distance = arguments->query->radius = distance;
   return true;
 }
 
@@ -181,6 +182,10 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   impl_->positions = scene.positions;
   impl_->cavity_m = scene.cavity_m;
   impl_->triangles = scene.triangles;
+  if (scene.cavity_m > 0.0) {
+    const Bounds bounds = sceneBounds(scene);
+    impl_->air_regions.emplace(*this, static_cast<float>(scene.cavity_m), bounds.min, bounds.max);
+  }
   impl_->double_sided.reserve(scene.triangles.size());
   // three choices of triangles: what blocks functions, what blocks light, and what light passes in part
   std::array<std::vector<uint32_t>, 3> of_kind;  // none, thin, dense
@@ -387,14 +392,18 @@ bool RayScene::isSkyNearCube(const glm::vec3& center, float half_side) const {
 
 double RayScene::cavityWidth() const { return impl_->cavity_m; }
 
-bool RayScene::isFree(const glm::vec3& center, float radius) const {
-  RTCPointQuery point = {center.x, center.y, center.z, 0.0f, radius};
+bool RayScene::isFree(const glm::vec3& center, float radius) const { return clearance(center, radius) >= radius; }
+
+float RayScene::clearance(const glm::vec3& center, float most) const {
+  RTCPointQuery point = {center.x, center.y, center.z, 0.0f, most};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  ClosenessTest test{impl_->opaque, impl_->positions, impl_->triangles, radius};
-  rtcPointQuery(impl_->opaqueScene(), &point, &context, findCloser, &test);
-  return !test.is_closer;
+  NearestSurface nearest{impl_->opaque, impl_->positions, impl_->triangles, most};
+  rtcPointQuery(impl_->opaqueScene(), &point, &context, findNearer, &nearest);
+  return nearest.distance;
 }
+
+const AirRegions& RayScene::airRegions() const { return *impl_->air_regions; }
 
 void RayScene::trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const {
   triangles->clear();

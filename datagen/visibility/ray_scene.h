@@ -32,6 +32,8 @@ struct LightHit {
   glm::vec3 normal{0.0f};    // unit, of the side that the ray meets
 };
 
+class AirRegions;
+
 class RayScene {
  public:
   // Copies what it needs of the scene. Sky faces end rays of light (lightHit) and no others; transmissive surfaces end none of
@@ -86,6 +88,10 @@ class RayScene {
   double cavityWidth() const;
   // Whether no surface that stops light is closer to a place than this.
   bool isFree(const glm::vec3& center, float radius) const;
+  // How far the nearest one is; `most` where it is farther.
+  float clearance(const glm::vec3& center, float most) const;
+  // By how wide air is. The scene's cavity_m is above 0.
+  const AirRegions& airRegions() const;
 
   // Every triangle that touches the axis-aligned cube around center, rising, and perhaps some that only come near.
   void trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const;

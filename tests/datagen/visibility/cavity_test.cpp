@@ -5,6 +5,7 @@
 #include "datagen/visibility/support_visibility.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/scene/windowed_room.h"
+#include "tool/parallel_for.h"
 
 namespace nlg {
 namespace {
@@ -82,6 +83,73 @@ TEST(Cavity, DoesNotMindACrack) {
   addRoom(wall, {-2, 0, -2}, {2, 3, 2});
   addQuad(wall, {-2, 0.001f, -1.8f}, {4, 0, 0}, {0, 2.999f, 0});
   EXPECT_GE(inCavity(wall, {-2, 0, -2}, {2, 3, -1.8}), kPlaces - kFew);
+}
+
+// A wall of sheets in a room, 6 m long and 20 cm thick, with a hole at the foot of one end.
+Scene hollowWall(float hole_height_m, bool faces_out) {
+  Scene scene = sceneOfMaterial(false);
+  scene.cavity_m = 0.5;
+  addRoom(scene, {-1, 0, -3}, {9, 2.5f, 3});
+  const size_t first = scene.triangles.size();
+  addBox(scene, {0, 0.01f, 0}, {6, 2.49f, 0.2f});
+  scene.triangles.erase(scene.triangles.end() - 4, scene.triangles.end() - 2);  // the end at x = 6
+  scene.triangle_material.resize(scene.triangles.size());
+  addQuad(scene, {6, 0.01f + hole_height_m, 0}, {0, 2.48f - hole_height_m, 0}, {0, 0, 0.2f});
+  for (size_t t = first; !faces_out && t < scene.triangles.size(); ++t) std::swap(scene.triangles[t].y, scene.triangles[t].z);
+  return scene;
+}
+
+int inWall(const Scene& wall) { return inCavity(wall, {0.001, 0.011, 0.001}, {5.999, 2.489, 0.199}); }
+
+TEST(Cavity, IsAllOfAWallOrNothingOfIt) {
+  for (const bool faces_out : {true, false}) {
+    EXPECT_EQ(inWall(hollowWall(0.0f, faces_out)), kPlaces);
+    EXPECT_EQ(inWall(hollowWall(0.005f, faces_out)), kPlaces) << "a crack";
+    // wider than a cell of the lattice: some link leads through
+    EXPECT_EQ(inWall(hollowWall(0.2f, faces_out)), 0) << "a hole of 20 cm";
+    for (const float height_m : {0.01f, 0.02f, 0.05f, 0.1f}) {
+      const int count = inWall(hollowWall(height_m, faces_out));
+      EXPECT_TRUE(count == 0 || count == kPlaces) << count << " with a hole of " << height_m << " m";
+    }
+  }
+}
+
+TEST(Cavity, IsTheSameForAllThatSeeEachOther) {
+  // shelves and slats in a room, with pockets between them out of which no way of the lattice leads
+  Scene room = sheets();
+  addRoom(room, {-2, 0, -2}, {2, 2.5f, 2});
+  for (int i = 0; i < 12; ++i) addBox(room, {-1.9f, 0.1f + 0.17f * i, -1.9f}, {0.3f, 0.13f + 0.17f * i, -1.3f});
+  for (int i = 0; i < 20; ++i) addBox(room, {0.5f + 0.07f * i, 0, -1.9f}, {0.54f + 0.07f * i, 2, -1.5f});
+  const RayScene rays(room);
+  Random random(5);
+  const auto within = [&](double reach) {
+    return glm::dvec3(random.uniform(-reach, reach), random.uniform(-reach, reach), random.uniform(-reach, reach));
+  };
+  int pair_count = 0, differ_count = 0;
+  for (int i = 0; i < 4 * kPlaces; ++i) {
+    const glm::dvec3 place = glm::dvec3(0, 1.1, -1.6) + within(1.0) * glm::dvec3(1.9, 1.1, 0.3), other = place + within(0.2);
+    if (rays.isOpaqueBetween(glm::vec3(place), glm::vec3(other))) continue;
+    ++pair_count;
+    differ_count += isInCavity(rays, place) != isInCavity(rays, other);
+  }
+  EXPECT_GT(pair_count, kPlaces);
+  EXPECT_EQ(differ_count, 0);
+}
+
+// Whoever asks first, and however many ask.
+TEST(Cavity, DoesNotDependOnWhatWasAskedBefore) {
+  const Scene room = windowedRoom(true);
+  std::vector<glm::dvec3> places;
+  Random random(3);
+  for (int i = 0; i < kPlaces; ++i)
+    places.emplace_back(random.uniform(-2.2, 2.2), random.uniform(-0.2, 2.7), random.uniform(-1.7, 1.7));
+  const RayScene forward(room), backward(room), threaded(room);
+  std::vector<char> one(places.size()), other(places.size()), third(places.size());
+  for (size_t i = 0; i < places.size(); ++i) one[i] = isInCavity(forward, places[i]);
+  for (size_t i = places.size(); i-- > 0;) other[i] = isInCavity(backward, places[i]);
+  parallelFor(places.size(), 4, [&](uint64_t i, int) { third[i] = isInCavity(threaded, places[i]); });
+  EXPECT_EQ(one, other);
+  EXPECT_EQ(one, third);
 }
 
 TEST(Cavity, IsNowhereWhereTheSceneSaysSo) {
