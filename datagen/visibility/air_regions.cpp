@@ -17,11 +17,11 @@ namespace {
 constexpr float kStepsPerWidth = 4.0f, kMostSteps = 0x1p20f;  // the latter along the scene's longest side
 // Walls stand at round numbers, and the lattice's points do not.
 constexpr glm::vec3 kShift(0.3819660f, 0.2763932f, 0.4472136f);
-// From a way's line to another beside it, in steps: both are open, so that cracks narrower than this lead nowhere.
+// From a way's line to the one beside it, in steps, a fiftieth of the width: both are open, so that narrower cracks lead nowhere.
 constexpr glm::vec3 kAside(0.05f, 0.047f, 0.053f);
-constexpr int kLooks = 64,
-              kLooksOfRegion = 2048;  // out of a region: at most so many from each of its points, and in all; at least 1
-constexpr int kLooksOfCrack = 200;    // where fewer than one of so many see open air, a region is closed all the same
+// Looks out of a region, from each of its points: one and more, until there are so many in all, at most 64.
+constexpr int kLooks = 64, kLooksOfRegion = 2048;
+constexpr int kLooksOfCrack = 200;  // where fewer than one of so many see open air, a region is closed all the same
 constexpr uint64_t kLookStream = 0x6c6f6f6b73;
 constexpr size_t kMostPoints = size_t{1} << 20;  // of a region
 constexpr size_t kMostKnown = size_t{1} << 24;   // kept in memory

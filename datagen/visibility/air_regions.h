@@ -27,7 +27,7 @@ class AirRegions {
 
   // Whether the region around a place is closed. Open is one that is as wide somewhere, goes past the scene's box or is too large to be
   // looked through; and one from which one random look in 200, from all over it, sees wide air or an open region. Ways and looks go along
-  // two lines a hundredth of the width apart: a crack is none. Nothing where none of the lattice's eight points around the place is in
+  // two lines a fiftieth of the width apart: a crack is none. Nothing where none of the lattice's eight points around the place is in
   // its sight: in gaps narrower than a cell.
   std::optional<bool> isClosedAround(const glm::vec3& place) const;
 

@@ -14,8 +14,8 @@ constexpr int kWaysOut = 3;  // so many of the walks come out of what is open
 constexpr int kSteps = 16;   // of a walk
 constexpr int kLooks = 4;    // of a step: half of them anywhere, half of them onward
 
-// One walk, through gaps in which no region is known: of a few points in sight to the one that is farthest from `fled`, and so on, until one lies in wide air or a ray meets
-// nothing, or its region is known.
+// One walk, in gaps too narrow for a region: of a few points in sight to the one that is farthest from `fled`, and so on, until one lies
+// in wide air or in a region, or a ray meets nothing.
 // fled   where the last walk ended, for it to go another way; in the end, where this one did
 bool comesOut(const RayScene& rays, glm::vec3 at, float radius_m, glm::vec3* fled, Random& random) {
   const glm::vec3 from = *fled;
