@@ -10,7 +10,9 @@
 #include "export/shader/shader_export.h"
 #include "light/air.h"
 #include "render/camera.h"
+#include "render/denoise.h"
 #include "render/lit_picture.h"
+#include "render/lit_views.h"
 #include "render/place_picture.h"
 #include "render/rendered_scene.h"
 #include "render/tone.h"
@@ -66,18 +68,27 @@ struct View {
   Camera camera;
 };
 
-// Cameras of the scene's file, and then views that show much: those of truth, or without any as many as there would be.
-std::vector<View> chooseViews(const LightTransport& transport, const ViewRequest& request, uint64_t seed) {
+// A camera of the scene's file is its author's choice, unless it shows less than so much of what the best view does: in the dark, or
+// against a wall.
+constexpr double kLeastWorthOfCamera = 0.3;
+
+// Cameras of the scene's file, and then views that show most of what the grid lights: those of truth, or without any as many as there
+// would be.
+std::vector<View> chooseViews(const RenderedScene& scene, const ViewRequest& request, const BakeOptions& options) {
+  LitViewOptions view_options{kFov, kAspect, options.seed, scene.threads()};
+  LitViews found(scene.transport(), scene.lighting("grid"), lightExtent(scene.scene(), options.extent_m), view_options);
+  const double least_worth = kLeastWorthOfCamera * found.bestWorth();
   std::vector<View> views;
   const int count = request.truth_views > 0 ? request.truth_views : ViewRequest().truth_views;
   const auto isFull = [&] { return views.size() >= static_cast<size_t>(count); };
-  for (const Viewpoint& viewpoint : transport.scene().viewpoints) {
-    if (viewpoint.fov_y > 0.0f && !isFull())
-      views.push_back(
-          {viewpoint.name, cameraAlong(glm::dvec3(viewpoint.position), glm::dvec3(viewpoint.forward), viewpoint.fov_y)});
+  for (const Viewpoint& viewpoint : scene.scene().viewpoints) {
+    if (!(viewpoint.fov_y > 0.0f) || isFull()) continue;
+    const Camera camera = cameraAlong(glm::dvec3(viewpoint.position), glm::dvec3(viewpoint.forward), viewpoint.fov_y);
+    if (found.worthOf(camera) < least_worth) continue;
+    found.take(camera);
+    views.push_back({viewpoint.name, camera});
   }
-  for (uint64_t i = 0; !isFull(); ++i)
-    views.push_back({fmt::format("view {}", views.size() + 1), chooseView(transport, kFov, kAspect, seed + i)});
+  while (!isFull()) views.push_back({fmt::format("view {}", views.size() + 1), found.takeBest()});
   return views;
 }
 
@@ -104,7 +115,7 @@ class ViewFolder {
     // the page last: it is there when all that it reads is, and one of an earlier run goes first
     std::error_code gone;
     fs::remove(fs::path(request_.out) / "index.html", gone);
-    const std::vector<View> views = chooseViews(scene_.transport(), request_, options_.seed);
+    const std::vector<View> views = chooseViews(scene_, request_, options_);
     DataScript script("scene");
     addGeometry(&script);
     script.facts["scene"] = scene_.id();
@@ -227,8 +238,11 @@ class ViewFolder {
 
   DataScript truthScript(size_t view, const Camera& camera) const {
     const int width = request_.truth_width, height = width * 9 / 16;
-    const LitPicture picture = lightPicture(sights(scene_.transport(), camera, width, height, scene_.threads()),
-                                            scene_.lighting("truth"), scene_.threads());
+    const Sights seen = sights(scene_.transport(), camera, width, height, scene_.threads());
+    // shown only: figures are measured where nothing is filtered
+    const std::vector<ReceivedLight> received =
+        denoised(seen, camera, lightSamples(seen, scene_.lighting("truth"), scene_.threads()), scene_.threads());
+    const LitPicture picture = pictureOf(seen, "truth", received);
     float brightest = 0.0f;
     for (const glm::vec3& radiance : picture.radiance) brightest = std::max({brightest, radiance.r, radiance.g, radiance.b});
     const float unit = brightest > 0.0f ? brightest / kBrightestStored : 1.0f;
