@@ -332,7 +332,7 @@ class ViewFolder {
   static std::string titleOf(const std::string& name) {
     if (name == "ddgi") return "DDGI";
     const std::string solved = name.ends_with(":solved") ? ", light solved for" : "";
-    return (name.starts_with("valid") ? "trilinear, probes in air" : "trilinear, all probes") + solved;
+    return (name.starts_with("valid") ? "trilinear, without probes in walls" : "trilinear, all probes") + solved;
   }
 
   DataScript baselineScript(const std::string& name, const LightMethod& baseline) const {

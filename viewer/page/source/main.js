@@ -30,6 +30,13 @@ const ASK_EVERY_MS = 500; // what goes on
 
 const bytesText = (bytes) => (bytes >= 1e6 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.round(bytes / 1e3)} kB`);
 
+// ".09", "1.24"; of what was measured
+const errorText = (error) => error.toFixed(2).replace(/^0/, '');
+
+// "9 kB · error .09 in air, .12 on surfaces"
+const costText = ({ bytes, rmse_air, rmse_surface }) =>
+  bytesText(bytes) + (rmse_air === undefined ? '' : ` · error ${errorText(rmse_air)} in air, ${errorText(rmse_surface)} on surfaces`);
+
 // The light set that a group of light is of; empty: of none.
 const setOf = (group) => group.slice(0, Math.max(0, group.indexOf('/')));
 
@@ -73,7 +80,7 @@ class Viewer {
     this.truth = null; // of the view that the camera stands at
     this.chosen = -1;
     this.places = [
-      ...scene.views.map((view, i) => (scene.has_truth ? { ...view, group: 'views with ground truth', truth: i } : { ...view, group: 'views' })),
+      ...scene.views.map((view, i) => (scene.has_truth ? { ...view, group: 'views with path tracing', truth: i } : { ...view, group: 'views' })),
       ...scene.starts.map((start) => ({ ...start, group: 'where players begin' })),
       ...scene.worst.map((worst) => ({ ...worst, group: 'where the grid is most wrong' })),
     ];
@@ -113,10 +120,10 @@ class Viewer {
     this.fillInterface();
     this.fillScene();
     await this.choose('left', asked.get('left') ?? 'grid');
-    const right = asked.get('right') ?? (this.methods.has('valid-trilinear') ? 'valid-trilinear' : [...this.methods.entries.keys()].at(-1));
-    await this.choose('right', right);
+    await this.choose('right', asked.get('right') ?? this.methods.names.at(-1));
     await this.fillLights();
-    $('divider').value = asked.has('divider') ? 100 * Number(asked.get('divider')) : 50;
+    // at first the whole picture is the grid's; the handle at its edge invites to compare
+    $('divider').value = 100 * Number(asked.get('divider') ?? 1);
     if (asked.get('ui') === '0') document.body.classList.add('bare');
     for (const mark of ['probes', 'cells', 'ball', 'figure']) {
       if (asked.get(mark) === '1') $(mark).checked = true;
@@ -277,7 +284,7 @@ class Viewer {
     this.at = place;
     $('place').value = index;
     this.marks.showPlace(place.place, place.normal);
-    $('placeNote').textContent = place.error === undefined ? '' : `error ${place.error.toFixed(2)} of truth's root mean square`;
+    $('placeNote').textContent = place.error === undefined ? '' : `error ${errorText(place.error)}`;
     this.hung = place.place ? new THREE.Vector3(...place.place) : null;
     await this.readTruth();
     this.wake();
@@ -445,11 +452,12 @@ class Viewer {
     }));
     $('methods').replaceChildren(...scene.methods.map((entry) => {
       const row = document.createElement('tr');
-      for (const text of [entry.title, bytesText(entry.bytes), entry.rmse_air?.toFixed(2) ?? '–', entry.rmse_surface?.toFixed(2) ?? '–']) {
+      for (const text of [entry.title, costText(entry)]) {
         row.append(Object.assign(document.createElement('td'), { textContent: text }));
       }
       return row;
     }));
+    $('filtered').hidden = !scene.has_truth;
     $('measured').hidden = scene.air_samples + scene.surface_samples === 0;
     $('airPlaces').textContent = scene.air_samples.toLocaleString('en');
     $('surfacePlaces').textContent = scene.surface_samples.toLocaleString('en');
@@ -465,10 +473,12 @@ class Viewer {
   // The divider's handle, and the names of what is shown.
   label() {
     const handle = $('handle');
-    const title = (name) => this.methods.titleOf(name) + (name === TRUTH && !this.truth ? ': stored of views only, see “go to”' : '');
+    const title = (name) => this.methods.titleOf(name) + (name === TRUTH && !this.truth ? ': only at stored views, press N' : '');
     const isSplit = this.shown === 'light';
-    handle.hidden = !isSplit;
-    handle.style.left = `${100 * this.divider}%`;
+    handle.hidden = !isSplit || (this.left === this.right && this.divider === 1);
+    handle.style.left = `min(${100 * this.divider}%, 100% - 16px)`;
+    $('invitation').hidden = this.divider < 0.95;
+    $('invitation').textContent = `drag to compare with ${title(this.right)}`;
     $('leftTitle').style.right = isSplit ? `calc(${100 * (1 - this.divider)}% + 20px)` : '20px';
     $('rightTitle').style.left = `calc(${100 * this.divider}% + 20px)`;
     // a side that is not there needs no name
@@ -477,17 +487,26 @@ class Viewer {
     $('rightTitle').textContent = title(this.right);
     if (isSplit) $('leftTitle').textContent = title(this.left);
     else if (this.showsGridAlone) $('leftTitle').textContent = `${title('grid')}: ${this.shown}`;
-    else $('leftTitle').textContent = `${title(this.right)} less ${title(this.left)}`;
+    else $('leftTitle').textContent = `${title(this.right)} minus ${title(this.left)}`;
   }
 
   dragDivider() {
     const handle = $('handle');
+    let hasMoved = false;
     handle.addEventListener('pointerdown', (event) => {
+      hasMoved = false;
       handle.setPointerCapture(event.pointerId);
       handle.onpointermove = (move) => {
+        hasMoved = true;
         $('divider').value = (100 * move.clientX) / window.innerWidth;
         this.wake();
       };
+    });
+    // who only taps it at the edge gets both halves
+    handle.addEventListener('click', () => {
+      if (hasMoved || this.divider < 0.95) return;
+      $('divider').value = 50;
+      this.wake();
     });
     for (const end of ['pointerup', 'pointercancel']) handle.addEventListener(end, () => (handle.onpointermove = null));
   }
@@ -542,7 +561,7 @@ async function follow() {
       try {
         const [scene, data] = await openScene(shown);
         // all that it is shown by, before anything is
-        const { left, right } = viewer?.wanted ?? { left: asked.get('left'), right: asked.get('right') ?? 'valid-trilinear' };
+        const { left, right } = viewer?.wanted ?? { left: asked.get('left'), right: asked.get('right') };
         for (const { name } of scene.methods) if (['grid', left, right].includes(name)) await data.load(`method-${name}`);
         if (viewer) await viewer.renew(scene, data);
         else if (!(viewer = await begin(scene, data))) return;

@@ -111,7 +111,7 @@ export class Methods {
     return [...this.entries.keys(), ...(this.scene.has_truth ? [TRUTH] : [])];
   }
   titleOf(name) {
-    return name === TRUTH ? 'ground truth' : this.entries.get(name).title;
+    return name === TRUTH ? 'path tracing' : this.entries.get(name).title;
   }
 
   // Reads it the first time.
