@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "light/air.h"
 #include "light/standing.h"
@@ -22,6 +23,7 @@ constexpr int kColumns = 16, kRows = 9;  // rays of a view that is judged
 constexpr double kDownwards = -0.12;     // of the view's direction: floors are lit, skies are not looked at
 constexpr double kOffsetM = 0.02;        // light is asked for so far before a surface, as pictures do
 constexpr double kSeenWorth = 0.2;       // of what an earlier view shows
+constexpr double kSideWorth = 0.05;      // of each side that is seen, over the worth of a view
 
 // The best kind of eye that there is.
 std::vector<glm::dvec3> eyesIn(const LightTransport& transport, const ExtentBox& extent, uint64_t seed) {
@@ -76,7 +78,10 @@ std::vector<LitViews::Point> LitViews::pointsOf(const Camera& camera) const {
     const Scene& scene = transport_.scene();
     const bool is_back = !hit.is_front && !scene.materials[scene.triangle_material[hit.triangle]].double_sided;
     const glm::vec3 at = eye + direction * hit.distance;
-    points.push_back({at, is_back ? -1.0f : 0.0f, static_cast<float>(std::log(hit.distance / near_m_))});
+    // normals rounded to 27 ways
+    const glm::ivec3 way(glm::sign(glm::round(2.0f * hit.normal)));
+    const uint32_t side = 27 * scene.triangle_material[hit.triangle] + static_cast<uint32_t>(13 + way.x + 3 * way.y + 9 * way.z);
+    points.push_back({at, is_back ? -1.0f : 0.0f, static_cast<float>(std::log(hit.distance / near_m_)), side});
     receivers.push_back({glm::dvec3(at) + kOffsetM * glm::dvec3(hit.normal), hit.normal});
   }
   std::vector<ReceivedLight> received(receivers.size());
@@ -91,14 +96,17 @@ double LitViews::worthOf(const Camera& camera) const { return worthOf(pointsOf(c
 
 double LitViews::worthOf(const std::vector<Point>& points) const {
   double worth = 0.0;
+  std::set<uint32_t> sides;
   for (const Point& point : points) {
     const double lit = usual_light_ > 0.0 ? std::min(1.0, point.light / usual_light_) : 1.0;
-    if (point.light < 0.0f || point.weight < 0.0f)
+    if (point.light < 0.0f || point.weight < 0.0f) {
       worth -= 1.0;
-    else
-      worth += lit * point.weight * (seen_.contains(cellOf(point)) ? kSeenWorth : 1.0);
+      continue;
+    }
+    worth += lit * point.weight * (seen_.contains(cellOf(point)) ? kSeenWorth : 1.0);
+    sides.insert(point.side);
   }
-  return worth / (kColumns * kRows);
+  return (1.0 + kSideWorth * static_cast<double>(sides.size())) * worth / (kColumns * kRows);
 }
 
 uint64_t LitViews::cellOf(const Point& point) const {

@@ -18,8 +18,8 @@ struct LitViewOptions {
 };
 
 // Eyes are where a player's are (light/standing.h): where a figure has room, else where one crouches, else anywhere in air. Of twelve
-// directions around each, the lit area that is seen decides: light counts up to the scene's usual, what is further away more, what is
-// right before the eye and backs of faces against the view. The same for the same scene, light and seed.
+// directions around each, the lit area that is seen decides: light counts up to the scene's usual, what is further away more, many
+// sides of things more than a bare wall, what is right before the eye and backs of faces against the view. The same for the same scene, light and seed.
 class LitViews {
  public:
   // extent   what a bake lights, relative to the scene's origin
@@ -43,6 +43,7 @@ class LitViews {
     glm::vec3 at{0.0f};
     float light = 0.0f;   // irradiance's luminance; below 0: the back of a face
     float weight = 0.0f;  // by distance: below 0 right before the eye
+    uint32_t side = 0;    // material and direction: a wall is one, however many triangles it has
   };
   struct Candidate {
     Camera camera;

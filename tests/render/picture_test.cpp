@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
 #include "datagen/view/legend.h"
+#include "light/standing.h"
 #include "render/camera.h"
+#include "render/denoise.h"
 #include "render/lit_picture.h"
+#include "render/lit_views.h"
 #include "render/panel.h"
 #include "render/tone.h"
 #include "tests/datagen/hand_built_scenes.h"
@@ -133,6 +136,48 @@ TEST(ChosenView, StandsInAirAndSeesTheRoom) {
   // a room of 4 x 6 m is not looked at from before a wall: the way ahead is longer than half of its shorter side
   EXPECT_GT(r.rays.lightHit(glm::vec3(camera.eye_m), camera.forward).distance, 2.0f);
   EXPECT_EQ(chooseView(r.transport, 1.0, 1.5, 1).eye_m, camera.eye_m);
+}
+
+// Two surfaces, noise of a half on one and none on the other.
+TEST(Denoised, TakesNoiseAwayAndKeepsWhatHasNone) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
+  SightOptions options = smallPicture();
+  options.samples_per_side = 1;
+  const Sights sights = sightsOf(r.transport, kAcross, options);
+  std::vector<ReceivedLight> light(sights.samples.size());
+  const auto isNoisy = [&](size_t i) { return sights.samples[i].receiver.normal.y > 0.5f; };
+  for (size_t i = 0; i < light.size(); ++i) {
+    const bool is_odd = (i + i / sights.width) % 2 == 1;
+    light[i].irradiance = glm::vec3(isNoisy(i) ? (is_odd ? 1.5f : 0.5f) : (is_odd ? 3.0f : 2.0f));
+    light[i].deviation = glm::vec3(isNoisy(i) ? 0.5f : 0.0f);
+  }
+  const std::vector<ReceivedLight> result = denoised(sights, kAcross, light, 1);
+  size_t noisy = 0;
+  for (size_t i = 0; i < light.size(); ++i) {
+    noisy += isNoisy(i);
+    // a checkerboard's mean over any even number of pixels is 1; windows are cut at edges, and their middle counts for more
+    if (isNoisy(i)) EXPECT_NEAR(result[i].irradiance.g, 1.0f, 0.15f) << i;
+    if (!isNoisy(i)) EXPECT_NEAR(result[i].irradiance.g, light[i].irradiance.g, 1e-5f) << i;
+  }
+  EXPECT_GT(noisy, 20u);
+}
+
+// A method that lights one end of a room alone.
+TEST(LitViews, StandAtEyeHeightAndLookAtWhatIsLit) {
+  const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
+  const Lighting one_end = {"one end", [](std::span<const Receiver> receivers, ReceivedLight* received) {
+                              for (const Receiver& receiver : receivers)
+                                *received++ = {glm::vec3(receiver.position_m.z > 0.0 ? 1.0f : 0.0f), glm::vec3(0.0f), true};
+                            }};
+  const Bounds bounds = sceneBounds(r.scene);
+  const ExtentBox extent{glm::dvec3(bounds.min), glm::dvec3(bounds.max)};
+  LitViews views(r.transport, one_end, extent, {1.0, 1.5, 1, 2});
+  const double most = views.bestWorth();
+  const Camera first = views.takeBest();
+  EXPECT_NEAR(first.eye_m.y, -1.0 + kEyeHeightM, 1e-3) << "the floor is at -1";
+  EXPECT_GT(first.forward.z, 0.0f);
+  EXPECT_LT(views.worthOf(first), 0.5 * most) << "what was seen counts little";
+  EXPECT_LE(views.worthOf(cameraAlong({0, 0.5, -1}, {0, 0, -1}, 1.0)), 0.0) << "the dark end";
 }
 
 }  // namespace
