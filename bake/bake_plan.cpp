@@ -27,6 +27,8 @@ constexpr double kBaseBytes = 75e6, kProbeBytes = 6e3, kTriangleBytes = 400.0;
 constexpr double kMostSampleSeconds = 0.25;  // for functions, and as much again for their theta
 constexpr size_t kThetaAtOnce = 4;
 
+constexpr double kWidestChosenM = 10.0;
+
 constexpr double kMarginShare = 0.05;  // of a spacing: with so much air over a roof its cells find places in it (air_places.h)
 
 // Of a function that takes a theta, on average over as many as there is time for.
@@ -115,6 +117,13 @@ ProbePlacementOptions placementOf(const SceneSource& source, const BakeOptions& 
   place(options.spacing_m > 0.0 ? options.spacing_m : BakeOptions().spacing_m);
   if (options.spacing_m > 0.0) return placement;
   const ChosenSpacing choice = chooseSpacing(source.scene, placement);
+  // rooms of a few metres are lost in it: more likely a unit is
+  if (choice.spacing_m > kWidestChosenM && source.unit_m > 0.0 && options.reading.unit_m == 0.0) {
+    throw UsageError(
+        fmt::format("{}: probes would be {:.3g} m apart; give --unit 0.01 if it was made in centimetres, --unit 1 if in metres, "
+                    "or --spacing-m",
+                    source.id, choice.spacing_m));
+  }
   place(choice.spacing_m);
   if (chosen != nullptr) *chosen = choice;
   return placement;

@@ -78,6 +78,9 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   if (options.light == "none") reading.images = ImageNeed::geometry;
   SceneSource source = loadScene(request, reading);
   if (source.scene.triangles.empty()) throw InputError(request, "triangles", "at least one", "none");
+  // before minutes are spent on a unit that is wrong
+  if (!source.unit_question.empty())
+    throw UsageError(fmt::format("{}: {}; --unit 1 keeps metres", request, source.unit_question));
   const auto isOpen = [](const Scene& scene) { return openShare(scene) > kOpenShare; };
   const auto litBy = [&](const LightSet& set, Scene* scene, bool* is_divided) {
     try {

@@ -95,7 +95,7 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
                {"objects", scene.objects.size()},
                {"size_m", rounded(glm::dvec3(bounds.max) - glm::dvec3(bounds.min))},
                {"middle_m", rounded(scene.origin_m + 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max)))},
-               {"unit_m", reading.unit_m},
+               {"unit_m", source.unit_m > 0.0 ? source.unit_m : 1.0},
                {"surfaces", surfaceShares(scene)},
                {"materials", used.size()},
                {"materials_with_image", count([](const Material& m) { return m.base_image.isThere(); })},

@@ -87,6 +87,7 @@ constexpr double kShort = 0.5, kLong = 5e3, kHigh = 150.0;  // few levels beyond
 // Rooms: a cathedral's nave is 40 m high, and none of 24 levels of OpenArena is beyond. Not every scene has any: then triangles tell,
 // of which the modeller of a level makes few that are longer.
 constexpr double kLow = 0.25, kHighRoom = 40.0, kLongEdge = 40.0, kOrdinaryRoom = 2.7;
+constexpr double kLowStorey = 2.0, kHighStorey = 5.0;  // no two units a factor of ten apart have both within
 constexpr double kRoomShare = 0.05;
 constexpr size_t kFewestTriangles = 12;
 
@@ -119,7 +120,9 @@ double medianEdge(const Scene& scene) {
   return *middle;
 }
 
-Evidence evidenceOf(const Scene& scene, const glm::dvec3& size) {
+Evidence evidenceOf(const Scene& scene) {
+  const Bounds bounds = sceneBounds(scene);
+  const glm::dvec3 size = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
   const double ceiling = medianCeiling(surveyFloors(scene)).value_or(0.0f);
   // gaps within a thing are no rooms: those are a good part of a level's height
   return {size, ceiling >= kRoomShare * size.y ? ceiling : 0.0, medianEdge(scene)};
@@ -209,7 +212,7 @@ std::string sizeNote(const Scene& scene, const std::string& path, double unit_m)
     throw InputError(path, "longest side", fmt::format("0.1 to 100000 m at {:g} m a unit (--unit)", unit_m),
                      fmt::format("{:g} m", longest));
   }
-  const Evidence evidence = evidenceOf(scene, size);
+  const Evidence evidence = evidenceOf(scene);
   if (isUsual(evidence)) return "";
   std::string what = "a size";
   if (!isUsualRoom(evidence)) {
@@ -218,6 +221,15 @@ std::string sizeNote(const Scene& scene, const std::string& path, double unit_m)
   }
   return fmt::format("at {:g} m a unit it is {}, {} that few levels have{}", unit_m, shown(size), what,
                      suggestion(evidence, unit_m));
+}
+
+double certainUnit(const Scene& scene) {
+  const Evidence evidence = evidenceOf(scene);
+  for (const double factor : {0.01, 0.001}) {
+    const double storey = evidence.ceiling * factor;
+    if (storey >= kLowStorey && storey <= kHighStorey && isUsual(evidence * factor)) return factor;
+  }
+  return 0.0;
 }
 
 }  // namespace nlg

@@ -41,4 +41,8 @@ std::optional<ExtentBox> reachBeyondBounds(const Scene& scene, double margin_m);
 // throws    InputError naming the longest side when it is under 10 cm or over 100 km: no level is of that size
 std::string sizeNote(const Scene& scene, const std::string& path, double unit_m);
 
+// Of a scene with a note, read with a metre a unit: 0.01 or 0.001 where rooms are a storey high by it, 2 to 5 m, and all else is usual.
+// No room of a level is 200 m high: the unit is all but certain. 0 for any other scene; of what is too small nothing is certain.
+double certainUnit(const Scene& scene);
+
 }  // namespace nlg

@@ -119,20 +119,38 @@ std::string whiteNote(const Scene& scene) {
                      kWhitestFactor);
 }
 
+double metresOf(const SceneReading& reading) { return reading.unit_m > 0.0 ? reading.unit_m : 1.0; }
+
 // Of a file that says nothing of its unit, or says it wrongly.
 SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::string& path, const SceneReading& reading) {
   SceneSource source = sourceOf(std::move(scene));
-  source.unit_m = reading.unit_m;
+  source.unit_m = metresOf(reading);
   source.notes = std::move(notes);
   const std::string white = whiteNote(source.scene);
   if (!white.empty() && reading.images == ImageNeed::all) source.notes.push_back(white);
-  const std::string size = sizeNote(source.scene, path, reading.unit_m);
+  const std::string size = sizeNote(source.scene, path, source.unit_m);
   if (!size.empty()) source.notes.push_back(size);
+  if (reading.unit_m == 0.0) source.unit_question = size;
+  return source;
+}
+
+// read   reads the file with the unit that it is given
+template <class Read>
+SceneSource readInUnit(const SceneReading& reading, const Read& read) {
+  SceneSource source = read(reading);
+  const double unit_m = source.unit_question.empty() ? 0.0 : certainUnit(source.scene);
+  if (unit_m == 0.0) return source;
+  SceneReading other = reading;
+  other.unit_m = unit_m;
+  const std::string why = source.unit_question;
+  source = read(other);
+  source.notes.push_back(
+      fmt::format("taken to be in {}: {} (--unit 1: it is in metres)", unit_m == 0.01 ? "centimetres" : "millimetres", why));
   return source;
 }
 
 SceneSource readObjFile(const std::string& path, const SceneReading& reading) {
-  ObjLevel level = readObj(path, reading.unit_m, reading.transmissive_cover, reading.images);
+  ObjLevel level = readObj(path, metresOf(reading), reading.transmissive_cover, reading.images);
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
 }
 
@@ -144,7 +162,7 @@ double cavityOf(const Scene& scene, double cavity_m) {
 }
 
 SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
-  GltfLevel level = readGltf(path, reading.unit_m, reading.transmissive_cover, reading.gltf, reading.images);
+  GltfLevel level = readGltf(path, metresOf(reading), reading.transmissive_cover, reading.gltf, reading.images);
   level.scene.cavity_m = cavityOf(level.scene, reading.cavity_m);  // which tells rooms from walls
   const std::string sides = giveSolidsOneSide(level.scene).note();
   if (!sides.empty()) level.notes.push_back(sides);
@@ -169,10 +187,11 @@ SceneSource readScene(const std::string& request, const SceneReading& reading) {
   const bool is_other = extension == ".obj" || extension == ".bsp" || archiveColon(request) != std::string::npos;
   if (is_other && !(reading.gltf.scene_name.empty() && reading.gltf.leave_out.empty()))
     throw UsageError(reading.gltf.scene_name.empty() ? "--leave-out" : "--scene-name", "a glTF file", request);
-  if (extension == ".obj") return readObjFile(request, reading);
-  if (extension == ".glb" || extension == ".gltf") return readGltfFile(request, reading);
+  if (extension == ".obj") return readInUnit(reading, [&](const SceneReading& r) { return readObjFile(request, r); });
+  if (extension == ".glb" || extension == ".gltf")
+    return readInUnit(reading, [&](const SceneReading& r) { return readGltfFile(request, r); });
   // procedural scenes are in metres, levels of games in a unit that their reader knows
-  if (reading.unit_m != 1.0)
+  if (reading.unit_m != 0.0 && reading.unit_m != 1.0)
     throw UsageError("--unit", "1 for any scene but a glTF or .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
   // names of generated scenes come before files of the same name
   uint64_t seed = 0;
@@ -206,8 +225,11 @@ bool isOtherFormat(const std::string& extension) {
 }
 
 void describe(SceneReading& reading, OptionTable& table) {
-  table.add("unit", &reading.unit_m, "length of one unit of a glTF or .obj file, metres: 0.01 for centimetres, 0.0254 for inches",
-            1e-6, 1e6);
+  table.add(
+      "unit", &reading.unit_m,
+      "length of one unit of a glTF or .obj file, metres: 0.01 for centimetres, 0.0254 for inches. 0: metres, or centimetres or "
+      "millimetres where the height of rooms leaves no doubt; a bake stops where the size leaves it open",
+      0.0, 1e6);
   table.add("transmissive_cover", &reading.transmissive_cover,
             "share of light that a transmissive surface must stop to block weighting functions; below it the surface counts as "
             "air. 0: always blocks. Above 1: never blocks",

@@ -26,6 +26,7 @@ struct SceneSource {
   std::map<std::string, uint32_t> furniture_models;  // of an interior: interiors/interiors.h
   std::vector<std::string> light_notes;  // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
   double unit_m = 0.0;                   // metres of one of the file's units, as it was read; 0: its format has a unit of its own
+  std::string unit_question;             // where nobody named a unit, and the size leaves it open: scene_size.h
   std::vector<std::string> notes;        // whatever else its user should know: obj_reader.h, scene_size.h
 };
 
@@ -34,7 +35,8 @@ inline constexpr double kCavityShare = 0.25;
 
 // How a scene is read from its file.
 struct SceneReading {
-  double unit_m = 1.0;  // metres of one unit of a glTF file, whose unit is the metre if it keeps to the rule, or of an .obj file
+  // Metres of one unit of a glTF or .obj file. 0: the metre, as is glTF's rule, unless its size leaves no doubt of another.
+  double unit_m = 0.0;
   double transmissive_cover = kDenseTransmissive;  // dense_transmissive of judgeTransmissive
   double cavity_m = 0.5;              // Scene::cavity_m, of which a small scene takes less: kCavityShare of its shortest side
   GltfChoice gltf;                    // of a glTF file: which scene, and what of it
@@ -48,6 +50,7 @@ void describe(SceneReading& reading, OptionTable& table);
 //           PATH:PLAN:SEED for an interior (interiors/interiors.h), PATH a .sh3f file or a folder of them (Scopia.sh3f:flat:3);
 //           PATH:MAP for a level in archives, PATH a .pk3 file or a folder of them (baseoa:kaos2 is maps/kaos2.bsp); otherwise
 //           the path of a .glb, .gltf, .obj or .bsp file
+//           Where reading.unit_m is 0 and certainUnit knows one, it is read with that, and a note says so.
 // throws    UsageError on a seed that is no decimal number, and on a unit of a scene that is no glTF or .obj file; InputError on
 //           one whose longest side is under 10 cm or over 100 km; whatever the reader throws
 SceneSource loadScene(const std::string& request, const SceneReading& reading = {});

@@ -37,6 +37,8 @@ nlohmann::ordered_json bakedOptions(const OptionTable& table) {
   options.erase("threads");
   options.erase("max_probes");
   options.erase("representation");
+  // metres, as grids of before say; the scene's hash tells of another unit that was taken
+  if (options.value("unit", 1.0) == 0.0) options["unit"] = 1.0;
   options["simd"] = chosenSimdTarget();
   return options;
 }

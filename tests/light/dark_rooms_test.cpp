@@ -61,7 +61,7 @@ double unseenShare(const Scene& scene) {
   std::vector<uint8_t> is_dark;
   // not what is outside of both rooms
   for (const glm::dvec3& p : air.places)
-    is_dark.push_back(p.x > 0.0 && p.x < 3.0 && p.y > 0.0 && p.y < 2.5 && p.z > 0.0 && p.z < 3.0);
+    is_dark.push_back(p.x > 0.0 && p.x < 2.9 && p.y > 0.0 && p.y < 2.5 && p.z > 0.0 && p.z < 3.0);
   const std::vector<uint8_t> is_unseen = findUnseenDark(transport, air.places, is_dark, 0.5);
   double dark = 0.0, unseen = 0.0;
   for (size_t p = 0; p < is_dark.size(); ++p) {

@@ -78,6 +78,15 @@ TEST(SceneSizeByRooms, CatchesWhatIsNoHigherThanALevelMayBe) {
       << noteOf(roomOf(2.0f, 0.03f, 3));
 }
 
+// 2.6 m by centimetres; by a stranger's inches 5.5 m are too uncertain, and of what is small nothing is certain.
+TEST(SceneSizeByRooms, KnowsTheUnitOfRoomsThatAreAStoreyHighByIt) {
+  EXPECT_EQ(certainUnit(roomOf(500, 260, 400)), 0.01);
+  EXPECT_EQ(certainUnit(roomOf(5000, 2600, 4000)), 0.001);
+  EXPECT_EQ(certainUnit(roomOf(5, 2.6f, 4)), 0.0);
+  EXPECT_EQ(certainUnit(roomOf(556, 549, 559)), 0.0);
+  EXPECT_EQ(certainUnit(roomOf(0.05f, 0.026f, 0.04f)), 0.0);
+}
+
 TEST(SceneSizeByRooms, TakesNoGapForARoom) {
   Scene shelf = sceneOfMaterial(false);
   for (int i = 0; i < 100; ++i) addBox(shelf, {0, 0.02f * i, 0}, {1, 0.02f * i + 0.01f, 1});

@@ -82,12 +82,30 @@ TEST_F(SceneFiles, AreToldOfTheirSizeAlike) {
     const SceneSource source = loadScene(path);
     ASSERT_FALSE(source.notes.empty()) << path;
     EXPECT_NE(source.notes.back().find("at 1 m a unit it is 400 x 400 x 0 m"), std::string::npos) << source.notes.back();
+    EXPECT_NE(source.unit_question, "") << "no room tells of its unit";
     const SceneSource scaled = loadScene(path, {0.01});
     for (const std::string& note : scaled.notes) EXPECT_EQ(note.find("few levels"), std::string::npos) << note;
     EXPECT_NEAR(areaOf(scaled.scene), 16.0, 1e-4) << path;
     EXPECT_NE(scaled.sha256, source.sha256) << path;
     EXPECT_THROW(loadScene(path, {1e4}), InputError) << path;
   }
+}
+
+// A room that faces in, 500 x 260 x 400 units: in centimetres, unless somebody says otherwise.
+TEST_F(SceneFiles, AreReadInTheUnitThatTheirRoomsLeaveNoDoubtOf) {
+  const std::string path =
+      write("room.obj",
+            "v 0 0 0\nv 500 0 0\nv 500 0 400\nv 0 0 400\nv 0 260 0\nv 500 260 0\nv 500 260 400\nv 0 260 400\n"
+            "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+  const SceneSource source = loadScene(path);
+  EXPECT_EQ(source.unit_m, 0.01);
+  EXPECT_EQ(source.unit_question, "");
+  ASSERT_FALSE(source.notes.empty());
+  EXPECT_NE(source.notes.back().find("taken to be in centimetres"), std::string::npos) << source.notes.back();
+  EXPECT_EQ(source.sha256, loadScene(path, {0.01}).sha256);
+  const SceneSource metres = loadScene(path, {1.0});
+  EXPECT_EQ(metres.unit_m, 1.0);
+  EXPECT_EQ(metres.unit_question, "");
 }
 
 TEST_F(SceneFiles, OfOtherFormatsAreRefusedWithTheWayToOneThatIsRead) {
