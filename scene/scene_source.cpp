@@ -119,6 +119,8 @@ std::string whiteNote(const Scene& scene) {
                      kWhitestFactor);
 }
 
+constexpr float kAskedFromM = 50.0f;  // across: a bake of an odd size from here on is not begun unasked
+
 double metresOf(const SceneReading& reading) { return reading.unit_m > 0.0 ? reading.unit_m : 1.0; }
 
 // Of a file that says nothing of its unit, or says it wrongly.
@@ -130,7 +132,9 @@ SceneSource sourceOf(Scene scene, std::vector<std::string> notes, const std::str
   if (!white.empty() && reading.images == ImageNeed::all) source.notes.push_back(white);
   const std::string size = sizeNote(source.scene, path, source.unit_m);
   if (!size.empty()) source.notes.push_back(size);
-  if (reading.unit_m == 0.0) source.unit_question = size;
+  // what is too small bakes in seconds, and may be a model of a room: the note will do
+  const Bounds bounds = sceneBounds(source.scene);
+  if (reading.unit_m == 0.0 && glm::length(bounds.max - bounds.min) > kAskedFromM) source.unit_question = size;
   return source;
 }
 

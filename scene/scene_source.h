@@ -26,7 +26,7 @@ struct SceneSource {
   std::map<std::string, uint32_t> furniture_models;  // of an interior: interiors/interiors.h
   std::vector<std::string> light_notes;  // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
   double unit_m = 0.0;                   // metres of one of the file's units, as it was read; 0: its format has a unit of its own
-  std::string unit_question;             // where nobody named a unit, and the size leaves it open: scene_size.h
+  std::string unit_question;             // where nobody named a unit, and the size of a large scene leaves it open: scene_size.h
   std::vector<std::string> notes;        // whatever else its user should know: obj_reader.h, scene_size.h
 };
 
