@@ -31,26 +31,28 @@ float roundedToHalf(float value) {
   return halfFromFloat(value, &half) ? floatFromHalf(half) : std::copysign(kMaxHalf, value);
 }
 
-// A probe's ray: how far the first face is, and whether it meets the back of one that has a back.
+// A probe's ray: how far the first face is, and whether it meets a back.
 struct ProbeRay {
   glm::vec3 direction;
   float distance;  // infinite where the ray leaves the scene, or meets its sky
   bool is_back;
 };
 
-ProbeRay castRay(const LightTransport& transport, const glm::dvec3& from, const glm::vec3& direction) {
+ProbeRay castRay(const LightTransport& transport, const glm::dvec3& from, const glm::vec3& direction, SheetBacks backs) {
   const LightHit hit = transport.rays().lightHit(glm::vec3(from), direction);
   if (hit.kind != LightHit::Kind::surface) return {direction, std::numeric_limits<float>::infinity(), false};
-  return {direction, hit.distance, !hit.is_front && !materialOf(transport.scene(), hit.triangle).double_sided};
+  const bool has_back = backs == SheetBacks::as_wound || !materialOf(transport.scene(), hit.triangle).double_sided;
+  return {direction, hit.distance, !hit.is_front && has_back};
 }
 
-std::vector<ProbeRay> castRays(const LightTransport& transport, const glm::dvec3& from, int count, uint64_t seed) {
+std::vector<ProbeRay> castRays(const LightTransport& transport, const glm::dvec3& from, int count, SheetBacks backs,
+                               uint64_t seed) {
   const Lattice lattice(seed);
   std::vector<ProbeRay> result;
   result.reserve(count);
   for (int i = 0; i < count; ++i) {
     const auto [u, v] = lattice.point(i, count);
-    result.push_back(castRay(transport, from, sphereDirection(u, v)));
+    result.push_back(castRay(transport, from, sphereDirection(u, v), backs));
   }
   return result;
 }
@@ -84,10 +86,12 @@ glm::dvec3 movedOffset(const std::vector<ProbeRay>& rays, const glm::dvec3& offs
   return glm::length(moved) < kMostOffset * spacing_m ? moved : offset;
 }
 
-glm::dvec3 relocated(const LightTransport& transport, const glm::dvec3& position_m, float spacing_m, uint64_t seed) {
+glm::dvec3 relocated(const LightTransport& transport, const glm::dvec3& position_m, float spacing_m, SheetBacks backs,
+                     uint64_t seed) {
   glm::dvec3 offset(0.0);
   for (int round = 0; round < kRelocationRounds; ++round) {
-    const glm::dvec3 moved = movedOffset(castRays(transport, position_m + offset, kRelocationRays, seed), offset, spacing_m);
+    const std::vector<ProbeRay> rays = castRays(transport, position_m + offset, kRelocationRays, backs, seed);
+    const glm::dvec3 moved = movedOffset(rays, offset, spacing_m);
     if (glm::length(moved - offset) < 1e-6 * spacing_m) break;
     offset = moved;
   }
@@ -123,6 +127,13 @@ void blendDepth(const std::vector<ProbeRay>& rays, float spacing_m, DdgiProbe* p
 
 }  // namespace
 
+bool hasSheets(const Scene& scene) {
+  // probes' rays pass through transmissive surfaces
+  return std::any_of(scene.triangle_material.begin(), scene.triangle_material.end(), [&](uint32_t idx) {
+    return scene.materials[idx].double_sided && scene.materials[idx].transmissive == Transmissive::none;
+  });
+}
+
 DdgiMaps makeDdgiMaps(const ProbeSet& probes, const LightTransport& transport, const DdgiMapsOptions& options) {
   DdgiMaps maps;
   maps.probes.resize(probes.count());
@@ -131,8 +142,8 @@ DdgiMaps makeDdgiMaps(const ProbeSet& probes, const LightTransport& transport, c
     DdgiProbe& probe = maps.probes[p];
     const uint64_t seed = mixSeed(options.seed, p);
     probe.position_m = probes.position_m[p];
-    if (options.relocates) probe.position_m = relocated(transport, probe.position_m, probes.spacing_m[p], seed);
-    const std::vector<ProbeRay> rays = castRays(transport, probe.position_m, options.gather.rays, seed);
+    if (options.relocates) probe.position_m = relocated(transport, probe.position_m, probes.spacing_m[p], options.backs, seed);
+    const std::vector<ProbeRay> rays = castRays(transport, probe.position_m, options.gather.rays, options.backs, seed);
     probe.is_active = backfaceShare(rays) <= kMaxBackfaceShare;
     if (!probe.is_active) return;
     blendDepth(rays, probes.spacing_m[p], &probe);

@@ -5,9 +5,10 @@
 // probe is trilinear, times a soft test of the normal, times Chebyshev's bound on being seen. What differs from RTXGI:
 // - Where RTXGI averages over frames, the rays of one bake are all averaged at once.
 // - Probes are those of the tree that all methods share, not of a box full of them.
-// - A probe of whose rays more than a tenth meet back faces is inactive; RTXGI would leave it black. The back of a double-sided material
-//   is a front, for relocation and depth, too: RTXGI goes by the hit alone, and where exporters write doubleSided everywhere a third of
-//   a room would be unlit.
+// - A probe of whose rays more than a tenth meet back faces is inactive; RTXGI would leave it black. Rays that meet back faces carry
+//   what light the path tracer finds there; RTXGI leaves them out.
+// - Sheets, faces of double-sided materials, have backs, as RTXGI goes by the hit alone: probes behind them are inactive. Where sheets
+//   are not wound outward that leaves much of a room unlit; so there is the other rule, SheetBacks::none, too.
 // - As shipped, irradiance is scaled so that the brightest texel is stored as 1, and the factor 1.0989, which makes up for what
 //   averaging frames in 10 bits loses, is left out.
 // - Relocation moves a probe off a surface by a third of the spacing at a time; RTXGI's step of 1 m is further than it lets a probe
@@ -86,8 +87,18 @@ struct OctahedralMap {
 inline constexpr size_t kDdgiShippedDepthBytes = 16 * 16 * 4;
 inline constexpr size_t kDdgiShippedBytes = 8 * 8 * 4 + kDdgiShippedDepthBytes + 4 * 2;
 
+// Whether a ray that meets a double-sided face from behind has met a back.
+enum class SheetBacks : uint8_t {
+  as_wound,  // RTXGI's own rule
+  none,      // such a face is a front from both sides
+};
+
+// Whether the two rules differ: a scene without double-sided faces knows one.
+bool hasSheets(const Scene& scene);
+
 struct DdgiMapsOptions {
   GatherOptions gather;  // its rays are cast for depth as well
+  SheetBacks backs = SheetBacks::as_wound;
   bool relocates = false;
   int thread_count = 1;
   uint64_t seed = 1;

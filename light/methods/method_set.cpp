@@ -23,6 +23,11 @@ constexpr uint64_t kProbeStream = 0x70726f6265, kNormalStream = 0x736f6c7665, kD
 const std::string kThinned = ", thinned ";
 const std::string kDdgiAsShipped = "DDGI as shipped", kRelocated = ", relocated";
 
+// Of a sheet's two rules the other one.
+std::string withRule(const std::string& name, SheetBacks backs) {
+  return backs == SheetBacks::none ? name + ", backless sheets" : name;
+}
+
 // Weights that look at the normal are solved for with any one: the same for the same place.
 glm::vec3 normalOfPlace(const glm::dvec3& place) {
   Random random(mixSeed(std::bit_cast<uint64_t>(place.x), std::bit_cast<uint64_t>(place.y), std::bit_cast<uint64_t>(place.z),
@@ -167,22 +172,37 @@ const DdgiMaps& MethodSet::addDdgi(const std::string& name, const DdgiMaps& maps
   return shipped;
 }
 
-const DdgiMaps& MethodSet::makeDdgi(bool relocates) {
+const DdgiMaps& MethodSet::makeDdgi(SheetBacks backs, bool relocates) {
   return maps_.emplace_back(makeDdgiMaps(
-      probes_, scene_.transport, {options_.probe, relocates, options_.thread_count, mixSeed(options_.seed, kDdgiStream)}));
+      probes_, scene_.transport, {options_.probe, backs, relocates, options_.thread_count, mixSeed(options_.seed, kDdgiStream)}));
 }
 
-void MethodSet::addShippedDdgi() { shipped_ddgi_ = &addDdgi(kDdgiAsShipped, makeDdgi(false)); }
+std::vector<SheetBacks> MethodSet::sheetRules() const {
+  if (!hasSheets(scene_.transport.scene())) return {SheetBacks::as_wound};
+  return {SheetBacks::as_wound, SheetBacks::none};
+}
 
-void MethodSet::addRelocatedDdgi() { addDdgi(kDdgiAsShipped + kRelocated, makeDdgi(true)); }
+void MethodSet::addShippedDdgi() { shipped_ddgi_ = &addDdgi(kDdgiAsShipped, makeDdgi(SheetBacks::as_wound, false)); }
+
+// Returns the maps of probes that were not relocated, before they are shipped.
+const DdgiMaps& MethodSet::addOwnDdgi(SheetBacks backs) {
+  const DdgiMaps& maps = makeDdgi(backs, false);
+  addDdgi(withRule(kDdgiAsShipped, backs), maps);
+  addDdgi(withRule(kDdgiAsShipped, backs) + kRelocated, makeDdgi(backs, true));
+  return maps;
+}
+
+void MethodSet::addOwnDdgi() {
+  for (const SheetBacks backs : sheetRules()) addOwnDdgi(backs);
+}
 
 void MethodSet::addDdgi() {
-  const DdgiMaps& maps = makeDdgi(false);
-  addDdgi(kDdgiAsShipped, maps);
-  // its weights with light in harmonics, so that light and weights are told apart
-  addBlends({"DDGI's weights", std::make_unique<Ddgi>(probes_, maps), probes_.count(),
-             bytesOf(probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
-  addRelocatedDdgi();
+  for (const SheetBacks backs : sheetRules()) {
+    const DdgiMaps& maps = addOwnDdgi(backs);
+    // its weights with light in harmonics, so that light and weights are told apart
+    addBlends({withRule("DDGI's weights", backs), std::make_unique<Ddgi>(probes_, maps), probes_.count(),
+               bytesOf(probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
+  }
 }
 
 void MethodSet::addTetrahedra() {

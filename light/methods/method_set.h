@@ -53,10 +53,11 @@ class MethodSet {
   void addTrilinear(TrilinearKind kind, const std::vector<LightWay>& ways);
   void addApv() { addApv(kGatheredAndSolved); }
   void addApv(const std::vector<LightWay>& ways);
-  void addDdgi();  // as shipped, with and without relocation, and its weights with harmonics
-  // Of these one alone: not relocated; and relocated.
-  void addShippedDdgi();
-  void addRelocatedDdgi();
+  // As shipped, with and without relocation, and its weights with harmonics. In a scene that has sheets all of it again: ",
+  // backless sheets", by SheetBacks::none.
+  void addDdgi();
+  void addOwnDdgi();      // of these all but weights with harmonics
+  void addShippedDdgi();  // of these one alone: not relocated, by RTXGI's own rule
   // Nothing where too few probes stand in air.
   void addTetrahedra();
   // places   where the methods will be asked
@@ -85,7 +86,9 @@ class MethodSet {
   // What of weights and tree a method has that stores harmonics as our grid does; addBlends counts those.
   MethodBytes bytesOf(size_t weight_bytes) const;
   void addBlends(Blends blends);
-  const DdgiMaps& makeDdgi(bool relocates);
+  const DdgiMaps& makeDdgi(SheetBacks backs, bool relocates);
+  const DdgiMaps& addOwnDdgi(SheetBacks backs);
+  std::vector<SheetBacks> sheetRules() const;
   void addThinned(const LightMethod& whole, LightGrid grid, double error);
   const DdgiMaps& addDdgi(const std::string& name, const DdgiMaps& maps);
 

@@ -115,8 +115,7 @@ class ViewsMeasurement {
       methods.addTrilinear(TrilinearKind::all, {LightWay::point});
       methods.addTrilinear(TrilinearKind::valid, {LightWay::point});
       methods.addApv({LightWay::point});
-      methods.addShippedDdgi();
-      methods.addRelocatedDdgi();
+      methods.addOwnDdgi();
     }
     for (const LightMethod& method : methods.methods())
       measureLighting(method.weights, method.light, measuredLighting(method.weights, method));
@@ -128,6 +127,8 @@ class ViewsMeasurement {
     if (counted_views_ < ready_.size())
       text += fmt::format("{} of {} views are not counted: light does not reach them, or their truth is too noisy\n",
                           ready_.size() - counted_views_, ready_.size());
+    if (!request_.grids_only && !hasSheets(transport_.scene()))
+      text += "no double-sided faces: DDGI has one rule for backs\n";
     return text;
   }
 
@@ -193,7 +194,7 @@ class ViewsMeasurement {
     std::vector<ShownMethod> row = {{pictureOf(ready_[view].surfaces.sights, "truth", ready_[view].truth.at), {}}};
     std::vector<std::string> wanted = {"exact visibility"};
     for (size_t m = 0; m < grid_count_; ++m) wanted.push_back(measured_[m].weights);
-    wanted.insert(wanted.end(), {"target functions", "DDGI as shipped"});
+    wanted.insert(wanted.end(), {"target functions", "DDGI as shipped", "DDGI as shipped, backless sheets"});
     for (const std::string& name : wanted) {
       for (ShownMethod& method : pictures_[view]) {
         if (method.picture.method == name) row.push_back(method);

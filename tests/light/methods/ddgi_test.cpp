@@ -86,21 +86,44 @@ TEST_F(DdgiTest, MovesProbesOffSurfacesAndOutOfSolid) {
   EXPECT_EQ(free.position_m, glm::dvec3(-1.0, 1.5, 1.5));
 }
 
-// In a room of walls that look outward.
-TEST(Ddgi, TakesTheBackOfADoubleSidedFaceForAFront) {
+// In a room of walls that look outward: by RTXGI's own rule all are backs.
+TEST(Ddgi, TakesTheBackOfADoubleSidedFaceForAFrontIfAskedTo) {
   SceneOfFaces faces;
   faces.addBox({-2, -2, -2}, {2, 2, 2});
   Scene scene = faces.finish();
   for (const bool double_sided : {false, true}) {
     for (Material& material : scene.materials) material.double_sided = double_sided;
     const LitScene lit(scene);
+    EXPECT_EQ(hasSheets(lit.scene), double_sided);
     ProbeSet probes;
     probes.position_m = {glm::dvec3(0.0)};
     probes.spacing_m = {4.0f};
-    const DdgiProbe probe = makeDdgiMaps(probes, lit.transport, {{256, 8}, false, 1, 1}).probes[0];
-    EXPECT_EQ(probe.is_active, double_sided);
-    // along an axis 2 m, and a little more a little beside it
-    if (double_sided) EXPECT_NEAR(probe.depth.at({1, 0, 0}).x, 2.0f, 0.1f);
+    for (const SheetBacks backs : {SheetBacks::as_wound, SheetBacks::none}) {
+      DdgiMapsOptions options;
+      options.gather = {256, 8};
+      options.backs = backs;
+      const DdgiProbe probe = makeDdgiMaps(probes, lit.transport, options).probes[0];
+      const bool is_front = double_sided && backs == SheetBacks::none;
+      EXPECT_EQ(probe.is_active, is_front);
+      // along an axis 2 m, and a little more a little beside it
+      if (is_front) EXPECT_NEAR(probe.depth.at({1, 0, 0}).x, 2.0f, 0.1f);
+    }
+  }
+}
+
+TEST(Ddgi, IsMeasuredByBothRulesWhereTheyDiffer) {
+  Scene scene = brightAndDarkRoom();
+  for (const bool double_sided : {false, true}) {
+    scene.materials[0].double_sided = double_sided;
+    const LitScene lit(scene);
+    MethodSet methods = lit.methods();
+    methods.addOwnDdgi();
+    std::vector<std::string> names;
+    for (const LightMethod& method : methods.methods()) names.push_back(method.weights);
+    std::vector<std::string> expected = {"DDGI as shipped", "DDGI as shipped, relocated"};
+    if (double_sided)
+      expected.insert(expected.end(), {"DDGI as shipped, backless sheets", "DDGI as shipped, backless sheets, relocated"});
+    EXPECT_EQ(names, expected);
   }
 }
 
