@@ -6,24 +6,48 @@
 #include <limits>
 #include <optional>
 
+#include "render/lit_picture.h"
+#include "render/tone.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "validate/light/light_places.h"
 #include "validate/light/rooms.h"
+#include "validate/views/view_figures.h"
 
 namespace nlg {
 namespace {
 
-constexpr uint64_t kPlaceStream = 0x7669657773;
+constexpr uint64_t kPlaceStream = 0x7669657773, kLitStream = 0x6c6974;
 constexpr uint64_t kDrawnPerPlace = 8;                   // places in air that rooms are made of are chosen among
 constexpr size_t kSpotsPerRoom = 64, kEyesPerView = 10;  // that are judged
 constexpr double kFigureNearM = 1.5, kFigureFarM = 8.0;  // from the eye
+
+constexpr int kLitWidth = 16, kLitHeight = 9, kLitRays = 16;  // by which a view's light is estimated
+constexpr double kLitFarM = 10.0;  // what is further away counts as if it were here: no view is all horizon
+
+// What a view shows of surfaces, before it is known what is lit.
+struct ShownSurface {
+  double light = 0.0;    // luminance of irradiance
+  double area_m2 = 0.0;  // that faces the eye
+};
+
+struct Candidate {
+  SceneView view;
+  std::vector<ShownSurface> shown;
+  double median = 0.0;  // light, of what is not black
+  double lit_m2 = 0.0;
+};
 
 // A room with a floor.
 struct Standing {
   uint32_t room = 0;
   bool has_roof = false;
   std::vector<Spot> spots;
+  std::vector<Candidate> views = {};  // those that show most lit surface first
+  bool is_dark = true;
+
+  // Lit rooms under a roof, lit ones outdoors, dark ones.
+  int rank() const { return 2 * is_dark + !has_roof; }
 };
 
 // Those with a wide floor; of a room that has none, all. A room that lies mostly under a roof has none before its windows.
@@ -43,20 +67,23 @@ Standing standingIn(const std::vector<SeenRoom>& rooms, uint32_t room, const std
   return standing;
 }
 
-bool hasRoof(const Standing& standing) { return standing.has_roof; }
-
-// In turn, so that no room has another view before each has one: rooms under a roof, of which the largest get one more, then the
-// others, which stand behind them.
+// In turn, so that no room has another view before each has one: lit rooms under a roof, of which the largest get one more, then lit
+// ones outdoors, then dark ones.
+// standing   by rank
 std::vector<size_t> viewCounts(const std::vector<Standing>& standing, const SceneViewOptions& options) {
   std::vector<size_t> counts(standing.size(), 0);
   auto left = static_cast<size_t>(options.most_views);
   const auto giveEach = [&](size_t begin, size_t end) {
     for (size_t s = begin; s < end && left > 0; ++s, --left) ++counts[s];
   };
-  const auto roofed = static_cast<size_t>(std::count_if(standing.begin(), standing.end(), hasRoof));
+  const auto countTo = [&](int rank) {
+    return static_cast<size_t>(std::count_if(standing.begin(), standing.end(), [&](const auto& s) { return s.rank() <= rank; }));
+  };
+  const size_t roofed = countTo(0), lit = countTo(1);
   for (int round = 0; round < options.views_per_room; ++round) giveEach(0, roofed);
   giveEach(0, std::min(roofed, kLargestRooms));
-  for (int round = 0; round < options.views_per_room; ++round) giveEach(roofed, standing.size());
+  for (int round = 0; round < options.views_per_room; ++round) giveEach(roofed, lit);
+  for (int round = 0; round < options.views_per_room; ++round) giveEach(lit, standing.size());
   return counts;
 }
 
@@ -119,6 +146,69 @@ std::vector<Ball> figureIn(const Camera& camera, double aspect, const SeenRoom& 
   return figure;
 }
 
+// From one part of the room.
+SceneView viewFrom(const std::vector<Spot>& group, const Standing& standing, const SeenRoom& room, const Spots& spots,
+                   const LightTransport& transport, const SceneViewOptions& options) {
+  const double aspect = static_cast<double>(options.width) / options.height;
+  std::vector<glm::dvec3> eyes;
+  for (size_t i = 0; i < std::min(kEyesPerView, group.size()); ++i) eyes.push_back(group[i].eye_m);
+  SceneView view;
+  view.has_roof = standing.has_roof;
+  view.camera = bestView(transport, eyes, options.fov_y, aspect);
+  view.figure = figureIn(view.camera, aspect, room, standing.spots, spots);
+  // from another place, if from there a figure is seen
+  for (size_t i = 0; i < eyes.size() && view.figure.empty(); ++i) {
+    const Camera camera = bestView(transport, {eyes[i]}, options.fov_y, aspect);
+    view.figure = figureIn(camera, aspect, room, standing.spots, spots);
+    if (!view.figure.empty()) view.camera = camera;
+  }
+  return view;
+}
+
+Candidate judged(SceneView view, const LightTransport& transport, uint64_t seed) {
+  Candidate candidate{std::move(view), {}};
+  const Camera& camera = candidate.view.camera;
+  SightOptions options;
+  options.width = kLitWidth;
+  options.height = kLitHeight;
+  options.samples_per_side = 1;
+  const Sights sights = sightsOf(transport, camera, options);
+  GatherOptions gather;
+  gather.rays = kLitRays;
+  const std::vector<ReceivedLight> light = lightSamples(sights, truthLighting(transport, gather, seed), 1);
+  const double pixel = 2.0 * std::tan(0.5 * camera.fov_y) / kLitHeight;
+  for (size_t i = 0; i < light.size(); ++i) {
+    if (sights.samples[i].kind != Sight::Kind::receiver) continue;
+    const double depth = glm::dot(sights.samples[i].receiver.position_m - camera.eye_m, glm::dvec3(camera.forward));
+    const double side = pixel * std::min(depth, kLitFarM);
+    candidate.shown.push_back({luminanceOf(light[i].irradiance), side * side});
+  }
+  candidate.median = medianLight(sights, light);
+  return candidate;
+}
+
+// Orders each room's views and the rooms by what of them is lit.
+void orderByLight(double least_light, std::vector<Standing>* standing) {
+  for (const Standing& room : *standing) {
+    for (const Candidate& candidate : room.views) least_light = std::max(least_light, kLeastLight * candidate.median);
+  }
+  const auto byLitArea = [](const Candidate& a, const Candidate& b) { return a.lit_m2 > b.lit_m2; };
+  for (Standing& room : *standing) {
+    for (Candidate& candidate : room.views) {
+      double all_m2 = 0.0;
+      for (const ShownSurface& surface : candidate.shown) {
+        all_m2 += surface.area_m2;
+        if (surface.light > least_light) candidate.lit_m2 += surface.area_m2;
+      }
+      if (candidate.lit_m2 > kLeastLitShare * all_m2) room.is_dark = false;
+    }
+    std::stable_sort(room.views.begin(), room.views.end(), byLitArea);
+  }
+  std::stable_sort(standing->begin(), standing->end(), [&](const Standing& a, const Standing& b) {
+    return a.rank() != b.rank() ? a.rank() < b.rank() : byLitArea(a.views.front(), b.views.front());
+  });
+}
+
 // Half of them or more lie under a roof where there are so many: in the open a house's rooms would be a handful of places each.
 std::vector<glm::dvec3> placesInAir(const LightTransport& transport, const ExtentBox& extent, const SceneViewOptions& options) {
   LightPlaceOptions place_options;
@@ -150,7 +240,6 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   SceneViews found;
   found.rooms = static_cast<uint32_t>(rooms.size());
   const Spots spots(transport, extent);
-  const double aspect = static_cast<double>(options.width) / options.height;
 
   // a spot to stand on below each place
   std::vector<std::optional<Spot>> spot_of(places.size());
@@ -160,36 +249,37 @@ SceneViews findViews(const LightTransport& transport, const ExtentBox& extent, c
   for (std::optional<Spot>& spot : spot_of) {
     if (is_high && spot && !spot->is_upright) spot.reset();
   }
-  // rooms with a spot, those under a roof first: indoors is where grids leak
   std::vector<Standing> standing;
   for (uint32_t r = 0; r < rooms.size(); ++r) {
     standing.push_back(standingIn(rooms, r, spot_of));
     if (standing.back().spots.empty()) standing.pop_back();
   }
-  std::stable_partition(standing.begin(), standing.end(), hasRoof);
   found.rooms_without_floor = found.rooms - static_cast<uint32_t>(standing.size());
+
+  // eyes of a view stand in one part of the room; views are spread over it, one more than most rooms get
+  const auto most = static_cast<size_t>(std::min(options.views_per_room + 1, options.most_views));
+  std::vector<std::pair<Standing*, std::vector<Spot>>> parts;
+  for (Standing& room : standing) {
+    for (std::vector<Spot>& group : apart(room.spots, rooms[room.room].middle_m, most))
+      parts.emplace_back(&room, std::move(group));
+  }
+  std::vector<Candidate> candidates(parts.size());
+  parallelFor(parts.size(), options.thread_count, [&](uint64_t c, int) {
+    const auto& [room, group] = parts[c];
+    candidates[c] = judged(viewFrom(group, *room, rooms[room->room], spots, transport, options), transport,
+                           mixSeed(options.seed, kLitStream, c));
+  });
+  for (size_t c = 0; c < parts.size(); ++c) parts[c].first->views.push_back(std::move(candidates[c]));
+
+  // indoors is where grids leak, but a room without light shows nothing of it
+  orderByLight(leastAdapted(transport.scene()), &standing);
   const std::vector<size_t> counts = viewCounts(standing, options);
   found.rooms_left_out = static_cast<uint32_t>(std::count(counts.begin(), counts.end(), 0));
-
-  // eyes of a view stand in one part of the room; views are spread over it
   for (size_t s = 0; s < standing.size(); ++s) {
-    if (counts[s] == 0) continue;
-    const auto& [number, has_roof, of_room] = standing[s];
-    for (const std::vector<Spot>& group : apart(of_room, rooms[number].middle_m, counts[s])) {
-      std::vector<glm::dvec3> eyes;
-      for (size_t i = 0; i < std::min(kEyesPerView, group.size()); ++i) eyes.push_back(group[i].eye_m);
-      SceneView view;
-      view.room = static_cast<uint32_t>(s);
-      view.has_roof = has_roof;
-      view.camera = bestView(transport, eyes, options.fov_y, aspect);
-      view.figure = figureIn(view.camera, aspect, rooms[number], of_room, spots);
-      // from another place, if from there a figure is seen
-      for (size_t i = 0; i < eyes.size() && view.figure.empty(); ++i) {
-        const Camera camera = bestView(transport, {eyes[i]}, options.fov_y, aspect);
-        view.figure = figureIn(camera, aspect, rooms[number], of_room, spots);
-        if (!view.figure.empty()) view.camera = camera;
-      }
-      found.views.push_back(std::move(view));
+    found.rooms_dark += standing[s].is_dark;
+    for (size_t v = 0; v < std::min(counts[s], standing[s].views.size()); ++v) {
+      found.views.push_back(std::move(standing[s].views[v].view));
+      found.views.back().room = static_cast<uint32_t>(s);
     }
   }
   return found;

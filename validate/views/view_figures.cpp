@@ -66,15 +66,16 @@ class Neighbours {
 };
 
 // All figures but the count.
-std::array<double*, 11> numbersOf(ViewFigures* f) {
+std::array<double*, 12> numbersOf(ViewFigures* f) {
   return {&f->colour,
           &f->rmse,
           &f->relative,
-          &f->excess,
+          &f->energy,
           &f->off_first.brighter,
           &f->off_first.darker,
           &f->off_last.brighter,
           &f->off_last.darker,
+          &f->below_eighth,
           &f->ringing,
           &f->dim,
           &f->unlit};
@@ -103,6 +104,7 @@ class ClassSum {
     figures_.off_first.darker += kFirstFactor * answer < least;
     figures_.off_last.brighter += answer > kLastFactor * most;
     figures_.off_last.darker += kLastFactor * answer < least;
+    figures_.below_eighth += answer < kEighth * least;
   }
   void addColour(double difference) { figures_.colour += difference; }
   void addSquares(double difference, double truth) {
@@ -117,11 +119,11 @@ class ClassSum {
     ViewFigures f = figures_;
     const auto count = static_cast<double>(std::max<uint64_t>(1, f.receivers));
     for (double* share : {&f.colour, &f.off_first.brighter, &f.off_first.darker, &f.off_last.brighter, &f.off_last.darker,
-                          &f.ringing, &f.dim, &f.unlit})
+                          &f.below_eighth, &f.ringing, &f.dim, &f.unlit})
       *share /= count;
     f.relative = std::sqrt(f.relative / count);
     f.rmse = std::sqrt(over(error_squares_, truth_squares_));
-    f.excess = over(answer_ - truth_, truth_);
+    if (truth_ > 0.0) f.energy = answer_ / truth_;
     return f;
   }
 
@@ -219,6 +221,7 @@ ViewFiguresByClass meanFigures(const std::vector<ViewFiguresByClass>& views) {
     const bool by_receivers = static_cast<ViewClass>(c) != ViewClass::all;
     double weights = 0.0;
     const auto sums = numbersOf(&mean[c]);
+    mean[c].energy = 0.0;
     for (const ViewFiguresByClass& view : views) {
       ViewFigures f = view[c];
       const double weight = by_receivers ? static_cast<double>(f.receivers) : f.receivers > 0 ? 1.0 : 0.0;

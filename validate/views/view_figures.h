@@ -17,6 +17,7 @@
 namespace nlg {
 
 inline constexpr double kLastFactor = 2.0, kFirstFactor = 1.5;  // of light that is off
+inline constexpr double kEighth = 1.0 / 8.0;                    // of truth's light: what has less is a black spot
 inline constexpr double kSureDeviations = 1.0;                  // of truth's noise: what differs by less is not off
 // Of the irradiance that the eye has adapted to: where neither truth nor answer has more, all is black to it. A surface of the view's
 // median colour is shown as .0018 there, L* 1.6, and less than 2.3 is not seen.
@@ -64,8 +65,9 @@ struct ViewFigures {
   double colour = 0.0;    // mean HyAB
   double rmse = 0.0;      // of all channels, over truth's root mean square in the class
   double relative = 0.0;  // root mean square of |answer - truth| over the larger of both: a factor of two is .5 either way
-  double excess = 0.0;    // the answers' mean less truth's, over truth's mean
+  double energy = 1.0;    // the answers' mean over truth's; 1 where truth is black
   OffShares off_first, off_last;  // shares off by more than kFirstFactor and kLastFactor, truth's noise allowed for
+  double below_eighth = 0.0;      // share with less than kEighth of truth's light, likewise
   double ringing = 0.0;           // share that is darker than a ring may be
   double dim = 0.0;               // share with less than 1 / kLastFactor of what exact visibility gives, black left aside
   double unlit = 0.0;             // share where the method knows no light

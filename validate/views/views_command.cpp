@@ -127,8 +127,10 @@ class ViewsMeasurement {
     if (counted_views_ < ready_.size())
       text += fmt::format("{} of {} views are not counted: light does not reach them, or their truth is too noisy\n",
                           ready_.size() - counted_views_, ready_.size());
-    if (!request_.grids_only && !hasSheets(transport_.scene()))
-      text += "no double-sided faces: DDGI has one rule for backs\n";
+    if (views_.rooms_dark > 0)
+      text +=
+          fmt::format("{} of {} rooms are dark: they come last\n", views_.rooms_dark, views_.rooms - views_.rooms_without_floor);
+    if (!request_.grids_only && !hasSheets(transport_.scene())) text += "no double-sided faces: DDGI has one rule for backs\n";
     return text;
   }
 
@@ -229,15 +231,18 @@ class ViewsMeasurement {
   }
 
   Json results() {
-    Json json = {
-        {"rooms", {{"count", views_.rooms}, {"without_floor", views_.rooms_without_floor}, {"left_out", views_.rooms_left_out}}},
-        {"truth",
-         {{"views", counted_views_},
-          {"noise", meanOf(&ViewTruth::noise)},
-          {"noise_median", meanOf(&ViewTruth::median_noise)},
-          {"hyab_noise", meanOf(&ViewTruth::colour_noise)}}},
-        {"methods", methodsJson(ofCounted())},
-        {"views", Json::array()}};
+    Json json = {{"rooms",
+                  {{"count", views_.rooms},
+                   {"without_floor", views_.rooms_without_floor},
+                   {"dark", views_.rooms_dark},
+                   {"left_out", views_.rooms_left_out}}},
+                 {"truth",
+                  {{"views", counted_views_},
+                   {"noise", meanOf(&ViewTruth::noise)},
+                   {"noise_median", meanOf(&ViewTruth::median_noise)},
+                   {"hyab_noise", meanOf(&ViewTruth::colour_noise)}}},
+                 {"methods", methodsJson(ofCounted())},
+                 {"views", Json::array()}};
     std::vector<Image> rows;
     for (size_t v = 0; v < ready_.size(); ++v) {
       Json view = viewJson(views_.views[v], ready_[v].truth, measured_, v, scene_.source.scene.origin_m);
@@ -351,10 +356,12 @@ int viewsMain(int argc, char** argv) {
   const auto whole = [&](const char* flag, int* value, const char* help, int least, int most) {
     app.add_option(flag, *value, help)->check(CLI::Range(least, most))->capture_default_str();
   };
-  whole("--views-per-room", &request.views.views_per_room, "views per room; the three largest rooms under a roof have one more",
-        1, 100);
-  whole("--most-views", &request.views.most_views,
-        "maximum number of views. Rooms under a roof come before outdoors, larger rooms before smaller ones", 1, 1000);
+  whole("--views-per-room", &request.views.views_per_room,
+        "views per room; the three largest lit rooms under a roof have one more", 1, 100);
+  whole(
+      "--most-views", &request.views.most_views,
+      "maximum number of views. Rooms under a roof come before outdoors, where more is lit before where less is, dark ones last",
+      1, 1000);
   whole("--width", &request.views.width, "pixels of a view", 8, 4096);
   whole("--height", &request.views.height, "pixels of a view", 8, 4096);
   whole("--truth-rays", &request.truth_rays, "rays of ground truth per pixel in the first pass", 8, 1 << 20);

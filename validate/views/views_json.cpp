@@ -36,9 +36,10 @@ Json figuresJson(const ViewFigures& f) {
           {"hyab", f.colour},
           {"rmse", f.rmse},
           {"relative", f.relative},
-          {"excess", f.excess},
+          {"energy", f.energy},
           {"off_1.5", offJson(f.off_first)},
           {"off_2", offJson(f.off_last)},
+          {"below_eighth", f.below_eighth},
           {"ringing", f.ringing},
           {"dim", f.dim},
           {"unlit", f.unlit}};
@@ -113,16 +114,16 @@ Json methodsJson(const std::vector<MeasuredViews>& methods) {
 
 std::string viewsTable(const std::string& scene, const std::vector<MeasuredViews>& methods, double colour_noise) {
   const auto off = [](const ViewFigures& f) { return 100.0 * (f.off_last.brighter + f.off_last.darker); };
-  std::string table = fmt::format("{:<18} {:<32} {:>6} {:>8} {:>12} {:>10} {:>7}\n", "scene", "method", "HyAB", "> 2x, %",
-                                  "edges > 2x, %", "ringing, %", "dim, %");
+  std::string table = fmt::format("{:<18} {:<48} {:>6} {:>6} {:>8} {:>8} {:>12} {:>10} {:>7}\n", "scene", "method", "HyAB",
+                                  "energy", "> 2x, %", "< 1/8, %", "edges > 2x, %", "ringing, %", "dim, %");
   for (const MeasuredViews& method : methods) {
     const ViewFiguresByClass mean = meanFigures(method.views);
     const ViewFigures &all = mean[static_cast<size_t>(ViewClass::all)], &edge = mean[static_cast<size_t>(ViewClass::edge)];
-    table +=
-        fmt::format("{:<18} {:<32} {:>6.2f} {:>8.2f} {:>13.2f} {:>10.3f} {:>7.2f}\n", scene, method.weights + ", " + method.light,
-                    all.colour, off(all), off(edge), 100.0 * all.ringing, 100.0 * all.dim);
+    table += fmt::format("{:<18} {:<48} {:>6.2f} {:>6.2f} {:>8.2f} {:>8.2f} {:>13.2f} {:>10.3f} {:>7.2f}\n", scene,
+                         method.weights + ", " + method.light, all.colour, all.energy, off(all), 100.0 * all.below_eighth,
+                         off(edge), 100.0 * all.ringing, 100.0 * all.dim);
   }
-  return table + fmt::format("{:<18} {:<32} {:>6.2f}\n", scene, "(noise of truth)", colour_noise);
+  return table + fmt::format("{:<18} {:<48} {:>6.2f}\n", scene, "(noise of truth)", colour_noise);
 }
 
 }  // namespace nlg

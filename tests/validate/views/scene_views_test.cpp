@@ -136,6 +136,54 @@ TEST(SceneViews, StandOnFloorsAndNotOnTables) {
   for (const SceneView& view : seen.views(options).views) EXPECT_NEAR(view.camera.eye_m.y, kEyeHeightM, 1e-3);
 }
 
+bool isSame(const SceneViews& a, const SceneViews& b) {
+  const auto isSameView = [](const SceneView& x, const SceneView& y) {
+    return x.room == y.room && x.camera.eye_m == y.camera.eye_m && x.camera.forward == y.camera.forward;
+  };
+  return a.rooms_dark == b.rooms_dark && std::equal(a.views.begin(), a.views.end(), b.views.begin(), b.views.end(), isSameView);
+}
+
+// Kin of Sponza: a court below the sky that is surrounded by eight larger closed halls, which no light reaches.
+TEST(SceneViews, LookIntoTheOpenBeforeHallsWithoutLight) {
+  SceneOfFaces faces;
+  for (int x = -1; x <= 1; ++x) {
+    for (int z = -1; z <= 1; ++z) {
+      const glm::vec3 middle(8.2f * x, 0, 8.2f * z), half(4, 0, 4);
+      if (x != 0 || z != 0) faces.addRoom(middle - half, middle + half + glm::vec3(0, 3, 0), 0.1f);
+    }
+  }
+  faces.addBox({-4, -0.2f, -4}, {4, 0, 4});
+  Scene scene = faces.finish();
+  scene.light.sky = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(1.0f)};
+  const Seen seen(std::move(scene));
+  SceneViewOptions options;
+  options.most_views = 3;
+  const SceneViews found = seen.views(options);
+  ASSERT_FALSE(found.views.empty());
+  const glm::dvec3& eye = found.views.front().camera.eye_m;
+  EXPECT_TRUE(std::abs(eye.x) < 4.0 && std::abs(eye.z) < 4.0) << eye.x << ' ' << eye.z;
+  EXPECT_EQ(found.rooms_dark, 8u);
+  options.thread_count = 3;
+  EXPECT_TRUE(isSame(found, seen.views(options)));
+}
+
+// Six closets of 2 x 2 m and a smaller room, in which the one lamp is.
+TEST(SceneViews, ShowTheRoomOfTheOnlyLampFirst) {
+  SceneOfFaces faces;
+  for (int r = 0; r < 6; ++r) faces.addRoom({3.0f * r, 0, 0}, {3.0f * r + 2, 2.5f, 2}, 0.2f);
+  faces.addRoom({0, 0, 5}, {1.8f, 2.5f, 6.8f}, 0.2f);
+  Scene scene = faces.finish();
+  Lamp lamp;
+  lamp.position = {0.9f, 2.2f, 5.9f};
+  lamp.intensity = glm::vec3(5.0f);
+  lamp.radius_m = 0.05f;
+  scene.light.lamps.push_back(lamp);
+  const SceneViews found = Seen(std::move(scene)).views();
+  ASSERT_GE(found.views.size(), 2u);
+  EXPECT_GT(found.views[0].camera.eye_m.z, 5.0);
+  EXPECT_EQ(found.rooms_dark, 6u);
+}
+
 // In an empty box edges are known: where a wall, floor or ceiling that the receiver does not lie on is within 10 cm.
 TEST(ViewSurfaces, KnowEdgesAndWhatIsNear) {
   const glm::dvec3 low(-2, 0, -2), high(2, 3, 2);

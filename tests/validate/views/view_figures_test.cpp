@@ -46,9 +46,10 @@ TEST(ViewFigures, AreZeroOfTruthItself) {
   for (size_t i = 0; i < light.size(); ++i) light[i].irradiance *= static_cast<float>(i % 7) * static_cast<float>(i % 11);
   const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
   for (const ViewFigures& f : viewFigures(surfaces, truth, light)) {
-    for (const double figure : {f.colour, f.rmse, f.relative, f.excess, f.off_first.brighter, f.off_first.darker,
-                                f.off_last.brighter, f.off_last.darker, f.ringing, f.dim, f.unlit})
+    for (const double figure : {f.colour, f.rmse, f.relative, f.off_first.brighter, f.off_first.darker, f.off_last.brighter,
+                                f.off_last.darker, f.below_eighth, f.ringing, f.dim, f.unlit})
       EXPECT_EQ(figure, 0.0);
+    EXPECT_EQ(f.energy, 1.0);
   }
 }
 
@@ -63,7 +64,7 @@ TEST(ViewFigures, OfTwiceTheLightAreWhatTheySay) {
   EXPECT_EQ(twice.off_last.brighter, 0.0) << "twice is not more than twice";
   EXPECT_NEAR(twice.relative, 0.5, 1e-6);
   EXPECT_NEAR(twice.rmse, 1.0, 1e-6);
-  EXPECT_NEAR(twice.excess, 1.0, 1e-6);
+  EXPECT_NEAR(twice.energy, 2.0, 1e-6);
   // .18 and .36 of white: L* 49.50 and 66.52
   EXPECT_NEAR(twice.colour, 66.52 - 49.50, 0.05);
   const ViewFigures third = of(viewFigures(surfaces, truth, scaled(light, 1.0f / 3.0f)), ViewClass::all);
@@ -80,6 +81,19 @@ TEST(ViewFigures, TakeNoisyTruthForOffOnlyBeyondItsNoise) {
   // truth may be 1.2, and 1.5 times that is 1.8
   EXPECT_EQ(of(viewFigures(surfaces, truth, scaled(light, 1.75f)), ViewClass::all).off_first.brighter, 0.0);
   EXPECT_EQ(of(viewFigures(surfaces, truth, scaled(light, 1.85f)), ViewClass::all).off_first.brighter, 1.0);
+}
+
+// A quarter of the picture has less than an eighth; truth's noise of .2 makes it a tenth of the light.
+TEST(ViewFigures, CountAsBlackSpotsWhatHasLessThanAnEighthOfTheLight) {
+  const ViewSurfaces surfaces = floorFromAbove();
+  for (const auto& [deviation, limit] : {std::pair(0.0f, 0.125f), {0.2f, 0.1f}}) {
+    const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f, deviation);
+    const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
+    std::vector<ReceivedLight> answers = scaled(light, 1.01f * limit);
+    EXPECT_EQ(of(viewFigures(surfaces, truth, answers), ViewClass::all).below_eighth, 0.0);
+    for (size_t i = 0; i < answers.size(); i += 4) answers[i].irradiance *= 0.98f;
+    EXPECT_EQ(of(viewFigures(surfaces, truth, answers), ViewClass::all).below_eighth, 0.25);
+  }
 }
 
 // A factor of two below what exact visibility gives, wherever that is no black.
