@@ -92,8 +92,10 @@ class Light(unittest.TestCase):
         for method in self.methods():
             for group in ("air", "surface", "turned"):
                 self.assertEqual(method[group]["balanced"]["rooms"] > 0, method[group]["balanced"]["rmse"] > 0.0)
+                self.assertEqual(method[group]["balanced"]["rooms"], len(method[group]["balanced"]["energy"]))
                 for figures in [method[group], *method[group].get("by_distance", [])]:
                     self.assertGreaterEqual(figures["rmse"], 0.0)
+                    self.assertGreaterEqual(figures["energy"], 0.0)
                     for value in (figures["smape"], figures["unlit"], figures["outside"], figures["fallback"]):
                         self.assertTrue(0.0 <= value <= 1.0 + 1e-9, f"{method['weights']}: {figures}")
             size = method["bytes"]

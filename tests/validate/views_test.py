@@ -51,8 +51,10 @@ class Views(unittest.TestCase):
             for of_class in method.keys() - {"weights", "light"}:
                 figures = method[of_class]
                 self.assertGreater(figures["receivers"], 0)
-                for share in [figures[off][way] for off in ("off_1.5", "off_2") for way in SHARES] + [figures["ringing"], figures["dim"], figures["unlit"]]:
+                for share in [figures[off][way] for off in ("off_1.5", "off_2") for way in SHARES] + [figures["below_eighth"], figures["ringing"], figures["dim"], figures["unlit"]]:
                     self.assertTrue(0 <= share <= 1, figures)
+                self.assertLessEqual(figures["below_eighth"], figures["off_2"]["darker"])
+                self.assertGreaterEqual(figures["energy"], 0)
                 for way in SHARES:
                     self.assertLessEqual(figures["off_2"][way], figures["off_1.5"][way])
             parts = [view_method["all"] for view in self.result["views"] for view_method in view["methods"] if view_method["weights"] == method["weights"]]

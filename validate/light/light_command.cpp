@@ -345,6 +345,8 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
     json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, asked));
   }
   writeFileAtomically(request.out, json.dump(1) + "\n");
+  std::cout << lightTable(json["spacings"]);
+  if (!request.grids_only && !hasSheets(scene->source.scene)) std::cout << "no double-sided faces: DDGI has one rule for backs\n";
   std::cout << request.out << '\n';
 }
 

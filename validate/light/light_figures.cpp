@@ -18,6 +18,7 @@ double channelMean(const glm::vec3& rgb) { return (double{rgb.r} + rgb.g + rgb.b
 double squares(const glm::vec3& rgb) { return (double{rgb.r} * rgb.r + double{rgb.g} * rgb.g + double{rgb.b} * rgb.b) / 3.0; }
 double absolutes(const glm::vec3& rgb) { return double{std::fabs(rgb.r)} + std::fabs(rgb.g) + std::fabs(rgb.b); }
 double quotient(double a, double b) { return b > 0.0 ? a / b : 0.0; }
+double energyOf(double answer, double truth) { return truth > 0.0 ? answer / truth : 1.0; }
 
 // Steps of walks measure changes; places nearer than 5 cm and those at edges are figures of their own.
 bool isCounted(const LightPlace& place) {
@@ -34,6 +35,8 @@ class GroupSum {
     weight_ += weight;
     error_ += weight * squares(answer.irradiance - truth);
     truth_ += weight * squares(truth);
+    given_mean_ += weight * channelMean(answer.irradiance);
+    truth_mean_ += weight * channelMean(truth);
     // what is below a hundredth of the level's mean is black to an eye: no share of it is an error
     const double sum = std::max(absolutes(answer.irradiance) + absolutes(truth), kBlackShare * kExposedMean / exposure_);
     smape_ += weight * quotient(absolutes(answer.irradiance - truth), sum);
@@ -47,6 +50,7 @@ class GroupSum {
 
   GroupFigures figures() {
     figures_.rmse = std::sqrt(quotient(error_, truth_));
+    figures_.energy = energyOf(given_mean_, truth_mean_);
     figures_.smape = quotient(smape_, weight_);
     figures_.colour_mean = quotient(colour_, weight_);
     figures_.colour_p95 = colourQuantile(0.95);
@@ -69,6 +73,7 @@ class GroupSum {
   const float exposure_;
   GroupFigures figures_;
   double weight_ = 0.0, error_ = 0.0, truth_ = 0.0, smape_ = 0.0, colour_ = 0.0, unlit_ = 0.0, outside_ = 0.0, fallback_ = 0.0;
+  double given_mean_ = 0.0, truth_mean_ = 0.0;
   std::vector<std::pair<double, double>> colours_;
 };
 
@@ -107,10 +112,12 @@ class RoomSums {
 template <class Weight>
 void balance(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers, Weight weight,
              GroupFigures* figures) {
-  RoomSums light(places), errors(places);
+  RoomSums light(places), given(places), errors(places);
   for (size_t i = 0; i < places.places.size(); ++i) {
     const LightPlace& place = places.places[i];
-    if (weight(place) > 0.0) light.add(place, channelMean(truth.at[i].irradiance), weight(place));
+    if (!(weight(place) > 0.0)) continue;
+    light.add(place, channelMean(truth.at[i].irradiance), weight(place));
+    given.add(place, channelMean(answers[i].irradiance), weight(place));
   }
   for (size_t i = 0; i < places.places.size(); ++i) {
     const LightPlace& place = places.places[i];
@@ -120,6 +127,9 @@ void balance(const LightPlaces& places, const LightTruth& truth, const std::vect
     errors.add(place, quotient(squares(answers[i].irradiance - truth.at[i].irradiance), scale * scale), weight(place));
   }
   errors.average([&](uint32_t room) { return std::sqrt(errors.mean(room)); }, &figures->rooms, &figures->balanced);
+  for (uint32_t room = 0; room < places.room_count; ++room) {
+    if (errors.says(room)) figures->room_energy.push_back(energyOf(given.mean(room), light.mean(room)));
+  }
 }
 
 // scale   of each place: dark is what is below kDarkShare of it

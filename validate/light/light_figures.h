@@ -47,10 +47,12 @@ struct GroupFigures {
   double colour_mean = 0.0;  // HyAB, of a white surface at an exposure that shows the level's mean as middle grey
   double colour_p95 = 0.0;
   double unlit = 0.0, outside = 0.0, fallback = 0.0;  // shares
+  double energy = 1.0;                                // the answers' mean over truth's; 1 where truth is black
   // By room: the root mean square of error over the light where it stands, which is truth there or the room's mean, whichever is more,
   // and kBlackShare of the level's mean at least. Then the mean over rooms.
   uint64_t rooms = 0;
   double balanced = 0.0;
+  std::vector<double> room_energy;  // by room, the same rooms; the largest first
 };
 
 // Of places where truth is below kDarkShare of a scale: the level's mean, or what is around. All over that scale's mean.

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include <fmt/format.h>
+
 namespace nlg {
 namespace {
 
@@ -10,16 +12,16 @@ using Json = nlohmann::ordered_json;
 Json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 Json groupJson(const GroupFigures& f) {
-  return {{"places", f.places},    {"rmse", f.rmse},
-          {"smape", f.smape},      {"colour", {{"mean", f.colour_mean}, {"p95", f.colour_p95}}},
-          {"unlit", f.unlit},      {"outside", f.outside},
-          {"fallback", f.fallback}};
+  return {{"places", f.places},     {"rmse", f.rmse},
+          {"smape", f.smape},       {"colour", {{"mean", f.colour_mean}, {"p95", f.colour_p95}}},
+          {"unlit", f.unlit},       {"outside", f.outside},
+          {"fallback", f.fallback}, {"energy", f.energy}};
 }
 
 // With the figure by room, which groups have and classes of distance have not.
 Json balancedJson(const GroupFigures& f) {
   Json json = groupJson(f);
-  json["balanced"] = {{"rooms", f.rooms}, {"rmse", f.balanced}};
+  json["balanced"] = {{"rooms", f.rooms}, {"rmse", f.balanced}, {"energy", f.room_energy}};
   return json;
 }
 
@@ -86,6 +88,23 @@ Json truthJson(const LightPlaces& places, const LightTruth& truth, bool is_baked
             {"edges", places.edge_count},
             {"corners", places.corner_count},
             {"dark", truth.dark}}}};
+}
+
+std::string lightTable(const Json& spacings) {
+  std::string table = fmt::format("{:>7} {:<48} {:>23}   {}\n", "spacing", "method", "RMSE", "energy: air, surface, turned");
+  for (const Json& spacing : spacings) {
+    for (const Json& method : spacing["methods"]) {
+      const Json &air = method["air"], &surface = method["surface"], &turned = method["turned"];
+      const std::string name = method["weights"].get<std::string>() + ", " + method["light"].get<std::string>();
+      table += fmt::format("{:>5.3g} m {:<48}", spacing["spacing_m"].get<double>(), name);
+      for (const char* key : {"rmse", "energy"}) {
+        for (const Json* group : {&air, &surface, &turned}) table += fmt::format(" {:>7.3f}", (*group)[key].get<double>());
+        table += "  ";
+      }
+      table += '\n';
+    }
+  }
+  return table;
 }
 
 Json methodJson(const LightMethod& method, const LightFigures& figures, const LightPlaces& places, const LightTruth& truth,

@@ -105,8 +105,9 @@ TEST(Ddgi, TakesTheBackOfADoubleSidedFaceForAFrontIfAskedTo) {
       const DdgiProbe probe = makeDdgiMaps(probes, lit.transport, options).probes[0];
       const bool is_front = double_sided && backs == SheetBacks::none;
       EXPECT_EQ(probe.is_active, is_front);
+      if (!is_front) continue;
       // along an axis 2 m, and a little more a little beside it
-      if (is_front) EXPECT_NEAR(probe.depth.at({1, 0, 0}).x, 2.0f, 0.1f);
+      EXPECT_NEAR(probe.depth.at({1, 0, 0}).x, 2.0f, 0.1f);
     }
   }
 }

@@ -50,6 +50,7 @@ TEST(LightFigures, AreZeroInAFurnace) {
     EXPECT_EQ(f.dark.places, 0u) << name;
     EXPECT_EQ(f.beside_light.places, 0u) << name;
     EXPECT_LT(f.air.balanced, 0.02) << name;
+    EXPECT_NEAR(f.air.energy, 1.0, 0.02) << name;
     EXPECT_NEAR(f.edge.excess, 0.0, 0.02) << name;
     EXPECT_NEAR(f.corner.excess, 0.0, 0.02) << name;
     EXPECT_EQ(f.air.unlit, 0.0) << name;
@@ -116,6 +117,11 @@ TEST(LightFigures, CountRoomsAlikeByTheLightThatStandsInThem) {
   const LightFigures f = lightFigures(places, truth, answers);
   EXPECT_EQ(f.air.rooms, 2u);
   EXPECT_NEAR(f.air.balanced, (0.1 + 1.0) / 2, 1e-6);
+  // 9 over 10, and the mean of 1.5 and 3 over 1
+  ASSERT_EQ(f.air.room_energy.size(), 2u);
+  EXPECT_NEAR(f.air.room_energy[0], 0.9, 1e-6);
+  EXPECT_NEAR(f.air.room_energy[1], 2.25, 1e-6);
+  EXPECT_NEAR(f.air.energy, (8 * 9.0 + 8 * 2.25 + 200.0) / (8 * 10.0 + 8 * 1.0 + 2.0), 1e-6);
 }
 
 TEST(LightFigures, OfEdgesPoolOverPlacesAndAreRelativeWhereTheyStand) {
