@@ -24,7 +24,7 @@ Errors against path tracing. All methods have the same probes, rays and sample p
 - **surface**: 5 to 50 cm before surfaces, with the surface's normal.
 - **turned**: the same points, any normal.
 
-Probe light is *point*, gathered at the probe; *solved*, least squares over other points in air; or the method's *own* form. *Dark*: mean light beyond truth at points that should be dark, over the level's mean. *Edges*: mean light beyond truth within 10 cm of edges, over truth there. Parentheses hold 95 % intervals, by bootstrap over scenes. DDGI takes the back of a double-sided face as a front, to its advantage; RTXGI's shaders take it as a back.
+Probe light is *point*, gathered at the probe; *solved*, least squares over other points in air; or the method's *own* form. *Dark*: mean light beyond truth at points that should be dark, over the level's mean. *Edges*: mean light beyond truth within 10 cm of edges, over truth there. Parentheses hold 95 % intervals, by bootstrap over scenes. DDGI has two [rules](json.md#lightjson) for backs of double-sided faces; the better one in each scene counts. Results of `669535a110a1` have one alone, `backless sheets`, to its disadvantage: probes inside double-sided walls stay active. Not measured: APV with rendering layers, Unity's own cure for light through walls, because artists assign the layers, and no scene here has any.
 """
 
 
@@ -305,7 +305,8 @@ def seen_section(results):
         entries = [found["methods"][kind].get(slug) for kind in kinds]
         rows.append([name, light, *("; ".join([number(entry["all"]["hyab"], 1), percents(entry["all"]["off_2"]), percents(entry["edge"]["off_2"]) if "edge" in entry else "", percents(entry["all"]["ringing"])])
                                     if entry else "" for entry in entries)])
-    return (SEEN_INTRODUCTION + f"\nRevision {revisions}.\n" + seen_targets(found, results["ours"])
+    offsets = f", means over {found['offsets']} offsets of the lattice (`--seed`)" if "offsets" in found else ""
+    return (SEEN_INTRODUCTION + f"\nRevision {revisions}{offsets}.\n" + seen_targets(found, results["ours"])
             + f"\n*ΔE; off; edges; rings*, shares in per cent, probes as far apart as the bake chooses (number of scenes).\n"
             + table(["method", "light", *(f"{KIND_TITLES[kind].lower()} ({count})" for kind, count in kinds.items())], rows))
 
