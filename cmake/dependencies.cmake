@@ -20,7 +20,6 @@ if(NLG_BUILD_TOOLS OR NLG_BUILD_FUZZERS)
   find_package(OpenEXR CONFIG REQUIRED)
   pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp)
   find_package(embree 3.13 CONFIG REQUIRED)
-  find_package(Qhull REQUIRED)
   find_package(HDF5 REQUIRED COMPONENTS C)
   # Debian's libdeflate brings no CMake package
   find_library(NLG_DEFLATE_LIBRARY deflate REQUIRED)

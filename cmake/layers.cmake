@@ -16,7 +16,7 @@ set(NLG_MAY_LINK_light         nlg::visibility nlg::probes nlg::scene nlg::runti
 set(NLG_MAY_LINK_weighting     nlg::visibility nlg::probes nlg::runtime_eval)
 set(NLG_MAY_LINK_functions     nlg::weighting nlg::runtime_eval nlg::tool nlg::deflate Threads::Threads)
 set(NLG_MAY_LINK_dataset       nlg::functions nlg::tool hdf5::hdf5 nlg::runtime_eval)
-set(NLG_MAY_LINK_light_methods nlg::light nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool Qhull::qhull_r)
+set(NLG_MAY_LINK_light_methods nlg::light nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_shard_scene   nlg::scene nlg::probes nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_shard_job     nlg::scene nlg::probes nlg::visibility nlg::weighting nlg::functions nlg::dataset nlg::shard_scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_view          nlg::shard_scene nlg::scene nlg::probes nlg::dataset nlg::runtime_eval nlg::tool PNG::PNG)

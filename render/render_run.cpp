@@ -349,7 +349,7 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--weights", r.weights, "weights for --bake. None: the supplied weights");
   app.add_option("--method", r.method,
                  "method that lights the picture: truth, grid, or a baseline: trilinear, valid-trilinear, exact-visibility, apv, "
-                 "ddgi, tetrahedra; with :solved appended, its light is solved")
+                 "ddgi; with :solved appended, its light is solved")
       ->capture_default_str();
   app.add_option("--panel", r.panel, "methods to draw side by side, with titles, and with errors if truth is among them")
       ->delimiter(',');

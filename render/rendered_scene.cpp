@@ -51,8 +51,7 @@ constexpr BaselineGroup kBaselineGroups[] = {{"trilinear", &MethodSet::addTrilin
                                              {"valid-trilinear", &MethodSet::addTrilinear},
                                              {"exact-visibility", &MethodSet::addTrilinear},
                                              {"apv", &MethodSet::addApv},
-                                             {"ddgi", &MethodSet::addDdgi},
-                                             {"tetrahedra", &MethodSet::addTetrahedra}};
+                                             {"ddgi", &MethodSet::addDdgi}};
 
 constexpr BaselineGroup kShippedDdgi = {"ddgi", &MethodSet::addShippedDdgi};
 

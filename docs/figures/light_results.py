@@ -29,7 +29,7 @@ from light_figures import GROUPS, SCENE_KINDS
 TODAY = ("point", 1.0)  # light gathered at probes 1 m apart: whose error is to be had for fewer bytes
 BYTES_BEFORE = 39  # a probe, of a light grid when the targets of bytes at equal error were set
 BASELINES = ("valid trilinear", "APV", "DDGI as shipped", "DDGI as shipped, relocated")
-SOLVED_BASELINES = ("valid trilinear", "tetrahedra", "APV", "DDGI's weights")
+SOLVED_BASELINES = ("valid trilinear", "APV", "DDGI's weights")
 NOT_BASELINES = (figures.NOT_STORED, "exact visibility")  # what nobody could ship
 DARK_BASELINES = {"valid_trilinear": ("valid trilinear", "point"), "exact_visibility": ("exact visibility", "point")}
 DDGI = "DDGI as shipped"

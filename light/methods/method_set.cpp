@@ -5,7 +5,6 @@
 
 #include "light/directions.h"
 #include "light/methods/sh_octree.h"
-#include "light/methods/tetrahedra.h"
 #include "light/surface_cache.h"
 #include "light/thinning.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
@@ -203,17 +202,6 @@ void MethodSet::addDdgi() {
     addBlends({withRule("DDGI's weights", backs), std::make_unique<Ddgi>(probes_, maps), probes_.count(),
                bytesOf(probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
   }
-}
-
-void MethodSet::addTetrahedra() {
-  const double start = processorSeconds();
-  std::unique_ptr<Tetrahedra> tetrahedra = Tetrahedra::make(probes_);
-  if (tetrahedra == nullptr) return;
-  const double seconds = processorSeconds() - start;
-  // an engine goes on from the tetrahedron of the frame before: it needs no tree
-  MethodBytes bytes = bytesOf(tetrahedra->byteCount());
-  bytes.tree = 0;
-  addBlends({"tetrahedra", std::move(tetrahedra), probes_.air_count, bytes, seconds, nullptr});
 }
 
 void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion,

@@ -58,8 +58,6 @@ class MethodSet {
   void addDdgi();
   void addOwnDdgi();      // of these all but weights with harmonics
   void addShippedDdgi();  // of these one alone: not relocated, by RTXGI's own rule
-  // Nothing where too few probes stand in air.
-  void addTetrahedra();
   // places   where the methods will be asked
   void addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion,
                           const std::vector<LightWay>& ways = kGatheredAndSolved);

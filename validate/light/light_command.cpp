@@ -138,7 +138,6 @@ class LightMeasurement {
     MethodSet methods({transport, scene.links, scene.tree, scene.air}, method_options);
     if (!asked.grids_alone && !request_.grids_only) {
       methods.addTrilinear();
-      methods.addTetrahedra();
       methods.addApv();
       methods.addDdgi();
     }

@@ -23,7 +23,7 @@ from tool.atomic_file import write_files
 from tool.errors import run
 from tool.input_file import as_documented, read_json
 
-BASELINES = (("valid trilinear", "point"), ("trilinear", "solved"), ("APV", "point"), ("APV", "solved"), ("DDGI as shipped, relocated", "own"), ("DDGI's weights", "solved"), ("tetrahedra", "solved"))
+BASELINES = (("valid trilinear", "point"), ("trilinear", "solved"), ("APV", "point"), ("APV", "solved"), ("DDGI as shipped, relocated", "own"), ("DDGI's weights", "solved"))
 KINDS = ("levels", "furnished", "daylight")
 PANEL = (3.9, 2.9)  # inches
 

@@ -1,44 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "light/directions.h"
 #include "light/methods/apv.h"
-#include "light/methods/tetrahedra.h"
 #include "light/methods/weightings.h"
-#include "runtime_eval/numbers/random.h"
 #include "tests/validate/light/lit_scenes.h"
 
 namespace nlg {
 namespace {
-
-double volume(const std::vector<glm::dvec3>& points, const Tetrahedron& t) {
-  const glm::dvec3& d = points[t.vertex[3]];
-  return std::fabs(glm::dot(points[t.vertex[0]] - d, glm::cross(points[t.vertex[1]] - d, points[t.vertex[2]] - d))) / 6.0;
-}
-
-TEST(Delaunay, FillsTheHullWithTetrahedraThatMeet) {
-  std::vector<glm::dvec3> points;
-  for (int corner = 0; corner < 8; ++corner) points.emplace_back(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
-  Random random(5);
-  for (int i = 0; i < 60; ++i)
-    points.emplace_back(random.uniform(0.05, 0.95), random.uniform(0.05, 0.95), random.uniform(0.05, 0.95));
-  const std::vector<Tetrahedron> cells = delaunay(points);
-  double sum = 0.0;
-  for (uint32_t c = 0; c < cells.size(); ++c) {
-    sum += volume(points, cells[c]);
-    for (int i = 0; i < 4; ++i) {
-      const uint32_t other = cells[c].neighbour[i];
-      if (other == kNoTetrahedron) continue;
-      // the neighbour shares all but the vertex over against it, and knows of this one
-      const auto& theirs = cells[other];
-      EXPECT_EQ(std::count(theirs.neighbour.begin(), theirs.neighbour.end(), c), 1);
-      for (int k = 0; k < 4; ++k) {
-        const auto found = std::count(theirs.vertex.begin(), theirs.vertex.end(), cells[c].vertex[k]);
-        EXPECT_EQ(found, k == i ? 0 : 1);
-      }
-    }
-  }
-  EXPECT_NEAR(sum, 1.0, 1e-9);
-}
 
 class BaselinesTest : public testing::Test {
  protected:
@@ -55,30 +25,6 @@ class BaselinesTest : public testing::Test {
 };
 LitScene* BaselinesTest::lit_ = nullptr;
 ProbeSet* BaselinesTest::probes_ = nullptr;
-
-TEST_F(BaselinesTest, TetrahedraBlendPositionsToThePlaceItself) {
-  const std::unique_ptr<Tetrahedra> tetrahedra = Tetrahedra::make(*probes_);
-  ASSERT_NE(tetrahedra, nullptr);
-  int inside = 0;
-  for (const LightPlace& place : lit_->places().places) {
-    const ProbeBlend blend = tetrahedra->blendAt(place.position_m, place.normal);
-    ASSERT_GT(blend.count, 0);
-    ASSERT_LE(blend.count, 4);
-    float weights = 0.0f;
-    glm::dvec3 sum(0.0);
-    for (int i = 0; i < blend.count; ++i) {
-      EXPECT_TRUE(probes_->is_in_air[blend.probe[i]]);
-      weights += blend.weight[i];
-      sum += double{blend.weight[i]} * probes_->position_m[blend.probe[i]];
-    }
-    EXPECT_NEAR(weights, 1.0f, 1e-5f);
-    if (blend.reach != Reach::lit) continue;
-    ++inside;
-    // vertices were moved by a thousandth of the spacing along each axis
-    EXPECT_LT(glm::distance(sum, place.position_m), std::sqrt(3.0) * 1e-3 + 1e-5);
-  }
-  EXPECT_GT(inside, 100);
-}
 
 TEST_F(BaselinesTest, ApvCapturesLightOutsideOfAWall) {
   ProbeSet probes = *probes_;

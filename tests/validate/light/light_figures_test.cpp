@@ -24,7 +24,6 @@ FiguresByMethod measureAll(const LitScene& lit) {
   const LightTruth truth = lightTruth(places, lit.transport, {{256, 64}});
   MethodSet methods = lit.methods();
   methods.addTrilinear();
-  methods.addTetrahedra();
   methods.addApv();
   methods.addDdgi();
   std::vector<glm::dvec3> asked;
