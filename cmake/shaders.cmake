@@ -1,4 +1,4 @@
-# Shaders as SPIR-V, for tests and benchmarks on Vulkan. NLG_HAS_VULKAN: all that is needed is there.
+# Shaders as SPIR-V, for tests on Vulkan. NLG_HAS_VULKAN: all that is needed is there.
 find_package(Vulkan QUIET)
 find_program(NLG_GLSLANG glslangValidator)
 find_program(NLG_SPIRV_VAL spirv-val)

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # Measures every figure that the documentation publishes at one clean revision, in a checkout of its own, on an idle machine.
 #
-#   docs/figures/measure.sh [PART …]     functions bakes light views reliability cycles shaders; none: all of them
+#   docs/figures/measure.sh [PART …]     functions bakes light views reliability cycles; none: all of them
 #   docs/figures/measure.sh collect      what is there → docs/results and every text (results.py)
 #
 # The first part checks the present commit out into out/release/source and builds it there; all later parts are of that revision, whatever
 # is edited here. What is measured is not measured again: a run that was stopped goes on, and parts may run on different days. On two cores
 # some three hours.
 # `git worktree remove --force out/release/source; rm -r out/release` begins anew.
-# Needs Debian's packages of the levels (docs/guide/levels.md); cycles: blender; shaders: grids of bakes, and a Vulkan device or mesa-vulkan-drivers.
+# Needs Debian's packages of the levels (docs/guide/levels.md); cycles: blender.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 root=$PWD/out/release source=$PWD/out/release/source
@@ -21,12 +21,12 @@ default=weights/tent_mlp4.safetensors
 
 case ${1:-} in -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
 parts=("$@")
-[ $# -gt 0 ] || parts=(functions bakes light views reliability cycles shaders)
+[ $# -gt 0 ] || parts=(functions bakes light views reliability cycles)
 for part in "${parts[@]}"; do
   case $part in
-    functions | bakes | light | views | reliability | cycles | shaders) ;;
+    functions | bakes | light | views | reliability | cycles) ;;
     collect) [ "${parts[*]}" = collect ] || { echo "measure.sh: collect cannot be combined with parts: it comes when they are done" >&2; exit 2; } ;;
-    *) echo "measure.sh: expected functions, bakes, light, views, reliability, cycles, shaders or collect, got '$part'" >&2; exit 2 ;;
+    *) echo "measure.sh: expected functions, bakes, light, views, reliability, cycles or collect, got '$part'" >&2; exit 2 ;;
   esac
 done
 
@@ -142,11 +142,5 @@ reliability() {
 }
 
 cycles() { made "$root/cycles/sum.result.json" docs/figures/cycles/compare.py --bin "$bin" --out "$root/cycles"; }
-
-shaders() {
-  bakes
-  build "train tests" bench_shader_parity
-  made "$root/shaders/parity.txt" bash -c '"$1" "$2"/{aggressor,am_galmevish2,czest1dm,hydronex2,islanddm,kaos2,oa_dm1,oa_koth1}.safetensors > "$3"' sh "$bin/bench_shader_parity" "$root/grids" "$root/shaders/parity.txt"
-}
 
 for part in "${parts[@]}"; do "$part"; done

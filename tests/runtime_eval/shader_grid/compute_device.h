@@ -179,22 +179,6 @@ class ComputeDevice {
     submit([&](const vk::raii::CommandBuffer& command) { record(command, pass, groups); });
   }
 
-  // Seconds a pass takes by the device's own clock, without the way there and back; the mean of so many in a row.
-  double timeOf(const Pass& pass, const std::array<uint32_t, 3>& groups, int times) const {
-    const vk::raii::QueryPool clock(device_, vk::QueryPoolCreateInfo({}, vk::QueryType::eTimestamp, 2));
-    submit([&](const vk::raii::CommandBuffer& command) {
-      command.resetQueryPool(*clock, 0, 2);
-      command.writeTimestamp(vk::PipelineStageFlagBits::eTopOfPipe, *clock, 0);
-      for (int i = 0; i < times; ++i) record(command, pass, groups);
-      command.writeTimestamp(vk::PipelineStageFlagBits::eBottomOfPipe, *clock, 1);
-    });
-    const auto ticks = clock
-                           .getResults<uint64_t>(0, 2, 2 * sizeof(uint64_t), sizeof(uint64_t),
-                                                 vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait)
-                           .second;
-    return 1e-9 * physical_.getProperties().limits.timestampPeriod * static_cast<double>(ticks[1] - ticks[0]) / times;
-  }
-
   // A shader with storage buffers 0, 1 …; the last one comes back.
   // inputs         buffers in their order but the last
   // output_words   size of the last

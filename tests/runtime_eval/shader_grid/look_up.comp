@@ -8,12 +8,7 @@ layout(std430, binding = 0) readonly buffer Fours { uvec4 fours[]; };
 layout(std430, binding = 1) readonly buffer Places { vec4 places[]; };  // position, normal
 layout(std430, binding = 2) writeonly buffer Lights { vec4 lights[]; };  // irradiance, status
 
-#ifdef NLG_UNIFORM_HEAD  // how many fours it has
-layout(std140, binding = 3) uniform Head { uvec4 head[NLG_UNIFORM_HEAD]; };
-uvec4 nlgHeader(int i) { return head[i]; }
-#else
 uvec4 nlgHeader(int i) { return fours[i]; }
-#endif
 uvec4 nlgFour(int i) { return fours[i]; }
 uint nlgWord(int i) { return words[i]; }
 #include "runtime_eval/shader_grid/look_up.glsl"
