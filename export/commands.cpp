@@ -4,7 +4,6 @@
 
 #include "export/engine/engine_format.h"
 #include "export/shader/shader_export.h"
-#include "export/used_by/used_by.h"
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator/generator_data.h"
 #include "tool/command/file_info.h"
@@ -39,13 +38,12 @@ int infoMain(int argc, char** argv) {
   return fileInfoMain(argc, argv, {"nlg-export info", "weights (.safetensors)", "export", describeWeights});
 }
 
-constexpr Command kEachCommand[] = {{"info", infoMain}, {"used-by", usedByMain}, {"shader", shaderMain}, {"engine", engineMain}};
+constexpr Command kEachCommand[] = {{"info", infoMain}, {"shader", shaderMain}, {"engine", engineMain}};
 
 }  // namespace
 
 const char* const kCommands =
     "nlg-export info FILE ...: verifies and describes weights.\n"
-    "nlg-export used-by --bake GRID --weights W1 [W2 ...] --out FOLDER: copies the weights that a grid uses.\n"
     "nlg-export shader --grid GRID --out FOLDER: writes a light grid for shaders, with its look-up in GLSL.\n"
     "nlg-export engine --grid GRID --format FORMAT --out FOLDER: writes a light grid as files that engines load.";
 

@@ -1,5 +1,4 @@
-// Commands of nlg-export that need no libtorch: describe weights, copy those that a grid uses, and convert light grids for
-// shaders and engines.
+// Commands of nlg-export that need no libtorch: describe weights, and convert light grids for shaders and engines.
 #pragma once
 
 #include <optional>

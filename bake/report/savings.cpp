@@ -195,9 +195,7 @@ class SavingsCount {
       bytes += weights_bytes_[g];
     }
     add("representations never chosen", names.size(), generators_.size(), {}, static_cast<int64_t>(bytes),
-        names.empty()
-            ? "every one of them has a function"
-            : fmt::format("{}: not in the light grid, and nlg-export used-by leaves their weights out", fmt::join(names, ", ")));
+        names.empty() ? "every one of them has a function" : fmt::format("{}: not in the light grid", fmt::join(names, ", ")));
     if (stored_.theta != ThetaPrecision::float32) {
       const auto floats = static_cast<int64_t>(grid_.theta.size() * sizeof(float));
       add("bits of theta beyond its stored form", grid_.theta.size(), grid_.theta.size(), {},

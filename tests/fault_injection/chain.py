@@ -54,7 +54,6 @@ def tools():
         Tool("export", ["nlg-export", *config, "--checkpoint", "tent_mlp.ckpt", "--basis", "basis.h5", "--shards", held_out, "--out", weights, "--onnx", "tent_mlp.onnx"],
              [CONFIG, "tent_mlp.ckpt", "basis.h5", held_out], [weights, "tent_mlp.onnx"]),
         Tool("bake", ["nlg-bake", "house:1", *config, "--weights", weights, "--json", "bake.json", "--out", "grid.safetensors"], [CONFIG, weights], ["grid.safetensors", "bake.json"]),
-        Tool("used by", ["nlg-export", "used-by", "--bake", "grid.safetensors", "--weights", weights, "--out", "used_by"], ["grid.safetensors", weights], ["used_by"]),
         Tool("shader", ["nlg-export", "shader", "--grid", "grid.safetensors", "--out", "shader"], ["grid.safetensors"], ["shader"]),
         Tool("engine", ["nlg-export", "engine", "--grid", "grid.safetensors", "--format", "three", "--out", "engine"], ["grid.safetensors"], ["engine"]),
         Tool("render", ["nlg-render", "house:1", *PICTURE, "--out", "picture.png"], [], ["picture.png"]),

@@ -34,7 +34,7 @@ CALLS = {
 }
 # the files among them, each with a sound one of another kind
 FOREIGN = {"training.h5": "basis.h5", "held_out.h5": "weights.safetensors", "basis.h5": "training.h5", "run.ckpt": "basis.h5", "weights.safetensors": "run.ckpt"}
-GRID_READERS = ["nlg-export shader --grid {} --out bad", "nlg-export engine --grid {} --format three --out bad", "nlg-export used-by --bake {} --weights weights.safetensors --out bad",
+GRID_READERS = ["nlg-export shader --grid {} --out bad", "nlg-export engine --grid {} --format three --out bad",
                 "nlg-render house:1 --method grid --grid {} --out bad.png", "nlg-view house:1 --grid {} --out bad"]
 SECTIONS = {"nlg-datagen": "datagen", "nlg-pca": "basis", "nlg-train": "train", "nlg-export": "export", "nlg-bake": "bake", "nlg-validate": "validate"}
 # what else a good call may be given: tool, words added, words of the refusal
@@ -120,14 +120,13 @@ def check_inputs(tools):
             for bad in ("missing" + os.path.splitext(path)[1], FOREIGN[path]):
                 tools.refuses(INPUT_ERROR, bad, configured(tool, by={path: bad}))
     for reader in GRID_READERS:
-        for bad in ("missing.safetensors", "weights.safetensors" if "used-by" not in reader else "basis.h5"):
+        for bad in ("missing.safetensors", "weights.safetensors"):
             tools.refuses(INPUT_ERROR, bad, reader.format(bad))
 
 
 def check_files_that_do_not_belong_together(tools):
     for command in ("nlg-datagen --config good.yaml --scene house:2 --held-out --test-points 128 --out other_test.h5",
-                    "nlg-pca --config good.yaml --components 7 --shards training.h5 --out other_basis.h5", "nlg-cache --basis other_basis.h5 --shards training.h5 --out other.cache",
-                    configured("nlg-export", "--dtype", "float32", by={"bad.safetensors": "other_weights.safetensors"})):
+                    "nlg-pca --config good.yaml --components 7 --shards training.h5 --out other_basis.h5", "nlg-cache --basis other_basis.h5 --shards training.h5 --out other.cache"):
         tools.must(command)
     # nothing is measured twice: two weights of one representation, one shard twice
     shutil.copy("weights.safetensors", "again.safetensors")
@@ -136,12 +135,11 @@ def check_files_that_do_not_belong_together(tools):
     for command in ("nlg-validate", "nlg-validate frontier"):
         tools.refuses(USAGE_ERROR, both, f"{command} {twice} --held-out held_out.h5 --out bad")
         tools.refuses(USAGE_ERROR, ": held_out.h5 and held_out_again.h5", f"{command} --weights weights.safetensors --held-out held_out.h5 held_out_again.h5 --out bad")
-    for command in ("nlg-validate stability", "nlg-export used-by --bake grid.safetensors", "nlg-bake house:1"):
+    for command in ("nlg-validate stability", "nlg-bake house:1"):
         tools.refuses(USAGE_ERROR, both, f"{command} {twice} --out bad")
     other_cache = {"--shards": "--cache", "training.h5": "other.cache"}
     for names, command in [(["other_basis.h5", "SHA-256"], call("nlg-export", by={"basis.h5": "other_basis.h5"})), (["training.h5", "--held-out"], call("nlg-validate", by={"held_out.h5": "training.h5"})),
-                           ("other_test.h5", "nlg-validate --weights weights.safetensors --held-out held_out.h5 other_test.h5 --out bad"), (["other.cache", "basis"], configured("nlg-train", by=other_cache)),
-                           (["other_weights.safetensors", "SHA-256"], "nlg-export used-by --bake grid.safetensors --weights other_weights.safetensors --out bad")]:
+                           ("other_test.h5", "nlg-validate --weights weights.safetensors --held-out held_out.h5 other_test.h5 --out bad"), (["other.cache", "basis"], configured("nlg-train", by=other_cache))]:
         tools.refuses(INPUT_ERROR, names, command)
     # an unfinished run's state of other options is refused unless asked otherwise
     shutil.copytree("run", "other_run", symlinks=True)

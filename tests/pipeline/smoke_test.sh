@@ -77,11 +77,6 @@ functions = whole["theta_bytes"] // 452
 assert 60 * functions < one["theta_bytes"] < 122 * functions and whole["theta_bytes"] == 452 * functions, (one["theta_bytes"], whole["theta_bytes"])
 assert whole["rmse"]["fitted"]["mean"] == whole["rmse"]["stored"]["mean"], whole
 PYTHON
-for source in one.safetensors one.json; do
-  "$NLG_BIN/nlg-export" used-by --bake "$temporary/$source" --weights "${weights[@]}" --out "$temporary/for_$source" >/dev/null 2>&1 || fail "used-by refuses $source"
-  for copy in "$temporary/for_$source"/*; do cmp "$copy" "$out/weights/$(basename "$copy")" || fail "$copy is no copy"; done
-done
-diff -r "$temporary/for_one.safetensors" "$temporary/for_one.json" || fail "the light grid and the report name other weights"
 
 # --- info of every kind of file: what it is, and that every byte was verified
 "$NLG_BIN/nlg-cache" --basis "$out/basis.h5" --shards "$out"/dataset/training/*.h5 --out "$temporary/functions.cache" >/dev/null
