@@ -17,6 +17,7 @@
 namespace nlg {
 namespace {
 
+constexpr float kLeastLampRadiusM = 0.002f;  // of one that touches a surface
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr int kSetCount = 8;          // of directions, whose means say how sure the whole is
 constexpr int kSurePathVertices = 3;  // no roulette before
@@ -93,6 +94,7 @@ struct CosineDirections {
 struct LightTransport::Impl {
   const Scene& scene;
   const RayScene& rays;
+  std::vector<Lamp> lamps;               // the scene's, none so large that a surface cuts through it
   std::vector<glm::vec3> factor_albedo;  // by material: all there is of one without images
   Emitters emitters;
   SkySampler sky;         // of a sky that is an image; empty otherwise
@@ -101,6 +103,12 @@ struct LightTransport::Impl {
 
   Impl(const Scene& s, const RayScene& r)
       : scene(s), rays(r), emitters(s), sky(s.light.sky.image), group_count(s.light.groups.count()) {
+    // of a sphere that is half behind a ceiling that half's light would be lost, and what comes close to it would be too dark
+    for (Lamp lamp : scene.light.lamps) {
+      const float clearance = lamp.radius_m > 0.0f ? rays.clearance(lamp.position, 2.0f * lamp.radius_m) : 0.0f;
+      lamp.radius_m = std::clamp(0.5f * clearance, std::min(lamp.radius_m, kLeastLampRadiusM), lamp.radius_m);
+      lamps.push_back(lamp);
+    }
     for (const Material& material : scene.materials) factor_albedo.push_back(albedoOf(material, material.base_color));
     // larger than the rounding of positions at the scene's furthest vertex
     float furthest = 0.0f;
@@ -233,12 +241,12 @@ struct LightTransport::Impl {
         addArriving(LightGroups::of(groups().of_sun, s), cosine());
     }
     float total = 0.0f;
-    for (const Lamp& lamp : scene.light.lamps) total += openLight(lamp, from);
+    for (const Lamp& lamp : lamps) total += openLight(lamp, from);
     if (total > 0.0f) {
       float at = static_cast<float>(random.uniform()) * total;
       const Lamp* chosen = nullptr;
       float share = 0.0f;
-      for (const Lamp& lamp : scene.light.lamps) {
+      for (const Lamp& lamp : lamps) {
         const float open = openLight(lamp, from);
         if (open <= 0.0f) continue;
         chosen = &lamp;
@@ -246,7 +254,7 @@ struct LightTransport::Impl {
         if ((at -= open) < 0.0f) break;
       }
       if (chosen != nullptr && lampLight(*chosen, from, random.uniform(), random.uniform(), &arriving))
-        addArriving(LightGroups::of(groups().of_lamp, static_cast<size_t>(chosen - scene.light.lamps.data())), cosine() / share);
+        addArriving(LightGroups::of(groups().of_lamp, static_cast<size_t>(chosen - lamps.data())), cosine() / share);
     }
     // the density of the path's next direction: emitters and sky are weighed against it
     const auto density = [&](const glm::vec3& direction) { return std::max(0.0f, glm::dot(direction, normal)) / kPi; };
@@ -416,9 +424,9 @@ struct LightTransport::Impl {
     }
     if (options.direct == DirectLight::none || options.direct == DirectLight::reflected) return;
     float total = 0.0f;
-    for (const Lamp& lamp : scene.light.lamps) total += openLight(lamp, from);
-    for (size_t l = 0; l < scene.light.lamps.size() && total > 0.0f; ++l) {
-      const Lamp& lamp = scene.light.lamps[l];
+    for (const Lamp& lamp : lamps) total += openLight(lamp, from);
+    for (size_t l = 0; l < lamps.size() && total > 0.0f; ++l) {
+      const Lamp& lamp = lamps[l];
       const float part = openLight(lamp, from) / total;
       if (part <= 0.0f) continue;
       // in proportion to its part

@@ -17,6 +17,8 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr uint64_t kBlock = 64, kDiscoveryBlock = 512;
 constexpr size_t kParts = 128;  // that the cells are put together in, by ranges of their keys
 constexpr int kCoordinateBits = 20;
+constexpr uint64_t kCubeBits = (uint64_t{1} << 3 * kCoordinateBits) - 1;  // of a key: without its side
+constexpr int kLampGrid = 8;                                              // points a side of a cell beside a lamp
 constexpr uint64_t kDiscoveryStream = 0x646973, kCellStream = 0x63656c6c, kPathStream = 0x72657374, kPointStream = 0x706f696e74;
 constexpr int kLeastRays = 8;  // of a point that gathers
 constexpr int kMostIterations = 64;
@@ -198,6 +200,55 @@ void SurfaceCache::addCells(const LightTransport& transport, const std::vector<s
   first_point_.push_back(static_cast<uint32_t>(points_.size()));
 }
 
+SurfaceCache::Found SurfaceCache::middleOf(size_t cell) const {
+  const uint32_t first = first_point_[cell], end = first_point_[cell + 1];
+  Found middle{keys_[cell], glm::vec3(0.0f), points_[first].normal};
+  for (uint32_t p = first; p < end; ++p) middle.position += points_[p].position / static_cast<float>(end - first);
+  return middle;
+}
+
+glm::vec3 SurfaceCache::acrossCell(const Found& middle, const glm::vec2& share) const {
+  const std::array<int, 2> across = acrossAxes(middle.normal);
+  const auto facing = static_cast<int>(sideOf(middle.normal) / 2);
+  glm::vec3 way(0.0f);
+  for (int a = 0; a < 2; ++a) {
+    const int axis = across[static_cast<size_t>(a)];
+    const float low = std::floor(middle.position[axis] * cells_per_m_ + kOffset) - kOffset;
+    way[axis] = (low + share[a]) / cells_per_m_ - middle.position[axis];
+  }
+  way[facing] = -glm::dot(way, middle.normal) / middle.normal[facing];
+  return middle.position + way;
+}
+
+// A lamp that stands nearer than cells are wide shines on a spot between the points that were found.
+std::unordered_set<uint64_t> SurfaceCache::cubesBesideLamps(const std::vector<Lamp>& lamps) const {
+  std::unordered_set<uint64_t> cubes;
+  for (const Lamp& lamp : lamps) {
+    for (int i = 0; i < 27; ++i) {
+      const glm::vec3 aside(static_cast<float>(i % 3 - 1), static_cast<float>(i / 3 % 3 - 1), static_cast<float>(i / 9 - 1));
+      cubes.insert(spotOf(lamp.position + aside / cells_per_m_, {1.0f, 0.0f, 0.0f}).key);
+    }
+  }
+  return cubes;
+}
+
+// Of the points that were found as many as leave each kLeastRays rays, beginning with any: the first is on the low side in every cell.
+std::vector<SurfaceCache::Found> SurfaceCache::measuredPoints(size_t cell, uint32_t most, uint64_t seed, Beside beside) const {
+  std::vector<Found> points;
+  if (beside == Beside::lamp && is_whole_[cell] != 0) {
+    const Found middle = middleOf(cell);
+    for (int i = 0; i < kLampGrid * kLampGrid; ++i) {
+      const glm::vec2 share = (glm::vec2(i % kLampGrid, i / kLampGrid) + 0.5f) / static_cast<float>(kLampGrid);
+      points.push_back({middle.key, acrossCell(middle, share), middle.normal});
+    }
+    return points;
+  }
+  const uint32_t first = first_point_[cell], found = first_point_[cell + 1] - first;
+  const auto begin = static_cast<uint32_t>(mixSeed(seed, kPointStream, keys_[cell]) % found);
+  for (uint32_t p = 0; p < std::min(found, most); ++p) points.push_back(points_[first + (begin + p) % found]);
+  return points;
+}
+
 // A cell holds all over its cube where nothing stands between the middle of its points and the cube's corners. Otherwise rays that end
 // beyond the outermost points go on as paths, which takes longer and is noisier.
 void SurfaceCache::findWholeCells(const LightTransport& transport, int thread_count) {
@@ -205,22 +256,11 @@ void SurfaceCache::findWholeCells(const LightTransport& transport, int thread_co
   const float cell_m = 1.0f / cells_per_m_;
   parallelForBlocks(keys_.size(), kDiscoveryBlock, thread_count, [&](uint64_t first_cell, uint64_t end_cell, int) {
     for (size_t cell = first_cell; cell < end_cell; ++cell) {
-      const uint32_t first = first_point_[cell], end = first_point_[cell + 1];
-      const glm::vec3 normal = points_[first].normal;
-      glm::vec3 middle(0.0f);
-      for (uint32_t p = first; p < end; ++p) middle += points_[p].position / static_cast<float>(end - first);
-      const std::array<int, 2> across = acrossAxes(normal);
-      const auto facing = static_cast<int>(sideOf(normal) / 2);
+      const Found middle = middleOf(cell);
       is_whole_[cell] = 1;
       for (int corner = 0; corner < 4 && is_whole_[cell] != 0; ++corner) {
-        glm::vec3 way(0.0f);
-        for (int a = 0; a < 2; ++a) {
-          const int axis = across[static_cast<size_t>(a)];
-          const float low = (std::floor(middle[axis] * cells_per_m_ + kOffset) - kOffset) * cell_m;
-          way[axis] = low + (corner >> a & 1 ? cell_m : 0.0f) - middle[axis];
-        }
-        way[facing] = -glm::dot(way, normal) / normal[facing];
-        if (standsBetween(transport.rays(), cell_m, middle, normal, middle + way, normal)) is_whole_[cell] = 0;
+        const glm::vec3 at = acrossCell(middle, {static_cast<float>(corner & 1), static_cast<float>(corner >> 1)});
+        if (standsBetween(transport.rays(), cell_m, middle.position, middle.normal, at, middle.normal)) is_whole_[cell] = 0;
       }
     }
   });
@@ -276,6 +316,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
   link_share_.assign(keys_.size(), 0.0f);
   std::vector<std::vector<Link>> block_links(blockCount(keys_.size()));
   std::vector<uint32_t> link_count(keys_.size(), 0);
+  const std::unordered_set<uint64_t> beside_lamps = cubesBesideLamps(transport.scene().light.lamps);
   parallelForBlocks(keys_.size(), kBlock, thread_count, [&](uint64_t first_cell, uint64_t end_cell, int) {
     std::vector<Link>& links = block_links[first_cell / kBlock];
     std::vector<SurfacePoint> hits;
@@ -283,21 +324,20 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
       const auto addDirect = [&](const GroupedLight& light, float weight) {
         for (size_t g = 0; g < group_count_; ++g) direct_[cell * group_count_ + g] += light[g] * weight;
       };
-      const uint32_t first = first_point_[cell];
-      // as many points as leave each kLeastRays rays, beginning with any: the first is on the low side in every cell
-      const uint32_t found = first_point_[cell + 1] - first;
-      const uint32_t points = std::min<uint32_t>(found, std::max(1, options.rays_per_cell / kLeastRays));
-      const auto begin = static_cast<uint32_t>(mixSeed(options.seed, kPointStream, keys_[cell]) % found);
-      const int rays = std::max(kLeastRays, options.rays_per_cell / static_cast<int>(points) / kLeastRays * kLeastRays);
-      const float ray_share = kPi / static_cast<float>(rays * static_cast<int>(points));
+      const Beside beside = beside_lamps.count(keys_[cell] & kCubeBits) > 0 ? Beside::lamp : Beside::none;
+      const std::vector<Found> points =
+          measuredPoints(cell, static_cast<uint32_t>(std::max(1, options.rays_per_cell / kLeastRays)), options.seed, beside);
+      const auto point_count = static_cast<int>(points.size());
+      const int rays = std::max(kLeastRays, options.rays_per_cell / point_count / kLeastRays * kLeastRays);
+      const float ray_share = kPi / static_cast<float>(rays * point_count);
       link_share_[cell] = ray_share / kPi;
-      for (uint32_t p = 0; p < points; ++p) {
-        const Found& point = points_[first + (begin + p) % found];
+      for (int p = 0; p < point_count; ++p) {
+        const Found& point = points[static_cast<size_t>(p)];
         const glm::dvec3 from(point.position + point.normal * transport.nudge());
         const uint64_t seed = mixSeed(options.seed, kCellStream, keys_[cell], p);
         // without bounces: what arrives from emission, lamps, suns and sky
         addDirect(transport.gatherIrradiance(from, point.normal, {rays, 0}, seed, &hits).groups,
-                  1.0f / static_cast<float>(points));
+                  1.0f / static_cast<float>(point_count));
         for (size_t i = 0; i < hits.size(); ++i) {
           if (!hits[i].isSurface()) continue;
           const uint32_t other = cellAt(hits[i].position, hits[i].normal);

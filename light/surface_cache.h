@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <unordered_set>
 #include <vector>
 
 #include "light/light_transport.h"
@@ -71,6 +72,14 @@ class SurfaceCache {
   void findCells(const LightTransport& transport, const std::vector<glm::dvec3>& places, const SurfaceCacheOptions& options,
                  int thread_count);
   void addCells(const LightTransport& transport, const std::vector<std::vector<Found>>& blocks, int thread_count);
+  enum class Beside : uint8_t { none, lamp };
+  // Between the points that were found.
+  Found middleOf(size_t cell) const;
+  // On the plane through it. share   of the cell's side, from its low corner, along the axes across the one that it faces
+  glm::vec3 acrossCell(const Found& middle, const glm::vec2& share) const;
+  std::unordered_set<uint64_t> cubesBesideLamps(const std::vector<Lamp>& lamps) const;
+  // Where direct light is measured: `most` of the points that were found; of a whole cell beside a lamp, all over it.
+  std::vector<Found> measuredPoints(size_t cell, uint32_t most, uint64_t seed, Beside beside) const;
   void findWholeCells(const LightTransport& transport, int thread_count);
   void buildTable();
   size_t firstSlot(uint64_t key) const;  // where the search for a cell begins

@@ -348,5 +348,24 @@ TEST(LightTransport, SaysItsOwnNoise) {
   EXPECT_LT(deviation, 0.1 * sum / runs);
 }
 
+// A point h before a plane sends 2 pi (1 - h / sqrt(h² + R²)) times its intensity onto the disc of radius R around its foot. Of the default
+// sphere of 10 cm most would lie behind the plane.
+TEST(LightTransport, LampsCloseToASurfaceLightAllOfIt) {
+  constexpr double h = 0.02, R = 0.5, step = 0.005;
+  Scene scene = ground(0.0f, 3.0f);
+  Lamp lamp;
+  lamp.position = {0.0f, static_cast<float>(h), 0.0f};
+  lamp.intensity = glm::vec3(1.0f);
+  scene.light.lamps.push_back(lamp);
+  const Lit lit(scene);
+  double flux = 0.0;
+  for (double x = 0.5 * step; x < R; x += step) {
+    for (double z = 0.5 * step; z < R; z += step) {
+      if (x * x + z * z < R * R) flux += 4.0 * step * step * lit.at({x, 1e-4, z}, {0, 1, 0}, 8).r;
+    }
+  }
+  EXPECT_NEAR(flux, 2.0 * kPi * (1.0 - h / std::sqrt(h * h + R * R)), 0.03 * 2.0 * kPi);
+}
+
 }  // namespace
 }  // namespace nlg

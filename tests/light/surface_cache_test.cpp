@@ -81,6 +81,28 @@ TEST(SurfaceCache, GivesWhatPathsGive) {
   EXPECT_LT(error, 0.02 * 0.02 * reference);
 }
 
+// Half of a lamp's light falls onto a spot of a few centimetres of the ceiling 2 cm above it, wherever that lies in its cell. Of black walls
+// nothing else arrives: 2 pi (1 - h / sqrt(h² + R²)) onto the disc of radius R.
+TEST(SurfaceCache, HoldsTheSpotOfALampAtTheCeiling) {
+  for (const float x : {0.0f, 0.04f, 0.09f}) {
+    SceneOfFaces faces;
+    faces.addRoom({-2, 0, -2}, {2, 3, 2}, 0.1f);
+    Scene scene = withLamp(faces, {x, 2.98f, 0.03f});
+    scene.materials[0].base_color = glm::vec3(0.0f);
+    const CachedScene cached(scene, placesIn({-1.9, 0.1, -1.9}, {1.9, 2.9, 1.9}, 500, 3));
+    constexpr float R = 0.75f, step = 0.05f;
+    double flux = 0.0;
+    for (float u = -R + step / 2; u < R; u += step) {
+      for (float v = -R + step / 2; v < R; v += step) {
+        const glm::vec3* held = u * u + v * v < R * R ? cached.cache().irradiance({x + u, 3.0f, 0.03f + v}, {0, -1, 0}) : nullptr;
+        if (held != nullptr) flux += step * step * held->r;
+      }
+    }
+    const double whole = 10.0 * 2.0 * 3.14159265 * (1.0 - 0.02 / std::sqrt(0.02 * 0.02 + R * R));
+    EXPECT_NEAR(flux, whole, 0.1 * whole) << "lamp at x = " << x;
+  }
+}
+
 // Where a cell does not reach a path goes on, which takes ten times as long as the ray that found it.
 TEST(SurfaceCache, HoldsWhereMostRaysEnd) {
   const std::vector<glm::dvec3> places = placesIn({-3.9, 0.1, -1.9}, {-0.2, 2.9, 1.9}, 1000, 3);
