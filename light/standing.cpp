@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "light/air.h"
+#include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
 #include "scene/lights/light_options.h"
 
@@ -28,6 +29,7 @@ glm::dvec3 around(int turn) {
   return {std::cos(angle), 0.0, std::sin(angle)};
 }
 
+constexpr uint64_t kLookStream = 0x766f6964;
 constexpr int kTries = 4;             // of a place, to see another part of the air around it
 constexpr size_t kAskedPlaces = 200;  // of a room, for a roof and a place to stand
 constexpr size_t kFewestPlaces = 8;   // of a room: fewer may be dark, and see no light, by chance
@@ -93,22 +95,38 @@ class DarkAir {
   std::unordered_map<uint64_t, std::vector<uint32_t>> cubes_;
 };
 
-enum class Roof : uint8_t { needed, not_needed };
-
-// Where an eye is, or nothing in what is no room: all of a room is under a roof, where one is needed.
-std::optional<glm::dvec3> eyeIn(const std::vector<uint32_t>& room, const std::vector<glm::dvec3>& places, const Spots& spots,
-                                const RayScene& rays, Roof roof) {
+// Calls visit(place) for places of a room, evenly, until it says that it knows enough.
+template <class Visit>
+void askPlaces(const std::vector<uint32_t>& room, const Visit& visit) {
   const size_t step = std::max<size_t>(1, room.size() / kAskedPlaces);
-  const bool needs_roof = roof == Roof::needed;
-  std::optional<glm::dvec3> eye;
-  for (size_t i = 0; i < room.size() && (!eye || needs_roof); i += step) {
-    const glm::dvec3& place = places[room[i]];
-    if (needs_roof && rays.lightHit(glm::vec3(place), {0.0f, 1.0f, 0.0f}).kind != LightHit::Kind::surface) return std::nullopt;
-    if (eye) continue;
-    const std::optional<Spot> spot = spots.below(place);
-    if (spot && spot->is_upright && (spot->has_roof || !needs_roof)) eye = spot->eye_m;
+  for (size_t i = 0; i < room.size() && !visit(room[i]); i += step) {
   }
-  return eye;
+}
+
+// Where an eye is, or nothing in what is no room.
+std::optional<glm::dvec3> eyeIn(const std::vector<uint32_t>& room, const std::vector<glm::dvec3>& places, const Spots& spots,
+                                const RayScene& rays) {
+  bool is_open = false;
+  std::optional<glm::dvec3> eye;
+  askPlaces(room, [&](uint32_t p) {
+    is_open = rays.lightHit(glm::vec3(places[p]), {0.0f, 1.0f, 0.0f}).kind != LightHit::Kind::surface;
+    const std::optional<Spot> spot = eye || is_open ? std::nullopt : spots.below(places[p]);
+    if (spot && spot->is_upright && spot->has_roof) eye = spot->eye_m;
+    return is_open;
+  });
+  return is_open ? std::nullopt : eye;
+}
+
+// Whether more than half of what is around a place is nothing: beyond walls, and on a roof.
+bool isInTheVoid(const RayScene& rays, const glm::dvec3& place) {
+  constexpr int kLooks = 32;
+  const Lattice directions(kLookStream);
+  int nothing = 0;
+  for (int i = 0; i < kLooks; ++i) {
+    const auto [u, v] = directions.point(i, kLooks);
+    nothing += rays.lightHit(glm::vec3(place), sphereDirection(u, v)).kind == LightHit::Kind::nothing;
+  }
+  return 2 * nothing > kLooks;
 }
 
 }  // namespace
@@ -179,19 +197,31 @@ bool Spots::isWide(const Spot& spot) const {
 }
 
 std::vector<uint8_t> findUnseenDark(const LightTransport& transport, const std::vector<glm::dvec3>& places,
-                                    const std::vector<uint8_t>& is_dark, double reach_m) {
+                                    std::vector<uint8_t> is_dark, double reach_m) {
   std::vector<uint8_t> is_unseen(places.size(), 0);
   if (std::find(is_dark.begin(), is_dark.end(), 1) == is_dark.end()) return is_unseen;
-  DarkAir dark(transport.rays(), places, is_dark, reach_m);
+  const RayScene& rays = transport.rays();
+  const bool has_void = !rays.hasSkyFaces() && !hasLightFromOutside(transport.scene());
+  // the void joins nothing: through it a hollow would be one with a dark yard
+  for (uint32_t p = 0; p < is_dark.size() && has_void; ++p) {
+    if (!is_dark[p] || !isInTheVoid(rays, places[p])) continue;
+    is_unseen[p] = 1;
+    is_dark[p] = 0;
+  }
+  DarkAir dark(rays, places, is_dark, reach_m);
   std::unordered_map<uint32_t, std::vector<uint32_t>> regions;  // by root; what is said of each depends on no other
   for (uint32_t p = 0; p < is_dark.size(); ++p) {
     if (is_dark[p]) regions[dark.rootOf(p)].push_back(p);
   }
-  const bool has_sky = transport.rays().hasSkyFaces() || hasLightFromOutside(transport.scene());
   const Spots spots(transport, {glm::dvec3(-INFINITY), glm::dvec3(INFINITY)});
   for (const auto& [root, region] : regions) {
-    if (eyeIn(region, places, spots, transport.rays(), has_sky ? Roof::not_needed : Roof::needed)) continue;
-    for (const uint32_t p : region) is_unseen[p] = 1;
+    bool is_seen = false;
+    askPlaces(region, [&](uint32_t p) {
+      const std::optional<Spot> spot = spots.below(places[p]);
+      is_seen = spot && spot->is_upright && !(has_void && isInTheVoid(rays, spot->eye_m));
+      return is_seen;
+    });
+    for (const uint32_t p : region) is_unseen[p] = !is_seen;
   }
   return is_unseen;
 }
@@ -220,7 +250,7 @@ std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const Probe
   std::sort(candidates.begin(), candidates.end());  // as places are, whatever the map's order
   for (const std::vector<uint32_t>& places : candidates) {
     if (places.size() < kFewestPlaces) continue;
-    const std::optional<glm::dvec3> eye = eyeIn(places, air.places, spots, transport.rays(), Roof::needed);
+    const std::optional<glm::dvec3> eye = eyeIn(places, air.places, spots, transport.rays());
     if (!eye) continue;
     DarkRoom& room = rooms.emplace_back(DarkRoom{*eye, 0.0});
     for (const uint32_t p : places) room.volume_m3 += volume_m3[p];

@@ -66,14 +66,14 @@ inline constexpr double kDarkOfMean = 1e-4;  // of the mean light over places: w
 std::vector<DarkRoom> findDarkRooms(const LightTransport& transport, const ProbeTree& tree, const AirPlaces& air,
                                     const std::vector<uint8_t>& is_dark);
 
-// Dark sample points whose dark nobody sees: joined by sight, they hold no place where a figure stands upright. Hollow walls, cupboards,
-// what is above a ceiling and below a floor. In a scene that no light enters from outside also where some of them have nothing above:
-// that is the outside of its rooms. One answer for all that are joined.
+// Dark sample points whose dark nobody sees.
+// - Hollows: what is joined by sight, and in which no figure stands upright. One answer for all of it.
+// - The void, in a scene that no light enters from outside: more than half of what is around a point is nothing.
 //
 // is_dark   by place
 // reach_m   as near as places are joined
 // returns   by place
 std::vector<uint8_t> findUnseenDark(const LightTransport& transport, const std::vector<glm::dvec3>& places,
-                                    const std::vector<uint8_t>& is_dark, double reach_m);
+                                    std::vector<uint8_t> is_dark, double reach_m);
 
 }  // namespace nlg

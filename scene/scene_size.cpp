@@ -128,6 +128,9 @@ Evidence evidenceOf(const Scene& scene) {
   return {size, ceiling >= kRoomShare * size.y ? ceiling : 0.0, medianEdge(scene)};
 }
 
+// What a figure fits into: no unit is named that makes a doll's house of a hall.
+bool isWalkable(const Evidence& e) { return std::max({e.size.x, e.size.y, e.size.z}) >= kLowStorey; }
+
 std::string shown(const glm::dvec3& size) { return fmt::format("{:.4g} x {:.4g} x {:.4g} m", size.x, size.y, size.z); }
 
 // The unit with which all of it would be usual, its rooms above all; what is too large may be in centimetres or millimetres, what is too
@@ -136,7 +139,8 @@ std::string suggestion(const Evidence& evidence, double unit_m) {
   double best = 0.0;
   const auto oddity = [&](double factor) { return std::fabs(std::log(evidence.ceiling * factor / kOrdinaryRoom)); };
   for (const double factor : {0.01, 0.001, 100.0, 1000.0}) {
-    if (isUsual(evidence * factor) && (best == 0.0 || oddity(factor) < oddity(best))) best = factor;
+    if (isUsual(evidence * factor) && isWalkable(evidence * factor) && (best == 0.0 || oddity(factor) < oddity(best)))
+      best = factor;
   }
   if (best == 0.0) return "; --unit says how many metres a unit of the file has";
   const char* const guess = best == 0.01    ? "if it was made in centimetres, "

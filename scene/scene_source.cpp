@@ -146,10 +146,12 @@ SceneSource readInUnit(const SceneReading& reading, const Read& read) {
   if (unit_m == 0.0) return source;
   SceneReading other = reading;
   other.unit_m = unit_m;
-  const std::string why = source.unit_question;
   source = read(other);
+  const Bounds bounds = sceneBounds(source.scene);
+  const glm::vec3 size = bounds.max - bounds.min;
   source.notes.push_back(
-      fmt::format("taken to be in {}: {} (--unit 1: it is in metres)", unit_m == 0.01 ? "centimetres" : "millimetres", why));
+      fmt::format("read in {}: {:.3g} x {:.3g} x {:.3g} m; in metres its rooms would be higher than 200 m; --unit 1 keeps metres",
+                  unit_m == 0.01 ? "centimetres" : "millimetres", size.x, size.y, size.z));
   return source;
 }
 

@@ -158,8 +158,7 @@ std::string lightSummary(const LightStatistics& light) {
   for (const auto& [set, at_places] : light.of_sets) text += placesSummary(set, seen, at_places);
   if (light.unseen_places > 0) {
     text += fmt::format(
-        "dark where nobody can stand: {} of {} sample points, hollows or the outside of a closed scene; no probe's light is "
-        "fitted to them\n",
+        "dark that nobody sees: {} of {} sample points, in hollows or outside of all rooms; no probe's light is fitted to them\n",
         light.unseen_places, light.places);
   }
   return text + fmt::format("stored light: {}, which adds {:.1f} % to the error of a probe, {:.0f} % at most{}\n",

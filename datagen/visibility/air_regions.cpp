@@ -93,8 +93,8 @@ bool AirRegions::spread(const glm::ivec3& start, Points* points) const {
       if (points->count(neighbour) > 0 || !isLinked(point, neighbour)) continue;
       points->insert(neighbour);
       const float clearance_m = clearanceAt(neighbour);
-      // all that is linked to what is known is known
-      if (clearance_m >= radius_m_ || points->size() > kMostPoints || known(neighbour).has_value()) return true;
+      // a closed region that another thread has just remembered is looked through all the same
+      if (clearance_m >= radius_m_ || points->size() > kMostPoints || known(neighbour) == std::optional(false)) return true;
       next.push({clearance_m, neighbour});
     }
   }

@@ -77,17 +77,21 @@ TEST(UnseenDark, IsAllOfWhereNobodyCanStandAndNothingOfARoom) {
   EXPECT_EQ(unseenShare(twoRooms(2.5f, true)), 0.0) << "a dark room";
 }
 
-// A lit room, and beside it what is outside: ground, on which a figure stands.
-TEST(UnseenDark, IsOutsideOnlyWhereNoLightComesFromThere) {
-  SceneOfFaces faces;
-  faces.addBox({-3, 0, 0}, {-0.05f, 2.5f, 3}, true);
-  faces.addBox({-3.1f, -0.1f, -0.1f}, {-0.02f, 2.6f, 3.1f});
-  faces.addQuad({-0.02f, 0, 0}, {-0.02f, 0, 3}, {3, 0, 3}, {3, 0, 0});
-  faces.addQuad({2.9f, 0, 0}, {2.9f, 0, 3}, {2.9f, 2.5f, 3}, {2.9f, 2.5f, 0}, Sides::two);
-  Scene scene = faces.finish();
-  EXPECT_EQ(unseenShare(scene), 1.0) << "closed to all light";
-  scene.light.suns.push_back({{0.0f, -1.0f, 0.0f}, glm::vec3(1.0f)});
-  EXPECT_EQ(unseenShare(scene), 0.0) << "a sun: whoever stands there sees the dark";
+// Beside a lit room a yard without a roof, 3 m deep, or nothing at all.
+TEST(UnseenDark, IsTheVoidAndNotAYardAtNight) {
+  for (const bool has_yard : {false, true}) {
+    SceneOfFaces faces;
+    faces.addBox({-3, 0, 0}, {-0.05f, 2.5f, 3}, true);
+    faces.addBox({-3.1f, -0.1f, -0.1f}, {-0.02f, 3, 3.1f});
+    if (has_yard) {
+      faces.addQuad({-0.02f, 0, 0}, {-0.02f, 0, 3}, {2.9f, 0, 3}, {2.9f, 0, 0}, Sides::two);
+      faces.addQuad({2.9f, 0, 0}, {2.9f, 0, 3}, {2.9f, 3, 3}, {2.9f, 3, 0}, Sides::two);
+      for (const float z : {0.0f, 3.0f}) faces.addQuad({-0.02f, 0, z}, {2.9f, 0, z}, {2.9f, 3, z}, {-0.02f, 3, z}, Sides::two);
+    } else {
+      faces.addTriangle({2.9f, 0, 0}, {2.9f, 0.1f, 0}, {2.9f, 0, 0.1f}, Sides::two);
+    }
+    EXPECT_EQ(unseenShare(faces.finish()), has_yard ? 0.0 : 1.0);
+  }
 }
 
 }  // namespace

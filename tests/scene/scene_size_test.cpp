@@ -101,7 +101,7 @@ TEST_F(SceneFiles, AreReadInTheUnitThatTheirRoomsLeaveNoDoubtOf) {
   EXPECT_EQ(source.unit_m, 0.01);
   EXPECT_EQ(source.unit_question, "");
   ASSERT_FALSE(source.notes.empty());
-  EXPECT_NE(source.notes.back().find("taken to be in centimetres"), std::string::npos) << source.notes.back();
+  EXPECT_NE(source.notes.back().find("read in centimetres"), std::string::npos) << source.notes.back();
   EXPECT_EQ(source.sha256, loadScene(path, {0.01}).sha256);
   const SceneSource metres = loadScene(path, {1.0});
   EXPECT_EQ(metres.unit_m, 1.0);
