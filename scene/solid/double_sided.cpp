@@ -27,7 +27,7 @@ constexpr double kTouch_m = 1e-3;        // along the line below: a point that l
 // Of the scene's box, a shell and its box: what fills more is a room that is all there is, not a solid without a place in air.
 constexpr double kMostOfScene = 0.5, kWholeScene = 0.9;
 constexpr uint64_t kMostTests = uint64_t{1} << 33;
-constexpr uint64_t kMostBallTests = uint64_t{1} << 26;  // of a shell without an answer by then it is held that a ball fits
+constexpr uint64_t kMostBallTests = uint64_t{1} << 26;  // of a scene: by then it is held that a ball fits
 constexpr size_t kNamedObjects = 3;
 
 constexpr uint32_t kNone = ~0u;
