@@ -14,7 +14,7 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kViewStream = 0x76696577;
-constexpr int kPlaceDraws = 2000, kTurnCount = 12;
+constexpr int kPlaceDraws = 2000;
 constexpr size_t kPlaceCount = 64;
 constexpr int kColumns = 12, kRows = 7;  // rays of a view that is judged
 constexpr double kDownwards = -0.12;     // of the view's direction: floors are lit, skies are not looked at
@@ -24,7 +24,7 @@ constexpr double kWorst = -1e9;
 // them is lit.
 double judge(const LightTransport& transport, const Camera& camera, double aspect, double near_m) {
   std::vector<double> depths;
-  std::set<std::pair<uint32_t, int>> sides;
+  std::set<uint32_t> sides;
   int lit = 0;
   for (int i = 0; i < kColumns * kRows; ++i) {
     // a coarse grid of rays is enough to judge a view
@@ -37,9 +37,7 @@ double judge(const LightTransport& transport, const Camera& camera, double aspec
     // a one-sided face seen from behind: the eye is in solid, or the level is open there
     if (!hit.is_front && !scene.materials[material].double_sided) return kWorst;
     depths.push_back(std::log(std::max<double>(hit.distance, near_m) / near_m));
-    // surfaces by material and side, normals rounded to 27 ways: a wall counts once, however many triangles it has
-    const glm::vec3 octant = glm::sign(glm::round(2.0f * hit.normal));
-    sides.emplace(material, static_cast<int>(octant.x + 3.0f * octant.y + 9.0f * octant.z));
+    sides.insert(surfaceSide(scene, hit));
     // two bounces tell lit from dark
     lit += luminanceOf(transport.radianceAlong(eye, direction, 2, mixSeed(kViewStream, i))) > 0.0;
   }
@@ -78,6 +76,16 @@ Camera cameraAlong(const glm::dvec3& eye_m, const glm::dvec3& direction, double 
   return {eye_m, glm::vec3(ahead), glm::vec3(glm::cross(right, ahead)), fov_y};
 }
 
+Camera cameraTurned(const glm::dvec3& eye_m, int turn, double fov_y) {
+  const double angle = 2.0 * std::numbers::pi * (turn + 0.5) / kTurnCount;
+  return cameraAlong(eye_m, {std::sin(angle), kDownwards, std::cos(angle)}, fov_y);
+}
+
+uint32_t surfaceSide(const Scene& scene, const LightHit& hit) {
+  const glm::ivec3 way(glm::sign(glm::round(2.0f * hit.normal)));
+  return 27 * scene.triangle_material[hit.triangle] + static_cast<uint32_t>(13 + way.x + 3 * way.y + 9 * way.z);
+}
+
 Camera bestView(const LightTransport& transport, const std::vector<glm::dvec3>& eyes_m, double fov_y, double aspect) {
   const Bounds bounds = sceneBounds(transport.scene());
   // nearer than this nothing is told apart: a fiftieth of the scene, or what an eye keeps from a wall
@@ -86,8 +94,7 @@ Camera bestView(const LightTransport& transport, const std::vector<glm::dvec3>& 
   double best_score = 2.0 * kWorst;
   for (const glm::dvec3& eye_m : eyes_m) {
     for (int turn = 0; turn < kTurnCount; ++turn) {
-      const double angle = 2.0 * std::numbers::pi * (turn + 0.5) / kTurnCount;
-      const Camera camera = cameraAlong(eye_m, {std::sin(angle), kDownwards, std::cos(angle)}, fov_y);
+      const Camera camera = cameraTurned(eye_m, turn, fov_y);
       const double score = judge(transport, camera, aspect, near_m);
       if (score > best_score) best_score = score, best = camera;
     }

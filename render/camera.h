@@ -29,6 +29,13 @@ struct Camera {
 // direction   not 0
 Camera cameraAlong(const glm::dvec3& eye_m, const glm::dvec3& direction, double fov_y);
 
+// Twelve evenly around an eye, somewhat downwards: floors are lit, skies are not looked at.
+inline constexpr int kTurnCount = 12;
+Camera cameraTurned(const glm::dvec3& eye_m, int turn, double fov_y);
+
+// Surfaces by material and the way they face, in 27 ways: a wall counts once, however many triangles it has.
+uint32_t surfaceSide(const Scene& scene, const LightHit& hit);
+
 // A view of a scene for those who name none.
 //
 // Looks from a place in air to where there is much to see: far and near, many sides of surfaces, no backs of them, little sky, and

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "light/air.h"
@@ -17,10 +16,9 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kEyeStream = 0x6c697465796573;
-constexpr int kPlaceDraws = 4000, kTurns = 12;
+constexpr int kPlaceDraws = 4000;
 constexpr size_t kMostEyes = 96;
 constexpr int kColumns = 16, kRows = 9;  // rays of a view that is judged
-constexpr double kDownwards = -0.12;     // of the view's direction: floors are lit, skies are not looked at
 constexpr double kOffsetM = 0.02;        // light is asked for so far before a surface, as pictures do
 constexpr double kSeenWorth = 0.2;       // of what an earlier view shows
 constexpr double kSideWorth = 0.05;      // of each side that is seen, over the worth of a view
@@ -53,10 +51,9 @@ LitViews::LitViews(const LightTransport& transport, const Lighting& lighting, co
   near_m_ = std::min(near_m_, 0.05 * side_m);
   cell_m_ = std::max(0.5 * near_m_, side_m / 64.0);
   const std::vector<glm::dvec3> eyes = eyesIn(transport, extent, options.seed);
-  candidates_.resize(eyes.size() * kTurns);
+  candidates_.resize(eyes.size() * kTurnCount);
   parallelFor(candidates_.size(), options.thread_count, [&](uint64_t c, int) {
-    const double angle = 2.0 * std::numbers::pi * (static_cast<double>(c % kTurns) + 0.5) / kTurns;
-    candidates_[c].camera = cameraAlong(eyes[c / kTurns], {std::sin(angle), kDownwards, std::cos(angle)}, options.fov_y);
+    candidates_[c].camera = cameraTurned(eyes[c / kTurnCount], static_cast<int>(c % kTurnCount), options.fov_y);
     candidates_[c].points = pointsOf(candidates_[c].camera);
   });
   // between the mean, which a patch of sun decides, and the median, which may be that of dark rooms
@@ -78,10 +75,7 @@ std::vector<LitViews::Point> LitViews::pointsOf(const Camera& camera) const {
     const Scene& scene = transport_.scene();
     const bool is_back = !hit.is_front && !scene.materials[scene.triangle_material[hit.triangle]].double_sided;
     const glm::vec3 at = eye + direction * hit.distance;
-    // normals rounded to 27 ways
-    const glm::ivec3 way(glm::sign(glm::round(2.0f * hit.normal)));
-    const uint32_t side = 27 * scene.triangle_material[hit.triangle] + static_cast<uint32_t>(13 + way.x + 3 * way.y + 9 * way.z);
-    points.push_back({at, is_back ? -1.0f : 0.0f, static_cast<float>(std::log(hit.distance / near_m_)), side});
+    points.push_back({at, is_back ? -1.0f : 0.0f, static_cast<float>(std::log(hit.distance / near_m_)), surfaceSide(scene, hit)});
     receivers.push_back({glm::dvec3(at) + kOffsetM * glm::dvec3(hit.normal), hit.normal});
   }
   std::vector<ReceivedLight> received(receivers.size());
