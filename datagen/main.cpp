@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "datagen/commands.h"
-#include "datagen/view/view.h"
 #include "scene/scene_file.h"
 #include "tool/command/file_info.h"
 #include "tool/command/tool_main.h"
@@ -35,7 +34,7 @@ int generateMain(int argc, char** argv) {
       "nlg-datagen info FILE ...: verifies and describes shards.\n"
       "nlg-datagen info FOLDER: describes a data set.\n"
       "nlg-datagen info SCENE ...: describes scenes, and what was not read.\n"
-      "nlg-datagen view SHARD: draws a shard.",
+      "nlg-datagen geometry SHARD: prints the shard's scene, for pictures.",
       "nlg-datagen"};
   ShardRequest request;
   std::string out;
@@ -117,39 +116,21 @@ int infoMain(int argc, char** argv) {
   return fileInfoMain(argc, argv, {"nlg-datagen info", "shards (.h5)", "datagen", describeShard});
 }
 
-int viewMain(int argc, char** argv) {
-  CLI::App app{"Draws a shard: slices through one probe, an atlas of 64 functions, or the level from above.", "nlg-datagen view"};
-  std::string shard, out;
-  uint64_t probe_idx = 0;
-  bool is_atlas = false, is_top = false;
-  ViewOptions options;
+int geometryMain(int argc, char** argv) {
+  CLI::App app{"Prints the triangles of a shard's scene as one line of JSON; null for a level whose file is not named.",
+               "nlg-datagen geometry"};
+  std::string shard, scene;
+  bool with_tree = false;
   OptionTable table("datagen");
   table.addNote(sceneBudgets());
   app.add_option("shard", shard, "shard (.h5)")->required();
-  CLI::App* picture = app.add_option_group("picture", "one of");
-  CLI::Option* probe = picture->add_option("--probe", probe_idx, "index of the function that is drawn as three slices")
-                           ->check(CLI::Range(0.0, 0x1p53));
-  picture->add_flag("--atlas", is_atlas, "draw 64 functions chosen at random");
-  picture->add_flag("--top", is_top, "draw the level from above, cut open, with its probe tree");
-  picture->require_option(1);
-  app.add_option("--out", out, "picture to write (.png)")->required();
-  app.add_option("--scene", options.scene, "file of the level. Procedural scenes need none");
-  app.add_option("--seed", options.seed, "seed of the choice of functions, with --atlas")->check(CLI::Range(0.0, 0x1p53));
-  app.add_option("--height", options.height,
-                 "height of the cut, in metres (2.5) or as a share of the scene's height (40%), with --top");
-  app.add_option("--slice-px", options.slice_px, "side of a slice, pixels, with --probe");
-  app.add_option("--cell-px", options.cell_px, "side of a slice, pixels, with --atlas");
-  app.add_option("--level-px", options.level_px, "longer side of the map, pixels, with --top");
-  return runTool(argc, argv, app, table, [&] {
-    refuseToReplaceInputs(out, {shard, options.scene});
-    if (probe->count() > 0) return viewProbe(shard, probe_idx, options, out);
-    if (is_atlas) return viewAtlas(shard, options, out);
-    viewTop(shard, options, out);
-  });
+  app.add_option("--scene", scene, "file of the level. Procedural scenes need none");
+  app.add_flag("--tree", with_tree, "print the nodes and cells of the probe tree as well");
+  return runTool(argc, argv, app, table, [&] { std::cout << shardGeometry(shard, scene, with_tree) << '\n'; });
 }
 
 // without one it generates a shard
-constexpr Command kCommands[] = {{"info", infoMain}, {"plan", planMain}, {"view", viewMain}};
+constexpr Command kCommands[] = {{"info", infoMain}, {"plan", planMain}, {"geometry", geometryMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "datagen/view/legend.h"
+#include "render/picture/legend.h"
 
 namespace nlg {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datagen/view/image.h"
+#include "render/picture/image.h"
 #include "render/tone.h"
 
 namespace nlg {

@@ -6,9 +6,9 @@
 
 #include <cstdint>
 
-#include "datagen/view/image.h"
 #include "light/light_transport.h"
 #include "render/camera.h"
+#include "render/picture/image.h"
 #include "render/rendered_scene.h"
 #include "render/sight.h"
 

@@ -9,12 +9,12 @@
 
 #include <fmt/format.h>
 
-#include "datagen/view/image.h"
-#include "datagen/view/legend.h"
 #include "light/air.h"
 #include "render/camera.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"
+#include "render/picture/image.h"
+#include "render/picture/legend.h"
 #include "render/place_picture.h"
 #include "render/rendered_scene.h"
 #include "render/tone.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "datagen/view/legend.h"
+#include "render/picture/legend.h"
 #include "scene/image/surface_look.h"
 #include "scene/lights/scene_light.h"
 

@@ -4,8 +4,8 @@
 // at most, above they approach 1 and white. Then sRGB's transfer.
 #pragma once
 
-#include "datagen/view/image.h"
 #include "render/lit_picture.h"
+#include "render/picture/image.h"
 
 namespace nlg {
 

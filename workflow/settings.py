@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TABLE, PAGE = ROOT / "workflow/settings.json", ROOT / "docs/reference/settings.md"
 TOOLS = ["nlg-datagen", "nlg-pca", "nlg-train", "nlg-export", "nlg-bake", "nlg-validate", "nlg-validate frontier", "nlg-validate light"]
 # tools without settings of their own, whose --help is counted too
-OTHER_TOOLS = ["nlg-cache", "nlg-view", "nlg-render", "nlg-render irradiance", "nlg-datagen plan", "nlg-datagen view",
+OTHER_TOOLS = ["nlg-cache", "nlg-view", "nlg-render", "nlg-render irradiance", "nlg-datagen plan", "nlg-datagen geometry",
                "nlg-validate light-noise", "nlg-validate views", "nlg-validate stability", "nlg-export shader", "nlg-export engine", "nlg-export onnx"]
 MOST_IN_HELP = 12
 

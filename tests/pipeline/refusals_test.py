@@ -54,7 +54,7 @@ REFUSED = [
     (USAGE_ERROR, ["representation", "'pf4'"], "nlg-bake house:1 --representation pf4 --out bad.safetensors"),
     # outputs that are empty, folders, inputs
     (USAGE_ERROR, ["--out", "empty"], "nlg-datagen --scene house:1 --out ''"), (USAGE_ERROR, ["--out", "not an input"], "nlg-datagen --scene level.glb --out ./level.glb"),
-    (USAGE_ERROR, ["--out", "not an input"], "nlg-datagen view training.h5 --probe 0 --out training.h5"), (USAGE_ERROR, ["--out", "folder"], "nlg-bake house:1 --weights weights.safetensors --out bad.folder/"),
+    (USAGE_ERROR, ["--out", "folder"], "nlg-bake house:1 --weights weights.safetensors --out bad.folder/"),
     (USAGE_ERROR, ["--out", "not an input"], "nlg-bake house:1 --weights weights.safetensors --out ./weights.safetensors"),
     (OUTPUT_ERROR, "file: ", "nlg-export shader --grid grid.safetensors --out file"), (OUTPUT_ERROR, "file/light.ktx2", "nlg-export engine --grid grid.safetensors --format ktx2-sh --out file"),
     # grids without light; an info of what is no shard

@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
-#include "datagen/view/legend.h"
 #include "light/standing.h"
 #include "render/camera.h"
 #include "render/denoise.h"
 #include "render/lit_picture.h"
 #include "render/lit_views.h"
 #include "render/panel.h"
+#include "render/picture/legend.h"
 #include "render/tone.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tool/error.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datagen/view/legend.h"
+#include "render/picture/legend.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {

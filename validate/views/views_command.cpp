@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/scene_bake.h"
-#include "datagen/view/image.h"
 #include "light/air.h"
 #include "light/methods/method_set.h"
+#include "render/picture/image.h"
 #include "render/tone.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"

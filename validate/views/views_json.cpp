@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "datagen/view/legend.h"
 #include "render/panel.h"
+#include "render/picture/legend.h"
 #include "render/tone.h"
 
 namespace nlg {

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "datagen/view/image.h"
 #include "render/lit_picture.h"
+#include "render/picture/image.h"
 #include "validate/views/scene_views.h"
 #include "validate/views/view_figures.h"
 

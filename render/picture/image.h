@@ -73,9 +73,6 @@ int textWidth(const std::string& text, int scale = 1);
 // Copies a picture onto another, its upper left corner at (x, y).
 void paste(Image& image, const Image& inset, int x, int y);
 
-// The picture at half the size; every pixel is the mean of four. Width and height are even.
-Image halved(const Image& image);
-
 // By keyword: 1 to 79 letters, digits and spaces.
 using PngTexts = std::map<std::string, std::string>;
 

@@ -1,4 +1,4 @@
-#include "datagen/view/image.h"
+#include "render/picture/image.h"
 
 #include <gtest/gtest.h>
 #include <png.h>

@@ -1,5 +1,5 @@
 // Generated table: X11's misc-fixed 9x18, a public domain font ("Share and enjoy"), ASCII and a few more.
-#include "datagen/view/image.h"
+#include "render/picture/image.h"
 
 namespace nlg {
 namespace {

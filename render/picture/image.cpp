@@ -1,4 +1,4 @@
-#include "datagen/view/image.h"
+#include "render/picture/image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -190,21 +190,6 @@ void paste(Image& image, const Image& inset, int x, int y) {
   for (int row = 0; row < inset.height(); ++row) {
     for (int column = 0; column < inset.width(); ++column) image.set(x + column, y + row, inset.at(column, row));
   }
-}
-
-Image halved(const Image& image) {
-  Image half(image.width() / 2, image.height() / 2, kBlack);
-  for (int y = 0; y < half.height(); ++y) {
-    for (int x = 0; x < half.width(); ++x) {
-      int sum[3] = {2, 2, 2};
-      for (int k = 0; k < 4; ++k) {
-        const Colour c = image.at(2 * x + k % 2, 2 * y + k / 2);
-        sum[0] += c.r, sum[1] += c.g, sum[2] += c.b;
-      }
-      half.set(x, y, {static_cast<uint8_t>(sum[0] / 4), static_cast<uint8_t>(sum[1] / 4), static_cast<uint8_t>(sum[2] / 4)});
-    }
-  }
-  return half;
 }
 
 void writePng(const std::string& path, const Image& image, const PngTexts& texts) {
