@@ -33,7 +33,7 @@ set(NLG_MAY_LINK_generator_errors nlg::statistics nlg::policy_options nlg::datas
 set(NLG_MAY_LINK_frontier      nlg::generator_errors nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_light_figures nlg::statistics nlg::light_methods nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_learned_light nlg::torch nlg::light_methods nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_stability     nlg::generator_errors nlg::policy_options nlg::functions nlg::shard_job nlg::weighting nlg::visibility nlg::probes nlg::scene nlg::basis nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_stability     nlg::generator_errors nlg::policy_options nlg::weighting nlg::visibility nlg::scene nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool Eigen3::Eigen)
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::probes nlg::visibility nlg::light nlg::weighting nlg::functions nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_render        nlg::light_methods nlg::bake nlg::policy_options nlg::picture nlg::light nlg::visibility nlg::probes nlg::scene nlg::runtime_eval nlg::tool)

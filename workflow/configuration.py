@@ -32,7 +32,7 @@ from settings import MAX_SHARDS, OWN, REPRESENTATIONS, TOOL_ROWS, default, judge
 SECTIONS = sorted({row["section"] for row in OWN + TOOL_ROWS} - {""})
 PART_SECTIONS = sorted({*SECTIONS} - {"split"})  # which `full` may go over
 MAX_LIGHT_SPACINGS = 16
-STABILITY_DEPTHS = {"short": "--short", "full": "", "long": "--long"}
+STABILITY_DEPTHS = {"short": "--short", "full": ""}
 DATA_SECTIONS = ("scenes", "split", "datagen", "basis")
 MAX_SWEPT = 64
 SPLITS = ["training", "held_out", "evaluation"]

@@ -16,7 +16,7 @@ SHARD_S, FUNCTION_S = 0.6, 3e-3
 MOMENTS_S, READ_S = 0.6e-3, 0.25e-3
 BASIS_S, CACHE_S, EXPORT_S, REPORT_S = 10, 3, 8, 12
 TRAIN_S = 20                      # theta0 and validations while training
-STABILITY_S = {"short": 10, "full": 120, "long": 900}
+STABILITY_S = {"short": 10, "full": 120}
 TRAINING_CASES_S = 20
 
 # By representation. A function in a batch of a training, forth and back; a function with a theta through the whole policy; a function of the

@@ -36,7 +36,7 @@ def check_sound(tools):
     write("homes/Big Shop.sh3f", "")
     own, game = BASIS.replace("''", os.path.abspath("game")), BASIS + ", archives: [{folder: /game, maps: ['*']}]"
     homes = BASIS.replace("jitters: 1", "jitters: 3") + ", furniture: [{archives: [/homes/Big Shop.sh3f], plans: [flat, villa], seeds: 2, first_seed: 5}]"
-    full = "full: {train: {steps: 77}, datagen: {max_functions: 9, scale: 0.5}, scenes: {per_family: 5}, report: {stability: long, savings: []}}\nreport: {stability: short, savings: [house_2]}"
+    full = "full: {train: {steps: 77}, datagen: {max_functions: 9, scale: 0.5}, scenes: {per_family: 5}, report: {stability: full, savings: []}}\nreport: {stability: short, savings: [house_2]}"
     for scenes, split, more, held, absent in [
             # by lot, of the folder's own scenes: the maps of its archives; whole scenes
             (own, "held_out_share: 0.17, seed: 4", "", ["/game:one --jitter 0 --held-out", "dataset/training/two.0.h5", "dataset/training/house_2.0.h5"], []),
@@ -49,7 +49,7 @@ def check_sound(tools):
             # a short run, and the full one by one key: what `full` holds goes over the file's own, a scene's own over that
             (BASIS + ", by_scene: {house_1: {max_functions: 4}}", HELD_OUT, full, ["stability --short", "nlg-bake", "--max-functions=4"], ["--steps", "--scale", "house:4"]),
             (BASIS + ", by_scene: {house_1: {max_functions: 4}}", HELD_OUT, "effort: full\n" + full,
-             ["stability --long", "--steps=77", "--max-functions=4 --scale=0.5", "--max-functions=9 --scale=0.5", "house:4"], ["nlg-bake"]),
+             ["nlg-validate stability  --weights", "--steps=77", "--max-functions=4 --scale=0.5", "--max-functions=9 --scale=0.5", "house:4"], ["nlg-bake"]),
             # light, and processes of a training on a core each
             (BASIS, HELD_OUT, "validate_light: {scenes: ['cornell:0'], spacings: [1, 0.5], walks: 3}\ntrain: {processes: 3, threads: 2}",
              ["nlg-validate light cornell:0", "--walks=3", "--spacings 1 0.5 --pictures", "light/cornell_0.json", "workflow/train_together.sh 3 "], [])]:
@@ -71,7 +71,7 @@ def check_refused(tools):
                 ("bake: {spacing_m: -1}", "bake: spacing_m: expected a number from 0 to 100000, got -1"), ("frontier: {corrected_lm_steps: 8}", "a list, got 8"), ("colour: red", "unknown key 'colour'"),
                 ("train: {a: 1, a: 2}", "workflow.yaml:5:15: expected each key once"), ("train: {processes: true}", "train: processes: expected an integer from 1 to 4096"),
                 ("validate_light: {scenes: ['cornell:0', 'cornell:0']}", "scenes with different names"), ("validate_light: {spacings: [0]}", "a list of numbers"),
-                ("report: {savings: [house_0]}", "held out or for the evaluation, got 'house_0'"), ("report: {stability: brief}", "one of short, full, long, got 'brief'")]),
+                ("report: {savings: [house_0]}", "held out or for the evaluation, got 'house_0'"), ("report: {stability: brief}", "one of short, full, got 'brief'")]),
             *((BASIS, split, "", words) for split, words in [
                 (HELD_OUT + ", evaluation: [castle_*]", "expected a pattern of some scene out of house_0, house_1, house_2, got 'castle_*'"),
                 # a slip of the pen would be trained on

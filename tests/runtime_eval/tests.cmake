@@ -26,6 +26,7 @@ nlg_test(test_runtime_eval
     runtime_eval/fit/network_loss_test.cpp
     runtime_eval/fit/reference_loss.cpp
     runtime_eval/fit/normal_equations_test.cpp
+    runtime_eval/fit/extreme_fit_test.cpp
     runtime_eval/fit/fit_test.cpp
     runtime_eval/fit/adam_update_test.cpp
     runtime_eval/fit/soap_update_test.cpp

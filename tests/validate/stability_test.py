@@ -14,7 +14,7 @@ from tools import CHECK_FAILED, INPUT_ERROR, SECONDS, USAGE_ERROR, Tools, run_ch
 
 TOOLS, WEIGHTS = Tools(sys.argv[1]), os.path.abspath(sys.argv[2])
 check = TOOLS.check
-GROUPS = ["functions", "optimisers", "pca", "generator", "scenes", "training"]
+GROUPS = ["functions", "codes", "generator", "training"]
 
 
 def stability(*arguments):
@@ -28,7 +28,7 @@ def table(path):
 
 def check_short_form(_):
     """All that the short form runs holds; what it does not run says so and does not count as held."""
-    weights = [os.path.join(WEIGHTS, f"{name}.safetensors") for name in ["tent_mlp", "pf5"]]
+    weights = [os.path.join(WEIGHTS, f"{name}.safetensors") for name in ["tent_mlp", "pf5", "code64"]]
     result = stability("--short", "--weights", *weights, "--out", "stability.json")
     check(result.returncode == 0, f"the short form ended with {result.returncode}: {result.stderr}")
     whole = table("stability.json")
@@ -69,7 +69,7 @@ def check_training_cases(_):
 
 
 def check_refusals(tools):
-    for code, arguments in [(USAGE_ERROR, "--only nothing"), (USAGE_ERROR, "--short --long"), (INPUT_ERROR, "--weights nowhere"), (INPUT_ERROR, "--held-out nowhere")]:
+    for code, arguments in [(USAGE_ERROR, "--only nothing"), (INPUT_ERROR, "--weights nowhere"), (INPUT_ERROR, "--held-out nowhere")]:
         tools.refuses(code, [], f"nlg-validate stability {arguments} --out x.json")
 
 

@@ -11,8 +11,7 @@ from frontier import front_of, stage_points
 from inputs import ERRORS, WORDS
 from plots import NAMES, duration
 
-GROUP_NAMES = {"functions": "Functions", "optimisers": "Optimisers", "pca": "Principal components", "generator": "Generator", "scenes": "Scenes",
-               "training": "Training"}
+GROUP_NAMES = {"functions": "Functions", "codes": "Codes", "generator": "Generator", "training": "Training"}
 
 
 def joined(names):

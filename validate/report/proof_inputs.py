@@ -11,7 +11,7 @@ from tool.errors import InputError
 from tool.input_file import read_json
 from verdict import optional, read_speed
 
-GROUPS = ("functions", "optimisers", "pca", "generator", "scenes", "training")
+GROUPS = ("functions", "codes", "generator", "training")
 STABILITY_VERSION = 1
 ERROR_KEYS = tuple(f"{error}_{statistic}" for error in ERRORS for statistic in ("mean", "median", "p5", "p95", "worst"))
 POINT_KEYS = ("us_median", "us_p25", "us_p75", *ERROR_KEYS, "leak_p99", "share_failing_check", "share_fitted")

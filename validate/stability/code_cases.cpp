@@ -276,20 +276,19 @@ void measureConditions(const StabilityInputs& inputs, StabilityFigures* figures)
 
 std::vector<StabilityCase> codeCases() {
   return {
-      {"optimisers", "codes from ten starts",
+      {"codes", "from ten starts",
        "from zero, the network's code, six random codes and two far ones no fit of all points ends worse than it began; from "
        "zero and from "
        "the network it ends at most at 1.5 times the least error that any start reaches; functions that do not end at one code "
        "to half a "
        "byte's step are named",
        StabilityDepth::brief, true, measureOneCode, true},
-      {"optimisers", "codes of held-out functions from ten starts",
-       "the same of functions of held-out levels, evenly over their scenes", StabilityDepth::brief, true, measureHeldOut, true,
-       true},
-      {"optimisers", "codes, fits as bakes have them",
+      {"codes", "of held-out functions from ten starts", "the same of functions of held-out levels, evenly over their scenes",
+       StabilityDepth::brief, true, measureHeldOut, true, true},
+      {"codes", "fits as bakes have them",
        "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", StabilityDepth::brief, true,
        measureBakedFits, true},
-      {"optimisers", "codes, condition of their equations",
+      {"codes", "condition of their equations",
        "of walls, of functions that are dark or lit everywhere, of one valid point, of points in one corner and of noise the "
        "equations with "
        "their prior are solvable in float, and no fit ends worse than it began",

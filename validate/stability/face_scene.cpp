@@ -29,15 +29,6 @@ void FaceScene::addBox(const glm::dvec3& low, const glm::dvec3& high, bool flipp
   }
 }
 
-void FaceScene::add(const Scene& scene) {
-  const auto world = [&](uint32_t vertex) { return scene.origin_m + glm::dvec3(scene.positions[vertex]); };
-  for (size_t t = 0; t < scene.triangles.size(); ++t) {
-    const glm::uvec3& triangle = scene.triangles[t];
-    const bool double_sided = scene.materials[scene.triangle_material[t]].double_sided;
-    addTriangle(world(triangle.x), world(triangle.y), world(triangle.z), double_sided ? Sides::two : Sides::one);
-  }
-}
-
 Scene FaceScene::finish() const {
   Scene scene;
   scene.id = "stability";
@@ -48,15 +39,6 @@ Scene FaceScene::finish() const {
   if (!materials_.empty()) scene.objects.push_back({"all", 0, static_cast<uint32_t>(materials_.size()), false});
   finishScene(scene, positions_);
   return scene;
-}
-
-FaceScene furnishedRoom() {
-  FaceScene faces;
-  faces.addBox({0, 0, 0}, {4, 3, 4}, true);
-  faces.addBox({-0.2, -0.2, -0.2}, {4.2, 3.2, 4.2});
-  faces.addBox({1.3, 0, 1.1}, {1.72, 3, 1.53});
-  faces.addBox({2.41, 0, 0}, {2.55, 1.37, 2.9});
-  return faces;
 }
 
 const LinkTable& stabilityLinks() {

@@ -18,11 +18,7 @@ class FaceScene {
   void addQuad(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d, Sides sides = Sides::one);
   // A closed solid whose faces look outward; a flipped one's look inward.
   void addBox(const glm::dvec3& low, const glm::dvec3& high, bool flipped = false);
-  // All triangles of another scene, where they stand in the world.
-  void add(const Scene& scene);
-
   std::vector<glm::dvec3>& positions() { return positions_; }  // three a triangle
-  size_t triangleCount() const { return materials_.size(); }
 
   // The scene as a reader of files would give it.
   Scene finish() const;
@@ -31,9 +27,6 @@ class FaceScene {
   std::vector<glm::dvec3> positions_;
   std::vector<uint32_t> materials_;
 };
-
-// A room of 4 x 3 x 4 m with walls of 20 cm, a pillar, and a low wall in it.
-FaceScene furnishedRoom();
 
 // The links between support points, made once a process.
 const LinkTable& stabilityLinks();

@@ -19,9 +19,8 @@ namespace nlg {
 
 // How much of the suite runs: each depth includes the ones before it.
 enum class StabilityDepth {
-  brief,    // some seconds: the tests
-  full,     // about a minute
-  lengthy,  // minutes, and gigabytes of memory
+  brief,  // some seconds: the tests
+  full,   // about a minute
 };
 
 // An exported generator as engines get it, and its numbers for the reference in double.
@@ -86,11 +85,8 @@ struct StabilityCase {
 // The cases in the table's order.
 std::vector<StabilityCase> sampledFunctionCases();
 std::vector<StabilityCase> wallCases();
-std::vector<StabilityCase> fitCases();
 std::vector<StabilityCase> codeCases();
-std::vector<StabilityCase> pcaCases();
 std::vector<StabilityCase> coefficientCases();
-std::vector<StabilityCase> sceneCases();
 
 // The command nlg-validate stability: runs every case, and writes one JSON file.
 // returns   the exit code: check_failed, after the file is written, when some case did not hold

@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<const char*, 6> kGroups = {"functions", "optimisers", "pca", "generator", "scenes", "training"};
+constexpr std::array<const char*, 4> kGroups = {"functions", "codes", "generator", "training"};
 
 struct StabilityRequest {
   std::vector<std::string> weights;   // exported generators; without any the cases that need them are not run
@@ -65,8 +65,7 @@ struct StabilityTable {
 
 std::vector<StabilityCase> allCases() {
   std::vector<StabilityCase> all;
-  for (const auto& cases :
-       {sampledFunctionCases(), wallCases(), fitCases(), codeCases(), pcaCases(), coefficientCases(), sceneCases()}) {
+  for (const auto& cases : {sampledFunctionCases(), wallCases(), codeCases(), coefficientCases()}) {
     all.insert(all.end(), cases.begin(), cases.end());
   }
   return all;
@@ -97,8 +96,7 @@ std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInp
     return "it needs --weights of a code";
   }
   if (stability_case.needs_held_out && !inputs.held_out) return "it needs --held-out";
-  if (stability_case.depth <= inputs.depth) return "";
-  return stability_case.depth == StabilityDepth::lengthy ? "it needs --long" : "left out by --short";
+  return stability_case.depth <= inputs.depth ? "" : "left out by --short";
 }
 
 void runCase(const StabilityCase& stability_case, const StabilityInputs& inputs, StabilityTable* table) {
@@ -163,7 +161,7 @@ Json originOf(const StabilityRequest& request, const OptionTable& options) {
   for (size_t i = 0; i < request.weights.size(); ++i) inputs["weights_" + std::to_string(i)] = fileSha256(request.weights[i]);
   if (!request.training.empty()) inputs["training"] = fileSha256(request.training);
   Json given = options.toJson();
-  given["depth"] = request.depth == StabilityDepth::brief ? "short" : request.depth == StabilityDepth::full ? "full" : "long";
+  given["depth"] = request.depth == StabilityDepth::brief ? "short" : "full";
   given["only"] = request.only;
   return provenance("nlg-validate stability", given, inputs);
 }
@@ -190,7 +188,7 @@ int stabilityMain(int argc, char** argv) {
   CLI::App app{"Runs stiff and extreme cases, and writes what must hold and what was measured. Exit code 6 if a case fails.",
                "nlg-validate stability"};
   StabilityRequest request;
-  bool is_short = false, is_long = false;
+  bool is_short = false;
   OptionTable table("stability");  // it has no options of a configuration
   app.add_option("--out", request.out, "table to write (.json)")->required();
   app.add_option("--weights", request.weights, "exported generators. None: cases that need them are not run");
@@ -198,13 +196,9 @@ int stabilityMain(int argc, char** argv) {
                  "shards of held-out scenes; codes are fitted to their functions from ten starts");
   app.add_option("--training", request.training, "training cases, written by training_cases.py");
   app.add_option("--only", request.only, fmt::format("group of cases to run: {}", fmt::join(kGroups, ", ")));
-  CLI::Option* short_flag = app.add_flag("--short", is_short, "run fewer and smaller cases: some seconds");
-  app.add_flag("--long", is_long,
-               "run the largest cases too, with ten million triangles and a million functions: minutes and gigabytes")
-      ->excludes(short_flag);
+  app.add_flag("--short", is_short, "run fewer and smaller cases: some seconds");
   return runTool(argc, argv, app, table, [&] {
     if (is_short) request.depth = StabilityDepth::brief;
-    if (is_long) request.depth = StabilityDepth::lengthy;
     run(request, table);
   });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/numbers/random.h"
 #include "tests/datagen/hand_built_scenes.h"
 
 namespace nlg {
@@ -240,6 +241,85 @@ TEST(WeightingBuilder, IsTheSameAHundredKilometresAway) {
   const GeneratedFunction here = build(wallWithHole()).function, there = build(far).function;
   EXPECT_EQ(here.phi, there.phi);
   EXPECT_EQ(here.valid, there.valid);
+}
+
+TEST(WeightingBuilder, SeesNothingFromWithinASurface) {
+  // sheets through the probe at 0 and 45 degrees, whose planes floats hold exactly, and a triangle with a corner in it
+  for (const float x : {0.0f, 50.0f}) {
+    SceneOfFaces faces;
+    faces.addQuad({x, -50, -50}, {x, 50, -50}, {-x, 50, 50}, {-x, -50, 50}, Sides::two);
+    EXPECT_EQ(build(faces.finish()).outcome, ProbeOutcome::empty) << x;
+  }
+  SceneOfFaces corner;
+  corner.addTriangle({0, 0, 0}, {0.5f, 0.3f, -0.4f}, {0.5f, 0.2f, 0.6f}, Sides::two);
+  EXPECT_EQ(build(corner.finish()).outcome, ProbeOutcome::empty);
+}
+
+// A room of 4 m with walls of 20 cm, a pillar and a low wall; share of its faces turned round, and left out.
+Scene furnishedRoom(double flipped = 0.0, double missing = 0.0) {
+  SceneOfFaces faces;
+  faces.addRoom({0, 0, 0}, {4, 3, 4}, 0.2f);
+  faces.addBox({1.3f, 0, 1.1f}, {1.72f, 3, 1.53f});
+  faces.addBox({2.41f, 0, 0}, {2.55f, 1.37f, 2.9f});
+  Scene scene = faces.finish();
+  Random random(47);
+  for (glm::uvec3& triangle : scene.triangles) {
+    if (random.chance(flipped)) std::swap(triangle.y, triangle.z);
+    if (random.chance(missing)) triangle = scene.triangles[0];
+  }
+  return scene;
+}
+
+std::vector<Built> functionsIn(const Scene& scene, float scale = 1.0f) {
+  std::vector<Built> all;
+  for (int i = 0; i < 8; ++i) {
+    const glm::vec3 position_m(i & 1 ? 0.6f : 2.9f, i & 2 ? 0.7f : 2.2f, i & 4 ? 0.9f : 3.1f);
+    all.push_back(build(scene, {}, scale * position_m, scale * 0.7f));
+  }
+  return all;
+}
+
+TEST(WeightingBuilder, MakesTheSameFunctionsOfARoomOfAnySize) {
+  const std::vector<Built> wanted = functionsIn(furnishedRoom());
+  for (const float scale : {0.00025f, 25000.0f}) {  // 1 mm, 100 km
+    Scene scaled = furnishedRoom();
+    for (glm::vec3& position : scaled.positions) position *= scale;
+    const std::vector<Built> functions = functionsIn(scaled, scale);
+    int apart = 0;
+    for (size_t i = 0; i < wanted.size(); ++i) {
+      ASSERT_EQ(functions[i].outcome, wanted[i].outcome);
+      for (size_t p = 0; p < wanted[i].function.phi.size(); ++p) {
+        apart += functions[i].function.valid[p] != wanted[i].function.valid[p] ||
+                 std::fabs(functions[i].function.phi[p] - wanted[i].function.phi[p]) > 1.0f / 255;
+      }
+    }
+    // rounding a position to float moves it by 6e-8 of its size: only points whose links graze an edge may change
+    EXPECT_LE(apart, 1e-4 * 8 * static_cast<double>(table().points.size())) << scale;
+  }
+}
+
+TEST(WeightingBuilder, DoesNotMindTrianglesThatAreThereTwice) {
+  Scene twice = furnishedRoom();
+  for (const glm::uvec3& triangle : furnishedRoom().triangles) twice.triangles.push_back(triangle);
+  twice.triangle_material.resize(twice.triangles.size());
+  const std::vector<Built> wanted = functionsIn(furnishedRoom()), functions = functionsIn(twice);
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    EXPECT_EQ(functions[i].function.phi, wanted[i].function.phi) << i;
+    EXPECT_EQ(functions[i].function.valid, wanted[i].function.valid) << i;
+  }
+}
+
+TEST(WeightingBuilder, IsSoundInRoomsOfFlippedAndMissingTriangles) {
+  SceneOfFaces triangle;
+  triangle.addTriangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, Sides::two);
+  for (const Scene& scene : {furnishedRoom(1.0), furnishedRoom(0.5), furnishedRoom(0.0, 0.2), triangle.finish()}) {
+    for (const auto& [outcome, function] : functionsIn(scene)) {
+      for (size_t p = 0; p < function.phi.size(); ++p) {
+        ASSERT_TRUE(function.phi[p] >= 0.0f && function.phi[p] <= 1.0f) << "point " << p << ": " << function.phi[p];
+        ASSERT_TRUE(function.valid[p] || function.phi[p] == 0.0f) << "weight at invalid point " << p;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -206,6 +206,63 @@ TEST(BasisFit, HasNoEvenComponentOfOneLopsidedFunction) {
   EXPECT_EQ(data.coefficientCount(), kMirrorCount - 1);
 }
 
+// Many times the one function, once the other, both equal to all of their mirror images: the one direction is the difference, its variance
+// that of one in count + 1.
+void expectOneDirection(uint64_t count, int (*same)(int), int (*other)(int)) {
+  std::vector<uint8_t> phi;
+  for (uint64_t i = 0; i < (count + 1) * kSupportPointCount; ++i) {
+    const auto p = static_cast<int>(i % kOctantPointCount);
+    phi.push_back(static_cast<uint8_t>(i < count * kSupportPointCount ? same(p) : other(p)));
+  }
+  BasisFit fit;
+  fit.add(phi.data(), count + 1);
+  const Basis basis = fit.fit(16);
+  ASSERT_EQ(basis.data.coefficientCount(), 1);
+  EXPECT_EQ(classOf(basis.data, 0), 0);
+  // in the octant the difference grows by sqrt(8), as it is even in all axes (docs/theory/math.md, section 2)
+  double square = 0.0, product = 0.0;
+  for (int i = 0; i < kOctantPointCount; ++i) {
+    const double difference = (other(i) - same(i)) / 255.0 * std::sqrt(8.0);
+    square += difference * difference;
+    product += basis.data.components[i] * difference;
+  }
+  const double share = 1.0 / static_cast<double>(count + 1), variance = square * share * (1.0 - share);
+  EXPECT_NEAR(*std::max_element(basis.spectrum.begin(), basis.spectrum.end()) / variance, 1.0, 1e-6);
+  EXPECT_NEAR(std::fabs(product) / std::sqrt(square), 1.0, 1e-6);
+}
+
+TEST(BasisFit, FindsTheOneOtherFunctionAmongManyThatAreIdentical) {
+  const auto ramp = [](int i) { return 37 * i % 256; };
+  expectOneDirection(2000, ramp, [](int i) { return 37 * i % 256 ^ (i % 16 == 3 ? 64 : 0); });
+  // the largest outlier that bytes allow
+  expectOneDirection(
+      63, [](int i) { return i % 2; }, [](int) { return 255; });
+}
+
+TEST(BasisFit, FindsDirectionsWhoseVariancesDifferTenMillionTimes) {
+  // 100 steps at all points, 1 step at all points, 1 step at 8 points, in all combinations of signs
+  const int classes[] = {0, 1, 6}, amplitude[] = {100, 1, 1}, points[] = {kSupportPointCount, kSupportPointCount, kMirrorCount};
+  std::vector<uint8_t> phi;
+  for (int combination = 0; combination < 8; ++combination) {
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      int value = 128;
+      for (int k = 0; k < 3; ++k) {
+        if (k == 2 && p % kOctantPointCount != 77) continue;
+        value += amplitude[k] * (combination >> k & 1 ? -1 : 1) * static_cast<int>(mirrorSign(classes[k], p / kOctantPointCount));
+      }
+      phi.push_back(static_cast<uint8_t>(value));
+    }
+  }
+  BasisFit fit;
+  fit.add(phi.data(), 8);
+  Basis basis = fit.fit(64);
+  // no direction of rounding counts as a component
+  EXPECT_EQ(basis.data.coefficientCount(), 3);
+  std::sort(basis.spectrum.rbegin(), basis.spectrum.rend());
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(basis.spectrum[k] / (std::pow(amplitude[k] / 255.0, 2) * points[k]), 1.0, 1e-6) << k;
+  EXPECT_LE(basis.spectrum[3], 1e-9 * basis.spectrum[0]);
+}
+
 TEST(TruncateBasis, KeepsTheComponentsOfLargestVariance) {
   const BasisData& wide = wideBasis().data;
   std::vector<float> deviations = wide.deviation;
