@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <regex>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -85,47 +87,30 @@ constexpr const char* kForm =
     "NAME, NAME=SCENE, or either with OPTION=VALUE behind blanks, each option once: 'night=level_night.glb sky=0 sun=0'; a name "
     "without blanks, ',' and '/'";
 
-// The last " OPTION=" that begins a setting, since paths may hold blanks.
-size_t lastSetting(const std::string& text, const std::vector<std::string>& names) {
-  for (size_t blank = text.rfind(' '); blank != std::string::npos && blank > 0; blank = text.rfind(' ', blank - 1)) {
-    const size_t equals = text.find('=', blank);
-    if (equals == std::string::npos) continue;
-    if (std::find(names.begin(), names.end(), text.substr(blank + 1, equals - blank - 1)) != names.end()) return blank;
-  }
-  return std::string::npos;
-}
-
 LightSet setFrom(const std::string& text, const LightOptions& of_all) {
   const std::string place = "--light-set";
   LightSet set{{}, {}, of_all};
   // sets may differ in options of light alone
   OptionTable table("bake");
   describe(set.options, table);
-  std::vector<std::string> names;
-  for (const auto& option : table.describeAsJson()) names.push_back(option.at("name").get<std::string>());
-  std::string rest = text;
-  // from the end backwards: a scene's path may hold blanks
-  std::vector<std::pair<std::string, std::string>> settings;  // from the last to the first
-  for (size_t blank = lastSetting(rest, names); blank != std::string::npos; blank = lastSetting(rest, names)) {
-    const size_t equals = rest.find('=', blank);
-    std::string option = rest.substr(blank + 1, equals - blank - 1);
-    if (std::any_of(settings.begin(), settings.end(), [&](const auto& other) { return other.first == option; }))
-      throw UsageError(place, kForm, option + " twice in '" + text + "'");
-    if (equals + 1 == rest.size()) throw UsageError(place, kForm, "nothing behind " + option + "= in '" + text + "'");
-    settings.emplace_back(std::move(option), rest.substr(equals + 1));
-    rest.erase(rest.find_last_not_of(' ', blank) + 1);
+  std::string names;
+  for (const auto& option : table.describeAsJson()) names += (names.empty() ? "" : "|") + option.at("name").get<std::string>();
+  // a scene's path may hold blanks and '=': a setting begins with a blank and an option's name
+  const std::regex setting(" +(" + names + ")="), form(R"(([^\x01- ,/=\x7f]+)(=(.+?))?(( +()" + names + R"()=.*)?))");
+  std::smatch found;
+  if (!std::regex_match(text, found, form)) throw UsageError(place, kForm, "'" + text + "'");
+  set.name = found[1];
+  set.scene = found[3];
+  std::set<std::string> given;
+  const std::string settings = found[4];
+  for (std::sregex_iterator at(settings.begin(), settings.end(), setting), end; at != end;) {
+    const std::string option = (*at)[1];
+    const auto begin = (*at)[0].second;
+    const std::string value(begin, ++at == end ? settings.end() : (*at)[0].first);
+    if (!given.insert(option).second) throw UsageError(place, kForm, option + " twice in '" + text + "'");
+    if (value.empty()) throw UsageError(place, kForm, "nothing behind " + option + "= in '" + text + "'");
+    table.set(option, value, place + " " + set.name + ": " + option);
   }
-  const size_t equals = rest.find('=');
-  set.name = rest.substr(0, equals);
-  if (equals != std::string::npos) set.scene = rest.substr(equals + 1);
-  const bool is_named = !set.name.empty() && std::none_of(set.name.begin(), set.name.end(), [](unsigned char c) {
-    return c <= ' ' || c == ',' || c == '/' || c == 0x7f;
-  });
-  if (!is_named || (equals != std::string::npos && set.scene.empty())) throw UsageError(place, kForm, "'" + text + "'");
-  // in the order given, as on a command line
-  std::for_each(settings.rbegin(), settings.rend(), [&](const auto& setting) {
-    table.set(setting.first, setting.second, place + " " + set.name + ": " + setting.first);
-  });
   return set;
 }
 
