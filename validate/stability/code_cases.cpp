@@ -282,17 +282,17 @@ std::vector<StabilityCase> codeCases() {
        "the network it ends at most at 1.5 times the least error that any start reaches; functions that do not end at one code "
        "to half a "
        "byte's step are named",
-       StabilityDepth::brief, true, measureOneCode, true},
+       StabilityDepth::brief, measureOneCode, true},
       {"codes", "of held-out functions from ten starts", "the same of functions of held-out levels, evenly over their scenes",
-       StabilityDepth::brief, true, measureHeldOut, true, true},
+       StabilityDepth::brief, measureHeldOut, true, true},
       {"codes", "fits as bakes have them",
-       "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", StabilityDepth::brief, true,
+       "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", StabilityDepth::brief,
        measureBakedFits, true},
       {"codes", "condition of their equations",
        "of walls, of functions that are dark or lit everywhere, of one valid point, of points in one corner and of noise the "
        "equations with "
        "their prior are solvable in float, and no fit ends worse than it began",
-       StabilityDepth::brief, true, measureConditions, true},
+       StabilityDepth::brief, measureConditions, true},
   };
 }
 

@@ -90,14 +90,11 @@ void measureCoefficients(const StabilityInputs& inputs, const Coefficient& coeff
 
 StabilityCase coefficientCase(const std::string& name, StabilityDepth depth, const Coefficient& coefficient) {
   return {
-      "generator",
-      name,
+      "generator", name,
       "theta and what it stands for are finite on every SIMD target, theta is within 4.3e-4 of the largest number of the "
       "formulas in double, no stage of a bake makes it worse, and what the bake stores of the nearest storable function is at "
       "most as far off as the check allows, or 1.01 times what one constant does",
-      depth,
-      true,
-      [coefficient](const StabilityInputs& inputs, StabilityFigures* figures) {
+      depth, [coefficient](const StabilityInputs& inputs, StabilityFigures* figures) {
         measureCoefficients(inputs, coefficient, figures);
       }};
 }
@@ -139,13 +136,10 @@ SampledFunction scatteredTent(uint64_t seed) {
 
 StabilityCase sampledCase(const std::string& name, const std::function<SampledFunction()>& make) {
   return {
-      "functions",
-      name,
+      "functions", name,
       "every generator's theta is finite, no stage of the bake makes it worse, and the error of what a bake stores is at most "
       "what the check allows, or 1.01 times that of the best constant in place of the network or field",
-      StabilityDepth::brief,
-      true,
-      [make](const StabilityInputs& inputs, StabilityFigures* figures) {
+      StabilityDepth::brief, [make](const StabilityInputs& inputs, StabilityFigures* figures) {
         WorstBake worst;
         worst.addAll(inputs, make().view(), ErrorBound::constant);
         worst.report(figures);
@@ -195,7 +189,7 @@ std::vector<StabilityCase> sampledFunctionCases() {
        "a bake that gives even the bare tent a theta holds it to what the check allows with every generator, or to 1.5 times the "
        "best "
        "known",
-       StabilityDepth::brief, true, measureBareTent},
+       StabilityDepth::brief, measureBareTent},
       sampledCase("zero at every point", constant(0.0, true)),
       sampledCase("one at every point", constant(1.0, true)),
       // in the middle of the octant's curve: not at the probe, not at the border

@@ -76,7 +76,6 @@ struct StabilityCase {
   std::string group, name;
   std::string must_hold;  // one sentence
   StabilityDepth depth = StabilityDepth::brief;
-  bool needs_generators = false;
   std::function<void(const StabilityInputs&, StabilityFigures*)> measure;
   bool needs_codes = false;  // a code among the generators
   bool needs_held_out = false;

@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<const char*, 4> kGroups = {"functions", "codes", "generator", "training"};
 
 struct StabilityRequest {
-  std::vector<std::string> weights;   // exported generators; without any the cases that need them are not run
+  std::vector<std::string> weights;   // exported generators; without any no case is run
   std::vector<std::string> held_out;  // shards; without any the case that takes their functions is not run
   std::string training;               // what training_cases.py wrote; empty: the training cases are not run
   std::string only;                   // one group; empty: all
@@ -90,7 +90,7 @@ StabilityInputs readInputs(const StabilityRequest& request) {
 
 // Why a case is not run; empty when it is.
 std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInputs& inputs) {
-  if (stability_case.needs_generators && inputs.generators.empty()) return "it needs --weights";
+  if (inputs.generators.empty()) return "it needs --weights";
   const auto isCode = [](const NamedGenerator& named) { return named.generator.representation().isCode(); };
   if (stability_case.needs_codes && std::none_of(inputs.generators.begin(), inputs.generators.end(), isCode)) {
     return "it needs --weights of a code";
@@ -191,7 +191,7 @@ int stabilityMain(int argc, char** argv) {
   bool is_short = false;
   OptionTable table("stability");  // it has no options of a configuration
   app.add_option("--out", request.out, "table to write (.json)")->required();
-  app.add_option("--weights", request.weights, "exported generators. None: cases that need them are not run");
+  app.add_option("--weights", request.weights, "exported generators. None: only cases of training are taken over");
   app.add_option("--held-out", request.held_out,
                  "shards of held-out scenes; codes are fitted to their functions from ten starts");
   app.add_option("--training", request.training, "training cases, written by training_cases.py");

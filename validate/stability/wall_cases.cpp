@@ -83,13 +83,11 @@ void measureWalls(const StabilityInputs& inputs, const std::vector<WallScene>& s
 
 StabilityCase wallCase(const std::string& name, const std::function<std::vector<WallScene>()>& make) {
   return {
-      "functions",
-      name,
+      "functions", name,
       "phi is in [0, 1] and 0 in solid, nothing behind the wall is lit, what stands in plain sight has the tent, nothing "
       "occluded is brighter than what is seen; what a bake stores is finite, no stage makes it worse, and its error is at most "
       "what the check allows, or 1.5 times the best known of the function in that representation",
       StabilityDepth::brief,
-      true,
       [make](const StabilityInputs& inputs, StabilityFigures* figures) { measureWalls(inputs, make(), figures); }};
 }
 
