@@ -6,7 +6,8 @@ namespace nlg {
 
 nlohmann::ordered_json shardGeometry(const std::string& path, const std::string& scene_request, bool with_tree) {
   using Json = nlohmann::ordered_json;
-  const Shard shard = readShardHeader(path, supportPattern().hash, kSupportPointCount);
+  // all of it: what draws it reads it by other means, and leaves its checks to this
+  const Shard shard = readShard(path, supportPattern().hash, kSupportPointCount);
   const std::string request = scene_request.empty() ? proceduralRequest(shard) : scene_request;
   if (request.empty()) return nullptr;
   const Scene scene = rebuildShardScene(shard, path, request);

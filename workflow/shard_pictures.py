@@ -43,19 +43,10 @@ FLAGS = ((1, "open shell", "open"), (2, "few seen (below 1 %)", "few"), (4, "in 
 
 class Shard:
     def __init__(self, path, scene, with_tree):
-        try:
-            with h5py.File(path, "r") as file:
-                self.points, self.phi, self.position_m, self.spacing_m, self.flags = (file[key][()] for key in ("points", "phi", "probe_position_m", "spacing_m", "flags"))
-                valid, seen = (np.unpackbits(file[key][()], axis=1, bitorder="little") for key in ("validity", "seen"))
-                self.title = f"{file.attrs['scene_id'].decode()}, jitter {file.attrs['jitter']}"
-                self.counts = {key[6:]: int(file.attrs[key]) for key in file.attrs if key.startswith("count_")}
-        except (OSError, KeyError) as error:
-            raise InputError(path, "shard", "a file of nlg-datagen", error) from None
-        if not len(self.phi):
-            raise InputError(path, "dataset phi", "at least one function", "none")
-        self.kind = np.where(valid == 0, SOLID, np.where(seen, SEEN, DIFFUSED))
-        self.seen_share = seen.mean(1)
+        # the tool verifies the shard first
         tool = Path(os.environ.get("NLG_BIN") or (ROOT / "build/release/bin" if (ROOT / "CMakeLists.txt").exists() else ROOT / "bin")) / "nlg-datagen"
+        if not tool.exists():
+            raise UsageError("NLG_BIN", "a folder with nlg-datagen", tool.parent)
         command = [tool, "geometry", path, *(["--scene", scene] if scene else []), *(["--tree"] if with_tree else [])]
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
@@ -64,6 +55,18 @@ class Shard:
             raise error
         self.geometry = json.loads(done.stdout)
         self.triangles_m = self.geometry and np.array(self.geometry["triangles_m"]).reshape(-1, 3, 3)
+        try:
+            with h5py.File(path, "r") as file:
+                self.points, self.phi, self.position_m, self.spacing_m, self.flags = (file[key][()] for key in ("points", "phi", "probe_position_m", "spacing_m", "flags"))
+                valid, seen = (np.unpackbits(file[key][()], axis=1, bitorder="little") for key in ("validity", "seen"))
+                self.title = f"{file.attrs['scene_id'].decode()}, jitter {file.attrs['jitter']}"
+                self.counts = {key[6:]: int(file.attrs[key]) for key in file.attrs if key.startswith("count_")}
+        except OSError as error:
+            raise InputError(path, "file", "to be read", error) from None
+        if not len(self.phi):
+            raise InputError(path, "dataset phi", "at least one function", "none")
+        self.kind = np.where(valid == 0, SOLID, np.where(seen, SEEN, DIFFUSED))
+        self.seen_share = seen.mean(1)
 
     def near(self, idx):
         """The triangles around a probe in its local coordinates, and which of them have two sides; none without a scene."""

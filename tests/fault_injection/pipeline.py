@@ -16,7 +16,7 @@ class Pipeline:
     def __init__(self, injection, folder):
         self.injection, self.folder = injection, folder
         self.checkout, self.results = os.path.join(folder, "checkout"), os.path.join(folder, "out", NAME)
-        self.environment = {**injection.environment, "NLG_BIN": injection.binaries, "NLG_OUT": os.path.join(folder, "out")}
+        self.environment = {**injection.environment, "NLG_OUT": os.path.join(folder, "out")}
         lay_out_checkout(injection.sources, self.checkout)
         self.config = os.path.join(self.checkout, chain.CONFIG)
         shutil.copyfile(os.path.join(injection.here, chain.CONFIG), self.config)

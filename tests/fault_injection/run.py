@@ -56,7 +56,7 @@ class FaultInjection:
         self.injector = os.path.join(build, "tests", "fault_injection", "fault_injector.so")
         self.out = os.path.abspath(arguments.out)
         self.store = os.path.join(self.out, "store")  # one of every file that a stage reads
-        self.environment = {**injector.clean(os.environ), **ENVIRONMENT}
+        self.environment = {**injector.clean(os.environ), **ENVIRONMENT, "NLG_BIN": self.binaries}
         self.factor = factor = SANITIZED if arguments.sanitized else 1
         self.limits = trial.Limits(seconds=SECONDS * factor, peak_mb=2000.0 * (3 if arguments.sanitized else 1), address_space=not arguments.sanitized)
         self.pipeline_limits = trial.Limits(seconds=PIPELINE_SECONDS * factor, address_space=not arguments.sanitized)
