@@ -43,23 +43,33 @@ glm::vec3 pointOf(const Scene& scene, uint32_t triangle, const glm::vec2& at) {
   return scene.positions[t.x] * (1.0f - at.x - at.y) + scene.positions[t.y] * at.x + scene.positions[t.z] * at.y;
 }
 
-constexpr int kTexelsOfPatch = 2;            // along its side
-constexpr uint64_t kMostPatches = 1u << 18;  // of images; beyond, patches are larger
-constexpr int kSamplesOfSide = 4;            // of a patch: its mean is over so many squared
+constexpr double kTexelsOfPatch = 2.0;       // along its side
+constexpr uint64_t kMostPatches = 1u << 20;  // of images; beyond, patches are larger
+// Of a patch's side: its mean luminance is over so many squared. Two a texel: a texel between samples would never be drawn.
+constexpr double kSamplesOfTexel = 2.0;
+constexpr double kFewestSamples = 4.0, kMostSamples = 16.0;
 
-// Of the side of a triangle that shines by an image: how many patches its texels ask for.
-int wantedSide(const Scene& scene, uint32_t triangle) {
+// Of the image that a triangle shines by, along a side of it: the root of how many cover the square that it is half of. 0 without.
+double texelsOfSide(const Scene& scene, uint32_t triangle) {
   const Material& material = materialOf(scene, triangle);
   const bool is_by_emission = material.emissive_image.isThere();
   const TextureUse& use = is_by_emission ? material.emissive_image : material.base_image;
-  if (!use.isThere()) return 1;
+  if (!use.isThere()) return 0.0;
   const TextureImage& image = scene.images[static_cast<size_t>(use.image)];
   const std::vector<glm::vec2>& places = is_by_emission ? scene.emissive_places : scene.base_places;
   const glm::uvec3& t = scene.triangles[triangle];
   const glm::vec2 size(image.width, image.height);
   const glm::vec2 a = (places[t.y] - places[t.x]) * size, b = (places[t.z] - places[t.x]) * size;
-  const double texels = std::sqrt(std::fabs(static_cast<double>(a.x) * b.y - static_cast<double>(a.y) * b.x));
+  return std::sqrt(std::fabs(static_cast<double>(a.x) * b.y - static_cast<double>(a.y) * b.x));
+}
+
+// How many patches its texels ask for along a side of a triangle.
+int wantedSide(double texels) {
   return static_cast<int>(std::clamp(std::ceil(texels / kTexelsOfPatch), 1.0, static_cast<double>(Emitters::kMostSide)));
+}
+
+int samplesOfSide(double texels, int side) {
+  return static_cast<int>(std::clamp(std::ceil(kSamplesOfTexel * texels / side), kFewestSamples, kMostSamples));
 }
 
 // Whether the emission of points of a triangle differs.
@@ -67,15 +77,15 @@ bool isByImage(const Material& material) {
   return material.emissive_image.isThere() || material.transmissive != Transmissive::none;
 }
 
-float meanLuminance(const Scene& scene, uint32_t triangle, const std::array<glm::vec2, 3>& corners) {
+float meanLuminance(const Scene& scene, uint32_t triangle, const std::array<glm::vec2, 3>& corners, int samples) {
   float sum = 0.0f;
-  for (int part = 0; part < kSamplesOfSide * kSamplesOfSide; ++part) {
-    const std::array<glm::vec2, 3> small = cornersOfPart(kSamplesOfSide, part);
+  for (int part = 0; part < samples * samples; ++part) {
+    const std::array<glm::vec2, 3> small = cornersOfPart(samples, part);
     const glm::vec2 within = (small[0] + small[1] + small[2]) / 3.0f;
     const glm::vec2 at = corners[0] + within.x * (corners[1] - corners[0]) + within.y * (corners[2] - corners[0]);
     sum += luminance(emissionAt(scene, triangle, at.x, at.y));
   }
-  return sum / (kSamplesOfSide * kSamplesOfSide);
+  return sum / static_cast<float>(samples * samples);
 }
 
 // Halves the widest range again and again: neighbours stay together.
@@ -133,29 +143,29 @@ void splitPlace(float place, int side, int* low, float* share) {
 }  // namespace
 
 void Emitters::cutIntoPatches() {
-  std::vector<std::pair<uint32_t, int>> wanted;  // triangle and side
+  std::vector<std::pair<uint32_t, double>> wanted;  // triangle and texels of its side
   uint64_t by_image = 0;
   // what shines by an image is cut as finely as its texels; all else is one patch
   for (uint32_t t = 0; t < scene_.triangles.size(); ++t) {
     const Material& material = materialOf(scene_, t);
     if (!(luminance(material.emissive) * glm::length(crossOf(scene_, t)) > 0.0f)) continue;
-    const int side = isByImage(material) ? wantedSide(scene_, t) : 1;
-    wanted.emplace_back(t, side);
-    by_image += static_cast<uint64_t>(side * side);
+    const double texels = isByImage(material) ? texelsOfSide(scene_, t) : 0.0;
+    wanted.emplace_back(t, texels);
+    by_image += static_cast<uint64_t>(wantedSide(texels) * wantedSide(texels));
   }
   if (wanted.empty()) return;
   // beyond the most patches all sides shrink alike
   const double shrink = std::min(1.0, std::sqrt(static_cast<double>(kMostPatches) / static_cast<double>(by_image)));
   shining_of_.assign(scene_.triangles.size(), kNone);
-  for (const auto& [t, wanted_side] : wanted) {
+  for (const auto& [t, texels] : wanted) {
     const Material& material = materialOf(scene_, t);
-    const int side = std::max(1, static_cast<int>(wanted_side * shrink));
+    const int side = std::max(1, static_cast<int>(wantedSide(texels) * shrink)), samples = samplesOfSide(texels, side);
     shining_of_[t] = static_cast<uint32_t>(shining_.size());
     shining_.push_back({static_cast<uint32_t>(patch_at_.size()), static_cast<uint16_t>(side)});
     // a patch without light is never drawn
     for (int part = 0; part < side * side; ++part) {
       const float shine =
-          isByImage(material) ? meanLuminance(scene_, t, cornersOfPart(side, part)) : luminance(material.emissive);
+          isByImage(material) ? meanLuminance(scene_, t, cornersOfPart(side, part), samples) : luminance(material.emissive);
       patch_at_.push_back(shine > 0.0f ? static_cast<uint32_t>(patches_.size()) : kNone);
       if (shine > 0.0f) patches_.push_back({t, static_cast<uint16_t>(side), static_cast<uint16_t>(part), shine});
     }

@@ -28,7 +28,7 @@ struct EmitterPoint {
 class Emitters {
  public:
   static constexpr size_t kMostClusters = 64;  // a place weighs them all: about as long as a ray takes
-  static constexpr int kMostSide = 64;         // a triangle is cut into at most as many patches along a side
+  static constexpr int kMostSide = 256;        // a triangle is cut into at most as many patches along a side
 
   // The scene must outlive it.
   explicit Emitters(const Scene& scene);

@@ -98,25 +98,28 @@ TEST(TexturedLight, ShiningStripesFillARoomAsTheirMeanDoes) {
   EXPECT_NEAR(gathered.irradiance.g, expected, 4.0f * gathered.deviation.g + 0.01f * expected);
 }
 
-// One texel of 64 x 64 shines on a dark plate. Points are drawn there and nearly nowhere else: 512 rays tell its light within
-// few per cent, where even points over the plate would meet it once in four thousand.
+// One texel of 64 x 64, and of 512 x 512 (a lamp in a large image), shines on a dark plate. Points are drawn there and nearly nowhere
+// else: 512 rays tell its light within few per cent, where even points over the plate would meet it once in four thousand.
 TEST(TexturedLight, ASmallBrightSpotOfAnImageIsDrawnByItsPower) {
-  Scene scene = plate(2.0f, 0.0f);
-  scene.materials[0].base_color = glm::vec3(0.0f);
-  scene.materials[0].emissive = glm::vec3(1000.0f);
-  spreadImages(&scene);
-  scene.images = {imageOf(64, 64, [](int x, int y) {
-    const uint8_t code = x == 20 && y == 40 ? 255 : 0;
-    return std::array<uint8_t, 4>{code, code, code, 255};
-  })};
-  scene.materials[0].emissive_image.image = 0;
-  const GatheredIrradiance gathered = Lit(scene).at({0, 1, 0}, {0, -1, 0}, 512);
-  // area of a texel, seen from straight above but for its offset (x: 20.5 / 64, z: 40.5 / 64 of the square)
-  const float side = 4.0f / 64.0f, x = -2.0f + 20.5f * side, z = -2.0f + 40.5f * side;
-  const float squared = 1.0f + x * x + z * z;
-  const float expected = 1000.0f * side * side / (squared * squared);
-  EXPECT_NEAR(gathered.irradiance.r, expected, 0.1f * expected);
-  EXPECT_LT(gathered.deviation.r, 0.1f * expected);
+  for (const int texels : {64, 512}) {
+    const int column = 5 * texels / 16, row = 10 * texels / 16;
+    Scene scene = plate(2.0f, 0.0f);
+    scene.materials[0].base_color = glm::vec3(0.0f);
+    scene.materials[0].emissive = glm::vec3(1000.0f);
+    spreadImages(&scene);
+    scene.images = {imageOf(texels, texels, [&](int x, int y) {
+      const uint8_t code = x == column && y == row ? 255 : 0;
+      return std::array<uint8_t, 4>{code, code, code, 255};
+    })};
+    scene.materials[0].emissive_image.image = 0;
+    const GatheredIrradiance gathered = Lit(scene).at({0, 1, 0}, {0, -1, 0}, 512);
+    // area of a texel, seen from straight above but for its offset
+    const float side = 4.0f / texels, x = -2.0f + (column + 0.5f) * side, z = -2.0f + (row + 0.5f) * side;
+    const float squared = 1.0f + x * x + z * z;
+    const float expected = 1000.0f * side * side / (squared * squared);
+    EXPECT_NEAR(gathered.irradiance.r, expected, 0.1f * expected);
+    EXPECT_LT(gathered.deviation.r, 0.1f * expected);
+  }
 }
 
 TEST(TexturedLight, ChancesOfPatchesSumToOneOverTheEmitters) {
