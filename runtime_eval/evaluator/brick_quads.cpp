@@ -1,7 +1,6 @@
 
-#include <cmath>
-
 #include "runtime_eval/evaluator/dictionary.h"
+#include "runtime_eval/numbers/logistic.h"
 
 namespace nlg {
 
@@ -30,7 +29,7 @@ float evaluateQuads(int resolution, const LocalPoint& point, float step, const u
     along_x[i] = between(nodeOf(low[0]), nodeOf(low[1]), place.share[0]);
   }
   const float near = between(along_x[0], along_x[1], place.share[1]), far = between(along_x[2], along_x[3], place.share[1]);
-  return 1.0f / (1.0f + std::exp(-step * between(near, far, place.share[2])));
+  return logistic(step * between(near, far, place.share[2]));
 }
 
 }  // namespace nlg

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "runtime_eval/numbers/logistic.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/evaluator/dictionary.cpp"
 #include <hwy/foreach_target.h>
@@ -131,7 +133,7 @@ float sigmoidOf(const NodePlace& place, float step, const Node* low, int to_y, i
     return between(static_cast<float>(low[offset]), static_cast<float>(low[offset + 1]), place.share[0]);
   };
   const float near = between(row(0), row(to_y), place.share[1]), far = between(row(to_z), row(to_z + to_y), place.share[1]);
-  return 1.0f / (1.0f + std::exp(-step * between(near, far, place.share[2])));
+  return logistic(step * between(near, far, place.share[2]));
 }
 
 }  // namespace
@@ -261,7 +263,7 @@ double evaluateCodeReference(const Dictionary& dictionary, const LocalPoint& poi
     }
     logit += weight * step * std::nearbyint(logits[index] / step);
   }
-  return tent(point) / (1.0 + std::exp(-logit));
+  return tent(point) * logistic(logit);
 }
 
 void evaluateLogits(int resolution, const PointSet& points, const float* logits, float* values) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "runtime_eval/evaluator/product_field.h"
+#include "runtime_eval/numbers/logistic.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/evaluator/evaluate.cpp"
@@ -100,7 +101,7 @@ double evaluateNetworkReference(const NetworkKind& network, double slope, const 
   }
   double output = theta[shape.b3()];
   for (int j = 0; j < shape.last(); ++j) output += theta[shape.w3() + j] * hidden[j];
-  if (shape.output == OutputFunction::sigmoid) output = 1.0 / (1.0 + std::exp(-output));
+  if (shape.output == OutputFunction::sigmoid) output = logistic(output);
   return network.tent_factor ? output * tent(point) : output;
 }
 

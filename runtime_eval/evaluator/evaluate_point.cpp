@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "runtime_eval/evaluator/dictionary.h"
+#include "runtime_eval/numbers/logistic.h"
 
 namespace nlg {
 namespace {
@@ -32,7 +33,7 @@ float evaluateNetwork(float slope, const LocalPoint& point, const float* theta) 
     }
     output += theta[kShape.w3() + j] * leaky(even + odd, slope);
   }
-  if constexpr (kShape.output == OutputFunction::sigmoid) return 1.0f / (1.0f + std::exp(-output));
+  if constexpr (kShape.output == OutputFunction::sigmoid) return logistic(output);
   return output;
 }
 
@@ -47,7 +48,7 @@ float evaluateFieldPoint(int resolution, const LocalPoint& point, const float* t
     a += weight * ((1.0f - share[0]) * pair[0] + share[0] * pair[2]);
     b += weight * ((1.0f - share[0]) * pair[1] + share[0] * pair[3]);
   }
-  return std::clamp(a, 0.0f, 1.0f) / (1.0f + std::exp(-b));
+  return std::clamp(a, 0.0f, 1.0f) * logistic(b);
 }
 
 // Without the tent as a factor.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/numbers/logistic.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime_eval/evaluator/product_field.cpp"
 #include <hwy/foreach_target.h>
@@ -140,7 +142,7 @@ double evaluateFieldReference(int resolution, const LocalPoint& point, const dou
     a += weight * theta[2 * index];
     b += weight * theta[2 * index + 1];
   }
-  return std::clamp(a, 0.0, 1.0) / (1.0 + std::exp(-b));
+  return std::clamp(a, 0.0, 1.0) * logistic(b);
 }
 
 }  // namespace nlg

@@ -90,6 +90,8 @@ static inline uint32_t nlgLightGroups(const NlgGrid* grid) {
   return groups > 0 ? groups : 1;
 }
 static inline float nlgBetween(float value, float low, float high) { return value < low ? low : value > high ? high : value; }
+/* Below -87 it stays what it is there: no exponential overflows, which an engine may trap. */
+static inline float nlgLogistic(float logit) { return 1.0f / (1.0f + expf(logit < -87.0f ? 87.0f : -logit)); }
 
 /* unit: of the lattice, >= 0; units: the position, in the closed cube of that unit. 0: in no used cell. */
 static inline int nlgCellOfUnit(const NlgGrid* grid, const int32_t* unit, const float* units, NlgCell* cell) {
@@ -224,7 +226,7 @@ static inline float nlgField(const NlgGrid* grid, const NlgCorner* of) {
     a += part * nlgHalf(grid, word, 0);
     b += part * nlgHalf(grid, word, 1);
   }
-  return nlgBetween(a, 0.0f, 1.0f) / (1.0f + expf(-b));
+  return nlgBetween(a, 0.0f, 1.0f) * nlgLogistic(b);
 }
 
 /* sigmoid(L), L trilinear in r^3 nodes. A word holds the four nodes of a cell's low or high side along x, in steps. */
@@ -242,7 +244,7 @@ static inline float nlgBrick(const NlgGrid* grid, const NlgCorner* of) {
   word = 4 * (name & 0x7ffffff) + (node[2] * (r - 1) + node[1]) * r + node[0];
   for (i = 0; i < 4; ++i) along[i] = nlgByte(grid, word, i) + share[0] * (nlgByte(grid, word + 1, i) - nlgByte(grid, word, i));
   for (i = 0; i < 4; i += 2) along[i] += share[1] * (along[i + 1] - along[i]);
-  return 1.0f / (1.0f + expf(-ldexpf(along[0] + share[2] * (along[2] - along[0]), (int)(name >> 27) - 4)));
+  return nlgLogistic(ldexpf(along[0] + share[2] * (along[2] - along[0]), (int)(name >> 27) - 4));
 }
 
 /* What the weighting function gives of its tent, before the residue. */
@@ -256,7 +258,7 @@ static inline float nlgTentShare(const NlgGrid* grid, const NlgCorner* of) {
   if (kind == NLG_KIND_NETWORK_44) phi = nlgNetwork(grid, of, 4, 4);
   if (kind == NLG_KIND_NETWORK_88) phi = nlgNetwork(grid, of, 8, 8);
   if (kind == NLG_KIND_FIELD) phi = nlgField(grid, of);
-  if ((of->kind & NLG_FLAG_SIGMOID) != 0) phi = 1.0f / (1.0f + expf(-phi));
+  if ((of->kind & NLG_FLAG_SIGMOID) != 0) phi = nlgLogistic(phi);
   return phi > 0.0f ? (phi < most ? phi / most : 1.0f) : 0.0f;
 }
 

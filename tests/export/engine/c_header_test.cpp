@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cfenv>
 #include <cmath>
 #include <cstring>
 
@@ -12,6 +13,7 @@
 #include "nlg/shader_grid.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "tests/damage.h"
+#include "tests/runtime_eval/each_target.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 
 extern "C" int cHeaderIrradiance(const uint8_t* bytes, size_t size, const float* position_m, const float* normal, float* rgb);
@@ -104,6 +106,37 @@ TEST_P(CHeaderPrecision, SaysWhatAMixOfGroupsSays) {
 
 INSTANTIATE_TEST_SUITE_P(Precisions, CHeaderPrecision, testing::Values(ThetaPrecision::int8, ThetaPrecision::float16),
                          [](const auto& precision) { return std::string(thetaPrecisionName(precision.param)); });
+
+// Engines may trap overflow, invalid operations and division by zero: no look-up raises them, by any processor's instructions.
+TEST(CHeader, AndTheLibraryRaiseNoFloatingPointException) {
+  LightGrid grid = everyRepresentation(ThetaPrecision::float16, 3);
+  // logits far beyond what exp bears
+  for (size_t f = 0; f < grid.functionCount(); ++f) {
+    if (grid.representations[grid.function_representation[f]].isCode()) continue;
+    for (uint64_t t = grid.theta_begin[f]; t < grid.theta_begin[f + 1]; ++t)
+      grid.theta[t] = std::clamp(50.0f * grid.theta[t], -6e4f, 6e4f);
+  }
+  const FencedBytes bytes(gridBytes(grid));
+  const ShaderPlaces places = randomPlaces(grid, 3000, 17);
+  std::vector<float> normals, rgb(3 * places.positions_m.size());
+  for (const std::array<float, 3>& normal : places.normals) normals.insert(normals.end(), normal.begin(), normal.end());
+  std::vector<LightStatus> status(places.positions_m.size());
+  forEachTarget([&] {
+    LookUpScratch scratch;
+    std::feclearexcept(FE_ALL_EXCEPT);
+    for (size_t i = 0; i < places.positions_m.size(); ++i) {
+      ProbeWeights weights;
+      lookUpWeights(grid, places.positions_m[i], &weights);
+      lookUpIrradiance(grid, places.positions_m[i], &normals[3 * i], rgb.data());
+      bytes.lookUp(places.positions_m[i], places.normals[i], rgb.data());
+    }
+    lookUpIrradiances(grid, places.positions_m.data(), normals.data(), places.positions_m.size(), rgb.data(), status.data(),
+                      &scratch);
+    EXPECT_EQ(std::fetestexcept(FE_OVERFLOW), 0);
+    EXPECT_EQ(std::fetestexcept(FE_INVALID), 0);
+    EXPECT_EQ(std::fetestexcept(FE_DIVBYZERO), 0);
+  });
+}
 
 TEST(CHeader, IsDarkWhereAPositionOrANormalIsNoNumber) {
   const LightGrid grid = everyRepresentation(ThetaPrecision::int8, 4);
