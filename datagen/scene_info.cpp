@@ -117,9 +117,10 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
   for (const std::string& note : source.light_notes) notes.push_back(note);
   if (isInOtherUnit(scene))
     notes.push_back(
-        fmt::format("lamps and suns are {} W of Blender; a bake takes that back where emission or a sky stands beside them "
-                    "(--light-unit)",
-                    scene.light.unit.kind == LightUnit::Kind::raw ? "raw" : "683 times"));
+        fmt::format("lamps and suns are {}; a bake takes that back where emission or a sky stands beside them (--light-unit)",
+                    scene.light.unit.kind == LightUnit::Kind::over_pi ? "pi too dark"
+                    : scene.light.unit.kind == LightUnit::Kind::raw   ? "raw W of Blender"
+                                                                      : "683 times W of Blender"));
   for (const auto& [reason, faces] : source.dropped_faces)
     notes.push_back(fmt::format("{} faces are no geometry: {}", faces, reason));
   if (source.materials_without_texture > 0)

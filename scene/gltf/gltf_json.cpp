@@ -16,6 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kDeepest = 64;
+constexpr const char *kBase64 = ";base64", *kPlainData = "data:application/octet-stream;base64,";  // as tinygltf knows it
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char *kKhrMeshopt = kMeshoptExtensions[0], *kExtMeshopt = kMeshoptExtensions[1];
 
@@ -348,7 +349,11 @@ class JsonChecker {
   }
 
   void checkUri(const std::string& uri, const std::string& place) {
-    if (uri.starts_with("data:")) return;
+    if (uri.starts_with("data:")) {
+      const std::string header = uri.substr(0, uri.find(','));
+      if (!header.ends_with(kBase64) || header == uri) fail(place, "a data URI in base64", header.substr(0, 60));
+      return;
+    }
     if (uri.empty()) fail(place, "a file name", "an empty uri");
     buffer_files_.push_back(uri);
   }
@@ -394,9 +399,17 @@ bool makePlain(Json& root, bool has_bin) {
   Json none = Json::array();
   // tinygltf demands an address and bytes of every buffer: those that need none get one byte
   for (Json& buffer : root.contains("buffers") ? root["buffers"] : none) {
-    if (buffer.contains("uri") || (has_bin && &buffer == &root["buffers"][0] && !isFallback(buffer))) continue;
+    if (buffer.contains("uri")) {
+      // and it takes any data URI but of a few media types for a file's name
+      const std::string uri = buffer["uri"];
+      if (!uri.starts_with("data:") || uri.starts_with(kPlainData)) continue;
+      buffer["uri"] = kPlainData + uri.substr(uri.find(',') + 1);
+      is_changed = true;
+      continue;
+    }
+    if (has_bin && &buffer == &root["buffers"][0] && !isFallback(buffer)) continue;
     buffer["byteLength"] = 1;
-    buffer["uri"] = "data:application/octet-stream;base64,AA==";
+    buffer["uri"] = std::string(kPlainData) + "AA==";
     is_changed = true;
   }
   // nobody reads animations, but they count

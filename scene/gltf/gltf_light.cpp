@@ -157,10 +157,10 @@ std::string lightGroupOf(const tinygltf::Value& extras) {
 
 bool isOfBlender(const tinygltf::Model& model) { return model.asset.generator.find(kBlender) != std::string::npos; }
 
+namespace {
+
 LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {
   using Kind = LightUnit::Kind;
-  // a file of another program is in the units of glTF
-  if (!isOfBlender(model)) return {};
   // the version decides, else the numbers, else what would be too faint (docs/theory/light.md, Units)
   const int version = versionOfBlender(model);
   if (version > 0 && version < kFirstInUnits) return {Kind::raw, "exporters before 3.4.40 know no other"};
@@ -188,6 +188,31 @@ LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLigh
   const bool is_bright = most_sun > 0.0 ? most_sun >= kLeastSun : most_lamp >= kLeastLamp;
   return is_bright ? LightUnit{Kind::standard, "the exporter's default"}
                    : LightUnit{Kind::same, "in the exporter's default they would be too faint"};
+}
+
+// Of engines, by a part of their generator's name. Those that write cd and lux are not here.
+LightUnit unitOfEngine(const std::string& generator) {
+  using Kind = LightUnit::Kind;
+  const auto isOf = [&](const char* name) { return generator.find(name) != std::string::npos; };
+  // energies as the editor shows them; its renderer multiplies them by pi, unless the project has physical light units
+  if (isOf("Godot Engine")) return {Kind::over_pi, "Godot multiplies the energies that it writes by pi"};
+  if (isOf("glTFast"))
+    return {Kind::perhaps_over_pi, "glTFast does not say of which of Unity's render pipelines they are: of URP"};
+  constexpr std::string_view kThree = "THREE.GLTFExporter";
+  constexpr int kFirstPhysical = 155;
+  const size_t at = generator.find(kThree);
+  if (at == std::string::npos) return {};
+  int revision = 0;
+  const bool is_physical =
+      std::sscanf(generator.c_str() + at + kThree.size(), " r%4d", &revision) == 1 && revision >= kFirstPhysical;
+  if (is_physical) return {};
+  return {Kind::perhaps_over_pi, "three.js before r155 multiplies by pi unless physicallyCorrectLights was set: without it"};
+}
+
+}  // namespace
+
+LightUnit unitOfLights(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {
+  return isOfBlender(model) ? unitOfBlender(model, lights) : unitOfEngine(model.asset.generator);
 }
 
 std::string noteOfLostSuns(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {

@@ -45,10 +45,10 @@ std::string lightGroupOf(const tinygltf::Value& extras);
 // Whether a file says that Blender's exporter wrote it.
 bool isOfBlender(const tinygltf::Model& model);
 
-// In which of the exporter's units the lights of such a file are; of another file: same, without a sign. The exporter of Blender 3.3 and
-// before knew one unit alone, raw. Of later ones watts tell, which are whole or have few digits in the unit that was theirs; and where
-// they have not, it is the exporter's default, standard, unless lamps and suns would be too faint in it.
-LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLight>& lights);
+// The unit of a file's lights, by the program that wrote it (docs/theory/light.md, Units); of an unknown one: same, without a sign. The
+// exporter of Blender 3.3 and before knew one unit alone, raw. Of later ones watts tell, which are whole or have few digits in the unit
+// that was theirs; and where they have not, it is the exporter's default, standard, unless lamps and suns would be too faint in it.
+LightUnit unitOfLights(const tinygltf::Model& model, const std::vector<GltfLight>& lights);
 // Of the suns of which Blender 5.0 to 5.1.0 lost the strength, and of the lamps' colours: a line, or nothing.
 std::string noteOfLostSuns(const tinygltf::Model& model, const std::vector<GltfLight>& lights);
 

@@ -5,6 +5,8 @@
 #include <map>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include "scene/gltf/gltf_accessor.h"
 #include "tool/error.h"
 
@@ -147,14 +149,35 @@ class MeshReader {
     return is_placed && !uv.empty();
   }
 
+  // What stands for white in colours: 1, but where an exporter forgot to normalise its codes.
+  // rgba   as read: alpha is 1 where there is none
+  glm::vec4 whiteOf(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<float>& rgba) {
+    constexpr float kMostShare = 2.0f;  // of a colour that an artist made brighter than white
+    if (rgba.empty()) return glm::vec4(1.0f);
+    const tinygltf::Accessor& accessor = model_.accessors[static_cast<size_t>(primitive.attributes.at("COLOR_0"))];
+    const bool is_short = accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+    const bool is_code = is_short || accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+    float most = 0.0f;
+    for (const float number : rgba) most = std::max(most, std::isfinite(number) ? number : 0.0f);
+    if (is_code ? accessor.normalized : most <= kMostShare) {
+      if (most > 1.0f) odd_.add("cut to 1", place + ": COLOR_0 above 1");
+      return glm::vec4(1.0f);
+    }
+    const float white = is_short ? 65535.0f : 255.0f;
+    odd_.add(fmt::format("taken as of 0 to {:g}", white),
+             place + (is_code ? ": COLOR_0 of integers that are not normalized" : ": COLOR_0 far above 1"));
+    return {white, white, white, accessor.type == TINYGLTF_TYPE_VEC4 ? white : 1.0f};
+  }
+
   void readColours(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<uint32_t>& used,
                    uint64_t vertex_count, const GltfLooks::OfVertices& look, GltfMesh& local) {
     std::vector<glm::vec4> colours(used.size(), glm::vec4(1.0f));
     const std::vector<float> rgba = readLook(primitive, place, "COLOR_0", 3, 4, used, vertex_count);
+    const glm::vec4 white = whiteOf(primitive, place, rgba);
     for (size_t i = 0; i < rgba.size() / 4; ++i) {
       for (int channel = 0; channel < 4; ++channel) {
         // what is no number stays white
-        const float share = rgba[4 * i + static_cast<size_t>(channel)];
+        const float share = rgba[4 * i + static_cast<size_t>(channel)] / white[channel];
         if (std::isfinite(share)) colours[i][channel] = std::clamp(share, 0.0f, 1.0f);
       }
       if (!look.keeps_opacity) colours[i].a = 1.0f;

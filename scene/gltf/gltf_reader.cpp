@@ -25,7 +25,6 @@
 namespace nlg {
 namespace {
 
-constexpr int kDeepestNode = 256;
 constexpr char kRead = 1, kLeftOut = 2;  // of nodes
 constexpr double kFarthest = 1e9;  // metres from the file's origin; beyond, a double no longer holds a tenth of a micrometre
 
@@ -48,10 +47,10 @@ class GltfConverter {
   GltfLevel convert() {
     lights_ = readGltfLights(path_, model_, &odd_);
     scene_.light.writer = isOfBlender(model_) ? LightWriter::blender : LightWriter::gltf;
-    scene_.light.unit = unitOfBlender(model_, lights_);
+    scene_.light.unit = unitOfLights(model_, lights_);
     const std::string lost = noteOfLostSuns(model_, lights_);
     if (!lost.empty()) notes_.push_back(lost);
-    for (const int node : roots_) tryNode(node, metres_from_units_, 0);
+    visitNodes();
     if (scene_.triangles.empty() && odd_.first()) throw InputError(*odd_.first());
     noteOthers();
     return finish();
@@ -102,19 +101,42 @@ class GltfConverter {
     return roots;
   }
 
-  void tryNode(int node_idx, const glm::dmat4& world_from_parent, int depth) {
-    odd_.attempt(Oddities::kLeftOut, [&] { visitNode(node_idx, world_from_parent, depth); });
+  struct NodeToVisit {
+    int node_idx;
+    glm::dmat4 world_from_parent;
+  };
+
+  // A node before its children, the first of them first; however deep a file nests them.
+  void visitNodes() {
+    std::vector<NodeToVisit> left;
+    const auto push = [&](const std::vector<int>& nodes, const glm::dmat4& world_from_parent) {
+      for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) left.push_back({*node, world_from_parent});
+    };
+    push(roots_, metres_from_units_);
+    while (!left.empty()) {
+      const NodeToVisit next = left.back();
+      left.pop_back();
+      glm::dmat4 world_from_local(1.0);
+      bool has_children = false;
+      odd_.attempt(Oddities::kLeftOut,
+                   [&] { has_children = visitNode(next.node_idx, next.world_from_parent, &world_from_local); });
+      if (has_children) push(model_.nodes[static_cast<size_t>(next.node_idx)].children, world_from_local);
+    }
   }
 
-  void visitNode(int node_idx, const glm::dmat4& world_from_parent, int depth) {
+  // to_children   receives their world_from_parent
+  // returns       whether they are to be visited
+  bool visitNode(int node_idx, const glm::dmat4& world_from_parent, glm::dmat4* to_children) {
     const std::string place = "node " + std::to_string(node_idx);
     requireIndex(node_idx, model_.nodes.size(), path_, place, "a node");
-    if (is_visited_[node_idx] == kLeftOut) return;
+    if (is_visited_[node_idx] == kLeftOut) return false;
     if (is_visited_[node_idx]) fail(place, "a tree of nodes", "a node that is its own ancestor or has two parents");
-    if (depth > kDeepestNode) fail(place, "nesting of at most 256 nodes", "more");
     const tinygltf::Node& node = model_.nodes[node_idx];
     const NodeVerdict& verdict = verdicts_[static_cast<size_t>(node_idx)];
-    if (verdict.with_children) return tally({node_idx}, &left_out_[verdict.why]);
+    if (verdict.with_children) {
+      tally({node_idx}, &left_out_[verdict.why]);
+      return false;
+    }
     is_visited_[node_idx] = kRead;
     tally(coarserNodes(model_, node), &left_out_[kCoarserNodes]);
     const glm::dmat4 world_from_local = world_from_parent * localTransform(node, place);
@@ -135,7 +157,8 @@ class GltfConverter {
       if (light >= 0 && !lights_[light].is_left_out) addLight(lights_[light], node, world_from_local, place);
     });
     if (node.camera >= 0) attempt([&] { addCamera(node, world_from_local, place); });
-    for (const int child : node.children) tryNode(child, world_from_local, depth + 1);
+    *to_children = world_from_local;
+    return true;
   }
 
   // Counts what these nodes hold, with all that hangs on them, and is not read.
@@ -195,7 +218,7 @@ class GltfConverter {
     if (!(spacing_m >= 0.0 && std::isfinite(spacing_m)))
       fail(place + " '" + node.name + "': nlg_density", "metres between probes, or 0 for none",
            extra.IsNumber() ? fmt::format("{:g}", spacing_m) : "no number");
-    scene_.density.push_back({boxOf(node, world_from_local, place), spacing_m, nodeName(model_, node_idx)});
+    scene_.density.push_back({boxOf(node, world_from_local, place), spacing_m, nodeName(model_, node_idx).substr(0, 100)});
   }
 
   // Around its mesh, or around the cube from -1 to 1 that an empty stands for.
@@ -330,8 +353,9 @@ class GltfConverter {
   glm::dmat4 worldOf(int node_idx, const std::string& place) {
     requireIndex(node_idx, model_.nodes.size(), path_, place, "a node");
     const auto [world, is_new] = worlds_.try_emplace(node_idx, 1.0);
-    int depth = 0;
-    for (int at = node_idx; is_new && at >= 0 && depth <= kDeepestNode; at = parents_[static_cast<size_t>(at)], ++depth)
+    // a ring has no top
+    size_t depth = 0;
+    for (int at = node_idx; is_new && at >= 0 && depth < parents_.size(); at = parents_[static_cast<size_t>(at)], ++depth)
       world->second = localTransform(model_.nodes[static_cast<size_t>(at)], place) * world->second;
     if (is_new) world->second = metres_from_units_ * world->second;
     return world->second;

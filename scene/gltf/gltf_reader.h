@@ -41,7 +41,7 @@ struct GltfChoice {
 // dense_transmissive   as judgeTransmissive has it; need: of images
 // returns  the scene; its id is the file's stem
 // notes    one part that is broken is left out or mended, and noted: an index or accessor out of range, numbers that are not finite,
-//          positions beyond 1e9 m, a node that is its own ancestor or 256 deep, a value of a wrong JSON type (gltf_json.h)
+//          positions beyond 1e9 m, a node that is its own ancestor, a value of a wrong JSON type (gltf_json.h)
 // throws   InputError naming file, place ("mesh 3, primitive 0: POSITION"), expected and got, on
 //          - a missing, truncated or malformed file; one of which nothing is left
 //          - more than the budgets hold (scene_file.h)

@@ -180,10 +180,19 @@ std::pair<UnitFactors, std::string> unitOf(const Scene& scene, const LightOption
   const UnitFactors watts{1.0 / kLumensPerWatt, 1.0 / kLumensPerWatt}, raw{1.0 / kFourPi, 1.0};
   if (options.light_unit == "file") return {};
   if (options.light_unit == "watt") return {watts, "lamps and suns divided by 683 (--light-unit)"};
-  if (options.light_unit != "auto") throw UsageError("--light-unit", "auto, file or watt", "'" + options.light_unit + "'");
+  const UnitFactors pi{std::numbers::pi, std::numbers::pi};
+  if (options.light_unit == "pi") return {pi, "lamps and suns times pi (--light-unit)"};
+  if (options.light_unit != "auto") throw UsageError("--light-unit", "auto, file, watt or pi", "'" + options.light_unit + "'");
   const LightUnit& unit = scene.light.unit;
   if (unit.sign.empty() || (scene.light.lamps.empty() && scene.light.suns.empty())) return {};
   const std::string sign = " (the sign: " + unit.sign + ")";
+  if (unit.kind == Kind::over_pi || unit.kind == Kind::perhaps_over_pi) {
+    // alone they have no other light to be compared with
+    if (!has_more) return {};
+    if (unit.kind == Kind::over_pi)
+      return {pi, "lamps and suns times pi: " + unit.sign + "; --light-unit file takes them as they are"};
+    return {{}, "lamps and suns as they are; " + unit.sign + " they would be pi too dark: --light-unit pi multiplies them"};
+  }
   if (unit.kind == Kind::same)
     return {{}, "lamps and suns as they are, of Blender's exporter Unitless" + sign + "; --light-unit watt divides them by 683"};
   const std::string taken = unit.kind == Kind::raw ? "Blender's raw W, lamps" : "683 times Blender's W and W/m²";
@@ -206,8 +215,9 @@ void describe(LightOptions& options, OptionTable& table) {
             "sun: azimuth,elevation,r,g,b, as 40,50,3,2.8,2.5. Angles in degrees, the azimuth from +x towards +z; r,g,b is "
             "irradiance. 0: no sun. None: the scene's own");
   table.add("light_unit", &options.light_unit,
-            "unit of a glTF file's lamps and suns: file, taken as they are; watt, divided by 683; auto, divided if Blender's "
-            "exporter multiplied them and a sky, a sun or emission shines beside them");
+            "unit of a glTF file's lamps and suns: file, taken as they are; watt, divided by 683; pi, multiplied by it; auto, "
+            "divided if Blender's exporter multiplied them, or multiplied if Godot wrote them, and a sky, a sun or emission "
+            "shines beside them");
   table.add("intensity", &options.intensity, "factor on all light of the scene", 1e-12, 1e12);
   table.add("light_groups", &options.light_groups,
             "groups of light that the engine can dim, colour or switch: one, a single group; kind: sky, suns, lamps and "
@@ -237,7 +247,10 @@ bool hasLight(const Scene& scene) {
   return brightestEmission(scene) > 0.0f;
 }
 
-bool isInOtherUnit(const Scene& scene) { return scene.light.unit.kind != LightUnit::Kind::same; }
+bool isInOtherUnit(const Scene& scene) {
+  using Kind = LightUnit::Kind;
+  return scene.light.unit.kind != Kind::same && scene.light.unit.kind != Kind::perhaps_over_pi;
+}
 
 Sky defaultSky() { return {{0.35f, 0.55f, 0.95f}, {0.80f, 0.90f, 1.00f}, {0.20f, 0.18f, 0.15f}}; }
 Sun defaultSun() { return sunAt(120.0, 50.0, {5.0f, 4.7f, 4.1f}); }

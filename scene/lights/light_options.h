@@ -14,7 +14,7 @@ struct LightOptions {
   std::vector<std::string> sky;  // nothing: the scene's own; r,g,b; or those of zenith, horizon and ground; or 0; or the path of
                                  // an image (sky_file.h), which degrees from +x towards +z and a factor may follow
   std::vector<std::string> sun;  // nothing: the scene's own; azimuth,elevation,r,g,b; or 0
-  std::string light_unit = "auto";   // of the scene's own lamps and suns: auto, file, watt
+  std::string light_unit = "auto";   // of the scene's own lamps and suns: auto, file, watt, pi
   double intensity = 1.0;            // of all light
   std::string light_groups = "one";  // into which it falls (light_sets.h)
 };
@@ -27,7 +27,7 @@ bool hasLight(const Scene& scene);
 // Whether light comes from outside of a scene: a sky, suns, or a level's own light, which holds them.
 bool hasLightFromOutside(const Scene& scene);
 
-// Whether lamps and suns are in another unit than emission: LightUnit.
+// Whether lamps and suns are known to be in another unit than emission: LightUnit.
 bool isInOtherUnit(const Scene& scene);
 
 // What a scene without any light gets: a clear sky by day. Radiances of about 1, for surfaces that a picture shows as they are.
@@ -35,8 +35,8 @@ Sky defaultSky();
 Sun defaultSun();
 
 // Gives a scene the light that the options ask for, in this order.
-// 1. Lamps and suns are divided by 683 as light_unit says; "auto" does so where they are so many times W and W/m², divides raw lamps by
-//    4 pi, and neither unless emission or what follows shines beside them.
+// 1. Lamps and suns are brought into emission's unit as light_unit says; "auto" does so by LightUnit, unless neither emission nor what
+//    follows shines beside them.
 // 2. The options' sky and suns replace the scene's own. The sun of a sky's image joins the scene's.
 // 3. Without either option a scene in which nothing shines gets defaultSky and defaultSun, and so does an open one without light from
 //    outside.

@@ -95,9 +95,16 @@ struct LightGroups {
 enum class LightWriter : uint8_t { other, gltf, blender };
 
 // What lamps and suns of a file are beside its emission, and by what sign that is known. Blender's glTF exporter multiplies them by 683
-// and divides lamps by 4 pi, or leaves out the first, or both; emission it leaves as it is (light_options.h).
+// and divides lamps by 4 pi, or leaves out the first, or both; emission it leaves as it is. Engines in which a sun of 1 shows white at
+// full brightness write theirs over pi (light_options.h).
 struct LightUnit {
-  enum class Kind : uint8_t { same, standard, raw } kind = Kind::same;
+  enum class Kind : uint8_t {
+    same,
+    standard,         // Blender's
+    raw,              // Blender's
+    over_pi,          // of an engine that multiplies by pi
+    perhaps_over_pi,  // of a program that does so in some of its settings, which the file does not hold
+  } kind = Kind::same;
   std::string sign;  // empty: nothing had to be chosen
 };
 

@@ -346,6 +346,71 @@ TEST_F(GltfStrangers, ABrokenPartDoesNotRefuseALevel) {
   }
 }
 
+TEST_F(GltfStrangers, DataUrisMayHaveAnyMediaTypeOrNone) {
+  const Parts parts;
+  for (const char* header :
+       {"data:;base64,", "data:application/octet-stream;charset=utf-8;base64,", "data:application/binary;base64,"}) {
+    const GltfLevel read = readGltf(write("uri.gltf", parts.json(header + base64(parts.bin))));
+    EXPECT_EQ(areaOf(read.scene), 1.0) << header;
+    EXPECT_TRUE(read.notes.empty()) << linesOf(read);
+  }
+  EXPECT_NE(errorOf(parts.json("data:text/plain,AAAA")).find("expected a data URI in base64, got data:text/plain"),
+            std::string::npos);
+}
+
+// Codes that an exporter forgot to normalise. Each is half of what stands for white, but for the alpha of three.
+TEST_F(GltfStrangers, ColoursThatAreNotNormalizedAreTakenAsCodesAndSaid) {
+  struct Case {
+    std::string bytes;
+    const char *accessor, *says;
+    float least, most;
+  };
+  const auto repeated = [](const std::string& bytes) { return bytes + bytes + bytes + bytes; };
+  const Case cases[] = {{repeated(bytesOf<uint8_t>({128, 128, 128, 255})), R"("componentType":5121,"type":"VEC4")",
+                         "taken as of 0 to 255", 0.49f, 0.51f},
+                        {repeated(bytesOf<uint8_t>({128, 128, 128, 255})),
+                         R"("componentType":5121,"type":"VEC4","normalized":true)", "", 0.49f, 0.51f},
+                        {repeated(bytesOf<uint16_t>({32768, 32768, 32768, 65535})), R"("componentType":5123,"type":"VEC4")",
+                         "taken as of 0 to 65535", 0.49f, 0.51f},
+                        {repeated(bytesOf<float>({127.5f, 127.5f, 127.5f})), R"("componentType":5126,"type":"VEC3")",
+                         "taken as of 0 to 255", 0.49f, 0.51f},
+                        {repeated(bytesOf<float>({1.5f, 0.5f, 1.5f})), R"("componentType":5126,"type":"VEC3")",
+                         "COLOR_0 above 1: cut to 1", 0.5f, 0.5f},
+                        {repeated(bytesOf<float>({0.5f, 0.5f, 0.5f})), R"("componentType":5126,"type":"VEC3")", "", 0.5f, 0.5f}};
+  for (const Case& one : cases) {
+    Parts parts;
+    parts.bin += one.bytes;
+    parts.views.back() = ',';
+    parts.views += R"({"buffer":0,"byteOffset":60,"byteLength":)" + std::to_string(one.bytes.size()) + "}]";
+    parts.accessors.back() = ',';
+    parts.accessors += R"({"bufferView":2,"count":4,)" + std::string(one.accessor) + "}]";
+    parts.primitives = replaced(parts.primitives, R"("POSITION":0)", R"("POSITION":0,"COLOR_0":2)");
+    const GltfLevel read = level(parts);
+    for (const glm::vec4& colour : read.scene.vertex_colours) {
+      EXPECT_GE(colour.g, one.least) << one.accessor;
+      EXPECT_LE(colour.g, one.most) << one.accessor;
+      EXPECT_EQ(colour.a, 1.0f) << one.accessor;
+    }
+    EXPECT_EQ(read.scene.vertex_colours.size(), 4u) << one.accessor;
+    expectSays(read, one.says);
+    EXPECT_EQ(read.notes.empty(), one.says[0] == '\0') << linesOf(read);
+  }
+}
+
+TEST_F(GltfStrangers, NodesMayNestAsDeepAsTheyLike) {
+  std::vector<std::string> nodes;
+  constexpr int kDepth = 3000;
+  for (int i = 0; i < kDepth; ++i) nodes.push_back(R"({"children":[)" + std::to_string(i + 1) + "]}");
+  nodes.push_back(R"({"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}})");
+  Parts parts = nodesOf(nodes);
+  parts.scenes = R"([{"nodes":[0]}])";
+  parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":2}]}})";
+  const GltfLevel read = level(parts);
+  EXPECT_EQ(read.scene.triangles.size(), 2u);
+  EXPECT_EQ(read.scene.light.lamps.size(), 1u);
+  EXPECT_TRUE(read.notes.empty()) << linesOf(read);
+}
+
 TEST_F(GltfStrangers, EmissionAboveOneIsTakenAsItIs) {
   Parts parts;
   parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"material":0}])";
@@ -360,7 +425,7 @@ TEST_F(GltfStrangers, EmissionAboveOneIsTakenAsItIs) {
   EXPECT_EQ(read.notes.size(), 2u) << "what nothing uses is not told of: " << linesOf(read);
 }
 
-// --- units of Blender
+// --- units of exporters
 
 struct UnitCase {
   const char *version, *lights;
@@ -368,7 +433,7 @@ struct UnitCase {
   const char* sign;
 };
 
-TEST_F(GltfStrangers, TheUnitOfBlenderIsKnownByItsSign) {
+TEST_F(GltfStrangers, TheUnitOfAnExporterIsKnownByItsSign) {
   using Kind = LightUnit::Kind;
   const UnitCase cases[] = {
       {"4.3.47", R"({"type":"point","intensity":217.40565226352905})", Kind::standard, "watts of few digits, 4"},
@@ -397,6 +462,22 @@ TEST_F(GltfStrangers, TheUnitOfBlenderIsKnownByItsSign) {
     EXPECT_EQ(static_cast<int>(unit.kind), static_cast<int>(one.kind)) << one.version << one.lights << unit.sign;
     EXPECT_NE(unit.sign.find(one.sign), std::string::npos) << one.lights << unit.sign;
     EXPECT_EQ(unit.sign.empty(), std::string(one.sign).empty());
+  }
+  const std::pair<const char*, Kind> engines[] = {
+      {"Godot Engine v4.3.stable.official@77dcf97d82cbfe4e4615475fa52ca03da645dbd8", Kind::over_pi},
+      {"Unity 2022.3.10f1 glTFast 6.0.1", Kind::perhaps_over_pi},
+      {"THREE.GLTFExporter r152", Kind::perhaps_over_pi},
+      {"THREE.GLTFExporter", Kind::perhaps_over_pi},
+      {"THREE.GLTFExporter r155", Kind::same},
+      {"UnityGLTF", Kind::same},
+      {"babylon.js glTF exporter for 3dsmax 2023", Kind::same}};
+  for (const auto& [generator, kind] : engines) {
+    Parts parts;
+    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":2}]}})";
+    const std::string text = replaced(parts.text(), R"("asset":{)", R"("asset":{"generator":")" + std::string(generator) + "\",");
+    const LightUnit unit = readGltf(write("engine.gltf", text)).scene.light.unit;
+    EXPECT_EQ(static_cast<int>(unit.kind), static_cast<int>(kind)) << generator;
+    EXPECT_EQ(unit.sign.empty(), kind == Kind::same) << generator;
   }
   Parts others;
   others.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":217.40565}]}})";

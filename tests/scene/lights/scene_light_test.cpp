@@ -153,6 +153,15 @@ TEST(LightUnit, LampsOfBlenderAreInWattsWhereEmissionOrASkyStandsBesideThem) {
   EXPECT_NEAR(sunOf(lamp, {}, 1), 683.0f * 100.0f / 12.566371f, 1.0f) << "raw lamps are not divided by 4 pi yet";
   emissive.light.unit.kind = LightUnit::Kind::same;
   EXPECT_EQ(sunOf(emissive, {}, 1), 3.0f * 683.0f) << "said, and left";
+  emissive.light.unit = {LightUnit::Kind::over_pi, "a test says so"};
+  EXPECT_NEAR(sunOf(emissive, {}, 1), 3.14159265f * 3.0f * 683.0f, 1e-2f) << "Godot's, beside emission";
+  EXPECT_EQ(sunOf(emissive, {{}, {}, "file"}, 0), 3.0f * 683.0f);
+  emissive.light.unit.kind = LightUnit::Kind::perhaps_over_pi;
+  EXPECT_EQ(sunOf(emissive, {}, 1), 3.0f * 683.0f) << "said, and left";
+  EXPECT_NEAR(sunOf(emissive, {{}, {}, "pi"}, 1), 3.14159265f * 3.0f * 683.0f, 1e-2f);
+  Scene alone = sceneOfBlender();
+  alone.light.unit.kind = LightUnit::Kind::over_pi;
+  EXPECT_EQ(sunOf(alone, {}, 0), 3.0f * 683.0f) << "nothing to compare it with";
   emissive.light.unit = {};
   EXPECT_EQ(sunOf(emissive, {}, 0), 3.0f * 683.0f) << "of another exporter";
 }
