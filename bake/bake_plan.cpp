@@ -11,6 +11,7 @@
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "scene/lights/light_sets.h"
+#include "scene/oddities.h"
 #include "scene/scene_size.h"
 #include "tool/printable.h"
 #include "tool/processor_time.h"
@@ -170,8 +171,8 @@ std::string toText(const BakePlan& plan, int thread_count) {
   text += fmt::format(", {:.3g} m apart{}: about {} before those without air are left out; about {}{}, roughly {} on {}\n",
                       plan.spacing_m, boxes, roughCountText(plan.probes, "probe"), bytesText(plan.memory_bytes), machine,
                       durationText(plan.seconds), countText(static_cast<uint64_t>(thread_count), "thread"));
-  for (const std::string& node : plan.outside)
-    text += "nlg_density: '" + node + "' lies outside what has probes: it changes nothing\n";
+  if (!plan.outside.empty())
+    text += "nlg_density: outside what has probes, and changes nothing there: " + listed(plan.outside) + "\n";
   if (!plan.chosen) return text;
   const ChosenSpacing& chosen = *plan.chosen;
   return text + fmt::format("spacing: {:.3g} m was chosen (--spacing-m); {:.3g} m would take about {}, {:.3g} m about {}\n",

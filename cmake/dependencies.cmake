@@ -16,6 +16,7 @@ if(NLG_BUILD_TOOLS OR NLG_BUILD_FUZZERS)
   # pkg-config: libzip's own CMake files ask for tools that Debian packs elsewhere
   find_package(PkgConfig REQUIRED)
   pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
+  pkg_check_modules(UTF8PROC REQUIRED IMPORTED_TARGET libutf8proc)
   find_package(JPEG REQUIRED)
   find_package(OpenEXR CONFIG REQUIRED)
   pkg_check_modules(WEBP REQUIRED IMPORTED_TARGET libwebp)

@@ -1,11 +1,14 @@
 #include "scene/scene_file.h"
 
 #include <unistd.h>
+#include <utf8proc.h>
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -74,7 +77,17 @@ bool isInside(const std::string& name) {
   return is_relative && !fs::path(name).lexically_normal().string().starts_with("..");
 }
 
-// The file of that name, or where there is none, of one that differs in case alone. Empty: none.
+// A name by which all that differ in case, or in how accents are composed, are one. What is no UTF-8 is folded in ASCII alone.
+std::string foldedName(const std::string& name) {
+  constexpr auto kHow = static_cast<utf8proc_option_t>(UTF8PROC_COMPOSE | UTF8PROC_STABLE | UTF8PROC_CASEFOLD);
+  utf8proc_uint8_t* folded = nullptr;
+  const auto* bytes = reinterpret_cast<const utf8proc_uint8_t*>(name.data());
+  const utf8proc_ssize_t size = utf8proc_map(bytes, static_cast<utf8proc_ssize_t>(name.size()), &folded, kHow);
+  const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owned(folded, &std::free);
+  return size < 0 ? lowerCase(name) : std::string(reinterpret_cast<const char*>(folded), static_cast<size_t>(size));
+}
+
+// The file of that name, or where there is none, of one that differs as foldedName lets it. Empty: none.
 std::string nameOnDisk(const std::string& folder, const std::string& name) {
   int left = 4096;  // entries to look at
   std::error_code error;
@@ -84,7 +97,7 @@ std::string nameOnDisk(const std::string& folder, const std::string& name) {
     if (fs::symlink_status(folder / found / part, error).type() == fs::file_type::not_found) {
       for (fs::directory_iterator i(folder / found, error), end; !error && i != end && left > 0; i.increment(error), --left) {
         const fs::path other = i->path().filename();
-        const bool is_same = lowerCase(other.string()) == lowerCase(part.string());
+        const bool is_same = foldedName(other.string()) == foldedName(part.string());
         if (is_same && (next == part || other < next)) next = other;
       }
       if (next == part) return {};
@@ -94,10 +107,20 @@ std::string nameOnDisk(const std::string& folder, const std::string& name) {
   return found.string();
 }
 
+// As far as links of a folder may lead: to the top of the repository that it is in, since git-annex and DVC keep files in a store there,
+// and links to them beside the scene; without one, the folder itself.
+fs::path linkRoot(const fs::path& folder) {
+  std::error_code error;
+  for (fs::path top = folder; top != top.root_path(); top = top.parent_path()) {
+    if (fs::exists(top / ".git", error) || fs::exists(top / ".dvc", error)) return top;
+  }
+  return folder;
+}
+
 // Why a file in the folder cannot be opened; empty where it can.
 std::string openProblem(const std::string& folder, const std::string& name) {
   std::error_code error;
-  const fs::path root = fs::weakly_canonical(folder, error);
+  const fs::path root = linkRoot(fs::weakly_canonical(folder, error));
   const fs::path file = error ? fs::path() : fs::weakly_canonical(folder + "/" + name, error);
   std::string fault = error.message();
   if (!error) {

@@ -72,7 +72,7 @@ std::vector<unsigned char> readSceneFile(const std::string& path, const std::str
 // The folder that a scene's file lies in; ".", when its path names none.
 std::string folderOf(const std::string& path);
 
-// A file in the scene's folder or below, when all links are followed.
+// A file in the scene's folder or below. Its links may lead anywhere in the repository that the folder is in (.git, .dvc), and not out.
 struct FileBeside {
   std::string path;     // empty: there is none
   std::string problem;  // why, to stand behind the address: "is not there", with what else was tried

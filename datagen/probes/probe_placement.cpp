@@ -187,6 +187,11 @@ int32_t cellSideAt(const LatticePoint& unit, const Density& density) {
   return 1;
 }
 
+// Roberts's sequence in the unit cube: any number of its first points is evenly spread.
+glm::dvec3 evenlySpread(int i) {
+  return glm::fract(0.5 + glm::dvec3(0.8191725133961645, 0.6710436067037893, 0.5497004779019703) * (i + 1.0));
+}
+
 constexpr int kEstimatePlaces = 4096;
 constexpr size_t kSampledProbes = 256;
 
@@ -201,8 +206,7 @@ double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double gr
   std::vector<double> shares;  // of all cells up to each
   double share = 0.0;
   for (int i = 0; i < kEstimatePlaces; ++i) {
-    // Roberts's sequence: any number of its first points is evenly spread
-    const glm::dvec3 at = glm::fract(0.5 + glm::dvec3(0.8191725133961645, 0.6710436067037893, 0.5497004779019703) * (i + 1.0));
+    const glm::dvec3 at = evenlySpread(i);
     LatticePoint unit;
     for (int axis = 0; axis < 3; ++axis)
       unit[axis] = lattice.first[axis] + static_cast<int32_t>(at[axis] * (lattice.last[axis] - lattice.first[axis] + 1));
@@ -225,13 +229,34 @@ double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double gr
   return is_uniform ? lattice.probeLimit() : lattice.probeLimit() * share / kEstimatePlaces;
 }
 
+// The share of a box in which it rules: no finer one does, and none as fine before it. Boxes may stand in each other.
+double ruledShare(const std::vector<DensityBox>& fine, size_t box) {
+  constexpr int kPlaces = 64;
+  const ExtentBox& own = fine[box].box;
+  int ruled = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const glm::dvec3 at = own.low_m + evenlySpread(i) * (own.high_m - own.low_m);
+    bool is_ruled = true;
+    for (size_t other = 0; other < fine.size() && is_ruled; ++other) {
+      const bool is_before =
+          fine[other].spacing_m < fine[box].spacing_m || (fine[other].spacing_m == fine[box].spacing_m && other < box);
+      is_ruled = !is_before || !overlaps({at, at}, fine[other].box);
+    }
+    ruled += is_ruled ? 1 : 0;
+  }
+  return static_cast<double>(ruled) / kPlaces;
+}
+
 // What boxes finer than a lattice add to its probes.
 // coarse   boxes that are not
 double probesOfFine(const Lattice& lattice, const std::vector<DensityBox>& fine, const std::vector<DensityBox>& coarse,
                     const NearbyTriangles& nearby, double growth) {
   constexpr double kNodeCells = 4.0;  // along an axis; nodes that a box reaches into are divided whole
   double probes = 0.0;
-  for (const DensityBox& of : fine) {
+  for (size_t box = 0; box < fine.size(); ++box) {
+    const DensityBox& of = fine[box];
+    const double ruled = ruledShare(fine, box);
+    if (ruled == 0.0) continue;
     Lattice inside = lattice;
     double own = 1.0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -244,7 +269,7 @@ double probesOfFine(const Lattice& lattice, const std::vector<DensityBox>& fine,
       inside.last[axis] = std::min(static_cast<int32_t>(high), lattice.last[axis]);
       own *= (high - low) * lattice.frame.spacing_m / of.spacing_m + kNodeCells + 1.0;
     }
-    probes += std::max(0.0, own - probesOn(inside, nearby, growth, coarse));
+    probes += ruled * std::max(0.0, own - probesOn(inside, nearby, growth, coarse));
   }
   return probes;
 }

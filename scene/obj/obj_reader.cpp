@@ -18,6 +18,7 @@ namespace nlg {
 namespace {
 
 constexpr double kFarthest = 1e9;  // metres from the file's origin, as of glTF
+constexpr const char* kPositions = "three numbers within 1e9 m of the origin";
 
 std::string_view textOf(const std::vector<unsigned char>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -105,6 +106,9 @@ class ObjConverter {
     for (size_t i = 0; i < file_.shapes.size(); ++i)
       addShape(file_.shapes[i].name, file_.shapes[i].first_face,
                i + 1 < file_.shapes.size() ? file_.shapes[i + 1].first_face : file_.faces.size());
+    if (level_.scene.triangles.empty() && misplaced_count_ > 0)
+      throw InputError(path_, "line " + std::to_string(first_misplaced_line_),
+                       std::string("a face whose corners are ") + kPositions, "no such face in the whole file");
     noteLosses();
     level_.scene.id = std::filesystem::path(path_).stem().string();
     finishScene(level_.scene, world_positions_);
@@ -146,12 +150,16 @@ class ObjConverter {
       Material material;
       material.label.name = source.name;
       // what has an image alone is its image; what has neither is grey
-      const glm::dvec3 colour = source.colour.value_or(glm::dvec3(source.colour_image.name.empty() ? kUnreadGrey : 1.0));
+      const bool has_image = !source.colour_image.name.empty();
+      // by the letter black; but programs write it beside images, and show them
+      const bool is_black = has_image && source.colour == glm::dvec3(0.0);
+      const glm::dvec3 colour = is_black ? glm::dvec3(1.0) : source.colour.value_or(glm::dvec3(has_image ? 1.0 : kUnreadGrey));
       material.base_color = glm::vec3(glm::min(colour, glm::dvec3(1.0)));
       material.emissive = glm::vec3(source.shine.value_or(glm::dvec3(source.shine_image.name.empty() ? 0.0 : 1.0)));
       clamped_count_ += colour != glm::min(colour, glm::dvec3(1.0)) ? 1 : 0;
       const bool is_used = used.count(i) > 0;
-      colourless_count_ += is_used && !source.colour && source.colour_image.name.empty() ? 1 : 0;
+      black_count_ += is_used && is_black ? 1 : 0;
+      colourless_count_ += is_used && !source.colour && !has_image ? 1 : 0;
       if (stops[i] < 1.0) material.transmissive = Transmissive::thin;  // what it is in truth is judged once the scene is there
       material.opacity = static_cast<float>(stops[i]);
       if (is_used) wantImages(source, &material);
@@ -233,6 +241,10 @@ class ObjConverter {
       const ObjCorner* const corners = &file_.corners[face.first_corner];
       outline.clear();
       for (uint32_t k = 0; k < face.corner_count; ++k) outline.push_back(file_.positions[corners[k].vertex]);
+      if (!std::all_of(outline.begin(), outline.end(), [&](const glm::dvec3& at) { return isPlaced(at); })) {
+        if (++misplaced_count_ == 1) first_misplaced_line_ = face.line;
+        continue;
+      }
       const PolygonCut cut = cutPolygon(outline);
       if (!cut.holds_area && ++crossed_count_ == 1) first_crossed_line_ = face.line;
       const size_t material_idx = materialOf(face);
@@ -263,6 +275,11 @@ class ObjConverter {
   };
   using VertexMap = std::unordered_map<VertexKey, uint32_t, KeyHash>;  // of one shape
 
+  bool isPlaced(const glm::dvec3& at) const {
+    const glm::dvec3 size = glm::abs(unit_m_ * at);
+    return size.x <= kFarthest && size.y <= kFarthest && size.z <= kFarthest;
+  }
+
   uint32_t vertexOf(const ObjCorner& corner, size_t material_idx, VertexMap* vertices) {
     Scene& scene = level_.scene;
     const Material& material = scene.materials[material_idx];
@@ -273,13 +290,7 @@ class ObjConverter {
     const VertexKey key{corner.vertex, has_image ? corner.place : -1, is_own ? material_idx : 0};
     const auto [entry, is_new] = vertices->emplace(key, static_cast<uint32_t>(world_positions_.size()));
     if (!is_new) return entry->second;
-    const glm::dvec3 position = unit_m_ * file_.positions[corner.vertex];
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(std::abs(position[axis]) <= kFarthest))
-        throw InputError(path_, "vertex " + std::to_string(corner.vertex + 1), "positions within 1e9 m of the origin",
-                         std::to_string(position[axis]));
-    }
-    world_positions_.push_back(position);
+    world_positions_.push_back(unit_m_ * file_.positions[corner.vertex]);
     if (has_base_places_)
       scene.base_places.push_back(material.base_image.isThere() ? placeOf(corner, baseImageOf(source)) : glm::vec2(0.0f));
     if (has_emissive_places_)
@@ -316,8 +327,11 @@ class ObjConverter {
         {file_.faces_of_two_corners, "faces of fewer than three corners: left out"},
         {crossed_count_, "faces whose outlines cross themselves are cut as well as can be, the first in line " +
                              std::to_string(first_crossed_line_)},
+        {misplaced_count_, "faces with a corner that is not " + std::string(kPositions) + ": left out, the first in line " +
+                               std::to_string(first_misplaced_line_)},
         {unplaced_count_, "vertices without a place on their image (vt): its corner instead"},
         {clamped_count_, "materials with a Kd above 1: cut to 1"},
+        {black_count_, "materials with a Kd of 0 beside map_Kd: their image shows"},
         {colourless_count_, "materials without Kd and map_Kd: grey"},
         {dark_count_, "materials with a map_Ke and a Ke of 0: dark"},
         {contradicting_count_, "materials whose d and Tr contradict each other: by d"}};
@@ -341,8 +355,8 @@ class ObjConverter {
   std::vector<size_t> material_of_;  // by name of the file
   std::vector<glm::dvec3> world_positions_;
   uint64_t faces_without_material_ = 0, clamped_count_ = 0, unplaced_count_ = 0, colourless_count_ = 0, contradicting_count_ = 0,
-           dark_count_ = 0;
-  uint64_t crossed_count_ = 0, first_crossed_line_ = 0;
+           dark_count_ = 0, black_count_ = 0;
+  uint64_t crossed_count_ = 0, first_crossed_line_ = 0, misplaced_count_ = 0, first_misplaced_line_ = 0;
   ObjLevel level_;
 };
 

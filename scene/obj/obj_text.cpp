@@ -179,8 +179,8 @@ class ObjParser {
   void readVertex() {
     const std::vector<std::string_view>& words = lines_.words();
     glm::dvec3 position;
-    if (!lines_.numbers(1, 3, -kLargest, kLargest, &position.x))
-      lines_.fail("three numbers of -1e30 to 1e30", words.size() > 1 ? namedBy(words[1], words.back()) : "none");
+    // faces that have such a vertex are left out; others may be whole
+    if (!lines_.numbers(1, 3, -kLargest, kLargest, &position.x)) position = glm::dvec3(NAN);
     if (found_.positions.size() >= kMaxVertices) lines_.fail("at most 2^27 vertices", "more");
     found_.positions.push_back(position);
     glm::dvec3 colour(-1.0);

@@ -35,7 +35,7 @@ struct ObjShape {
 };
 
 struct ObjRecords {
-  std::vector<glm::dvec3> positions;  // in the file's unit
+  std::vector<glm::dvec3> positions;  // in the file's unit; NaN where a line has not three numbers of -1e30 to 1e30
   std::vector<glm::vec3> colours;     // empty, or of each position, as written; negative where it has none
   std::vector<glm::dvec2> places;     // NaN where a line has no numbers
   std::vector<ObjCorner> corners;
@@ -47,7 +47,7 @@ struct ObjRecords {
   UnreadWords unread;
 };
 
-// throws   InputError naming the line on bytes that are no text, a position that is not three numbers of -1e30 to 1e30, a face
+// throws   InputError naming the line on bytes that are no text, a face
 //          of more than 8,192 corners, a corner that is no index of an earlier vertex, more than 2^27 vertices, or more triangles
 //          than one scene may have (scene_file.h)
 ObjRecords readObjRecords(const std::string& path, std::string_view text);

@@ -37,6 +37,12 @@ TEST_F(FilesBeside, AreFoundHoweverTheirAddressIsWritten) {
 
 TEST_F(FilesBeside, ThatAreFoundByLessAreSaid) {
   EXPECT_EQ(find("Textures\\wall 1.PNG").guess, "textures/Wall 1.png") << "in other case";
+  // accents composed in the file and not on disk, or the other way round; letters beyond ASCII
+  std::ofstream(folder_ / "level/Wa\u0308nde.png") << "wall";
+  std::ofstream(folder_ / "level/\u0421\u0422\u0415\u041d\u0410.png") << "wall";
+  EXPECT_EQ(find("w\u00e4nde.png").guess, "Wa\u0308nde.png");
+  EXPECT_EQ(find("W\u00c4NDE.PNG").guess, "Wa\u0308nde.png");
+  EXPECT_EQ(find("\u0441\u0442\u0435\u043d\u0430.png").guess, "\u0421\u0422\u0415\u041d\u0410.png");
   EXPECT_EQ(find("C:\\work\\textures\\Wall 1.png").guess, "textures/Wall 1.png");
   EXPECT_EQ(find("file:///D:/work/wall.png").guess, "wall.png");
   EXPECT_EQ(find("/home/me/level/wall.png").guess, "wall.png");
@@ -54,6 +60,11 @@ TEST_F(FilesBeside, ThatAreNotThereOrElsewhereAreNotOpened) {
   }
   fs::create_symlink(folder_ / "maps/secret.png", folder_ / "level/link.png");
   EXPECT_EQ(find("link.png").problem, "is no file in the scene's folder or below: a link out of it");
+  // in a repository a store may hold what the folder links to
+  fs::create_directory(folder_ / ".git");
+  EXPECT_EQ(find("link.png").path, folder_ / "level/link.png");
+  fs::create_symlink(folder_ / "maps/none.png", folder_ / "level/dangling.png");
+  EXPECT_NE(find("dangling.png").problem.find("is no file in the scene's folder"), std::string::npos);
   EXPECT_EQ(find("textures").problem, "is no file in the scene's folder or below: a directory");
   for (const char* address : {"", "a\nb", "%00", "a%0Ab"}) EXPECT_FALSE(find(address).problem.empty()) << address;
 }

@@ -334,6 +334,10 @@ TEST(ProbePlacement, KeepsToTheBoxesOfTheScenesAuthor) {
   options.density = {{{scene.origin_m - 0.7, scene.origin_m + 0.7}, 0.04, "small"}};
   EXPECT_NEAR(estimateProbes(scene, options, 1) / static_cast<double>(placeProbes(scene, options, 1).probeCount()), 1.0, 0.3);
   EXPECT_EQ(chooseSpacing(scene, options).spacing_m, chooseSpacing(scene, ProbePlacementOptions()).spacing_m);
+  // and once, however many stand in each other
+  options.density.resize(20, options.density[0]);
+  EXPECT_NEAR(estimateProbes(scene, options, 1) / static_cast<double>(placeProbes(scene, options, 1).probeCount()), 1.0, 0.3);
+  options.density.resize(1);
   options.density[0].spacing_m = 0.02;
   EXPECT_NE(errorOf(scene, options).find("nlg_density of 'small'"), std::string::npos);
   // what lies beyond the extent changes nothing

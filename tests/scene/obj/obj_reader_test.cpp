@@ -195,19 +195,13 @@ TEST_F(ObjReader, RefusesHostileFilesByNamingTheLine) {
   const struct {
     std::string text;
     const char* error;
-  } cases[] = {{"v 0 0 0\nv 1 x 0\n", "line 2: expected three numbers of -1e30 to 1e30, got 1 x 0"},
-               {"v 0 0\n", "line 1: expected three numbers of -1e30 to 1e30, got 0 0"},
-               {"v 0 0 nan\n", "line 1: expected three numbers"},
-               {"v 0 0 1e999\n", "line 1: expected three numbers"},
-               {"v 0 0 1,5\n", "line 1: expected three numbers"},
-               {vertices + "f 1 2 4\n", "line 4: expected a vertex of 1 to 3, or one counted back, got 4"},
+  } cases[] = {{vertices + "f 1 2 4\n", "line 4: expected a vertex of 1 to 3, or one counted back, got 4"},
                {vertices + "f 1 2 0\n", "line 4: expected a vertex of 1 to 3"},
                {vertices + "f 1 2 -4\n", "line 4: expected a vertex of 1 to 3"},
                {vertices + "f 1 2 99999999999999999999\n", "line 4: expected a vertex of 1 to 3"},
                {vertices + "f 1/1 2/1 x/1\n", "line 4: expected a vertex of 1 to 3"},
                {vertices + "f 1 7\n", "line 4: expected a vertex of 1 to 3"},
                {many + "\n", "line 4: expected a face of at most 8192 corners, got 8193"},
-               {"v 0 0 0\nv 2e9 0 0\nv 1 1 0\nf 1 2 3\n", "vertex 2: expected positions within 1e9 m"},
                {"mtllib ../looks.mtl\n", "no error"},  // not there: noted
                {std::string("v 0 0 0\0\n", 9), "expected text, got a zero byte"}};
   for (const auto& c : cases) {
@@ -215,6 +209,36 @@ TEST_F(ObjReader, RefusesHostileFilesByNamingTheLine) {
     EXPECT_NE(error.find(c.error), std::string::npos) << c.text.substr(0, 80) << ": " << error;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   }
+}
+
+TEST_F(ObjReader, LeavesOutFacesWithACornerThatIsNowhere) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+  for (const char* odd : {"nan 0 0", "1 x 0", "0 0", "0 0 1e999", "0 0 1,5", "2e9 0 0"}) {
+    const std::string vertex = std::string("v ") + odd + "\n";
+    const ObjLevel unused = read(vertices + vertex + "f 1 2 3\n");
+    EXPECT_EQ(unused.scene.triangles.size(), 1u) << odd;
+    EXPECT_EQ(unused.notes.size(), 1u) << odd << ": of a face without a material, and nothing else";
+    const ObjLevel used = read(vertices + vertex + "f 1 2 3\nf 1 2 4\nf 4 3 1\n");
+    EXPECT_EQ(used.scene.triangles.size(), 1u) << odd;
+    EXPECT_EQ(used.notes.at(1),
+              "2 faces with a corner that is not three numbers within 1e9 m of the origin: left out, the first in line 6")
+        << odd;
+    EXPECT_NE(
+        errorOf(vertices + vertex + "f 1 2 4\n").find("line 5: expected a face whose corners are three numbers within 1e9 m"),
+        std::string::npos)
+        << odd;
+  }
+}
+
+// Maya's "Kd 0 0 0" beside an image: most programs show the image.
+TEST_F(ObjReader, ABlackFactorBesideAnImageIsSaidAndTheImageShown) {
+  write("two halves.png", png(2, 1, kHalves));
+  write("looks.mtl", "newmtl wall\nKd 0 0 0\nmap_Kd two halves.png\n");
+  const ObjLevel level = read(kPlacedSquare);
+  EXPECT_LT(glm::length(baseColourAt(level.scene, 0, 0.25f, 0.0f) - glm::vec3(1, 0, 0)), 1e-3f);
+  EXPECT_EQ(level.notes.at(0), "1 materials with a Kd of 0 beside map_Kd: their image shows");
+  write("looks.mtl", "newmtl wall\nKd 0 0 0\n");
+  EXPECT_EQ(read(kPlacedSquare).scene.materials.at(0).base_color, glm::vec3(0.0f)) << "by itself it is black";
 }
 
 TEST_F(ObjReader, ReadsContinuedLinesAndNamesOfSeveralWords) {
