@@ -144,9 +144,10 @@ std::string firstLine(const std::string& path, uint64_t probes, uint64_t file_by
 std::string placesSummary(const std::string& set, uint64_t places, const LightAtPlaces& light) {
   const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
   return fmt::format(
-      "light{}: the error is below {:.1f} % at half of {}, and above {:.0f} % at 1 in 20, noise included; largest at {:.1f}, "
-      "{:.1f}, {:.1f}; mean radiance {:.3g}\n",
-      set.empty() ? "" : " set " + set, 100.0 * light.median_error, countText(places, "sample point"), 100.0 * light.p95_error,
+      "light{}: error at {}, with the noise of measuring them: median {:.1f} %, 95th percentile {:.0f} %, largest at {:.1f}, "
+      "{:.1f}, "
+      "{:.1f}; mean radiance {:.3g}\n",
+      set.empty() ? "" : " set " + set, countText(places, "sample point"), 100.0 * light.median_error, 100.0 * light.p95_error,
       worst.x, worst.y, worst.z, light.mean);
 }
 
@@ -261,11 +262,11 @@ std::string toSummary(const BakeReport& report, const std::string& path) {
   text += countText(s.counts.functions, "function").append(" stored");
   if (s.counts.functions > 0) {
     const nlohmann::ordered_json errors = errorsJson(report, ThetaWord::stored);
-    text += fmt::format("; RMSE {:.4f} on average, {:.4f} or more of 1 in 20", errors.at("mean").get<double>(),
+    text += fmt::format("; RMSE {:.4f} on average, 95th percentile {:.4f}", errors.at("mean").get<double>(),
                         errors.at("p95").get<double>());
   }
   const uint64_t failing = s.failing(ThetaWord::stored, report.policy.check());
-  if (failing > 0) text += fmt::format("; {} still {} the check", failing, failing == 1 ? "fails" : "fail");
+  if (failing > 0) text += fmt::format("; {} above the limits of the check, which light seldom shows", failing);
   if (s.left_for_time > 0) text += fmt::format("; {} left for want of time", s.left_for_time);
   return text + '\n' + lightSummary(s.light) + notesSummary(report.notes);
 }

@@ -179,7 +179,7 @@ LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLigh
     watts = std::max(watts, power);
   }
   if (watts == 0.0) return {};
-  const auto sign = [&](double shown) { return fmt::format("that makes watts of few digits, {:.4g}", shown); };
+  const auto sign = [&](double shown) { return fmt::format("its powers are round numbers then, such as {:.4g} W", shown); };
   // a unit ahead of the others decides; the text says what power it gives
   if (votes[0] > std::max(votes[1], votes[2])) return {Kind::standard, sign(watts / kLumensPerWatt)};
   if (votes[1] > votes[0] && votes[1] >= votes[2]) return {Kind::same, sign(watts)};

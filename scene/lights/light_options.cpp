@@ -185,7 +185,7 @@ std::pair<UnitFactors, std::string> unitOf(const Scene& scene, const LightOption
   if (options.light_unit != "auto") throw UsageError("--light-unit", "auto, file, watt or pi", "'" + options.light_unit + "'");
   const LightUnit& unit = scene.light.unit;
   if (unit.sign.empty() || (scene.light.lamps.empty() && scene.light.suns.empty())) return {};
-  const std::string sign = " (the sign: " + unit.sign + ")";
+  const std::string sign = " (" + unit.sign + ")";
   if (unit.kind == Kind::over_pi || unit.kind == Kind::perhaps_over_pi) {
     // alone they have no other light to be compared with
     if (!has_more) return {};

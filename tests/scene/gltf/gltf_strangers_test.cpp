@@ -436,14 +436,14 @@ struct UnitCase {
 TEST_F(GltfStrangers, TheUnitOfAnExporterIsKnownByItsSign) {
   using Kind = LightUnit::Kind;
   const UnitCase cases[] = {
-      {"4.3.47", R"({"type":"point","intensity":217.40565226352905})", Kind::standard, "watts of few digits, 4"},
-      {"4.3.47", R"({"type":"point","intensity":2174.0565226352905})", Kind::standard, "watts of few digits, 40"},
-      {"4.3.47", R"({"type":"point","intensity":0.3183098861837907})", Kind::same, "watts of few digits, 4"},
-      {"4.3.47", R"({"type":"point","intensity":636.6197723675814})", Kind::same, "watts of few digits, 8000"},
-      {"4.3.47", R"({"type":"point","intensity":5.4351413})", Kind::standard, "watts of few digits, 0.1"},
-      {"4.3.47", R"({"type":"point","intensity":60})", Kind::raw, "watts of few digits, 60"},
-      {"4.3.47", R"({"type":"directional","intensity":2049})", Kind::standard, "watts of few digits, 3"},
-      {"4.3.47", R"({"type":"directional","intensity":3.5})", Kind::same, "watts of few digits, 3.5"},
+      {"4.3.47", R"({"type":"point","intensity":217.40565226352905})", Kind::standard, "such as 4 W"},
+      {"4.3.47", R"({"type":"point","intensity":2174.0565226352905})", Kind::standard, "such as 40 W"},
+      {"4.3.47", R"({"type":"point","intensity":0.3183098861837907})", Kind::same, "such as 4 W"},
+      {"4.3.47", R"({"type":"point","intensity":636.6197723675814})", Kind::same, "such as 8000 W"},
+      {"4.3.47", R"({"type":"point","intensity":5.4351413})", Kind::standard, "such as 0.1 W"},
+      {"4.3.47", R"({"type":"point","intensity":60})", Kind::raw, "such as 60 W"},
+      {"4.3.47", R"({"type":"directional","intensity":2049})", Kind::standard, "such as 3 W"},
+      {"4.3.47", R"({"type":"directional","intensity":3.5})", Kind::same, "such as 3.5 W"},
       // no digits tell
       {"4.3.47", R"({"type":"point","intensity":163.123457})", Kind::standard, "the exporter's default"},
       {"4.3.47", R"({"type":"point","intensity":16.3123457})", Kind::same, "too faint"},
