@@ -2,9 +2,11 @@
 import os
 import shlex
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 
 USAGE_ERROR, INPUT_ERROR, NUMERICAL_ERROR, OUTPUT_ERROR, CHECK_FAILED, DAMAGED_FILE = 2, 3, 4, 5, 6, 7  # tool/error.h
 
@@ -100,3 +102,28 @@ def write(path, content):
 def read(path):
     with open(path, "rb") as file:
         return file.read()
+
+
+def box(low, high, is_room):
+    """Twelve triangles of a box, which face inward for a room and outward for what stands in it."""
+    corners = [[(low, high)[bits >> axis & 1][axis] for axis in range(3)] for bits in range(8)]
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return corners, [tuple(reversed(face)) if is_room else face for face in faces]
+
+
+def room(seed):
+    """A room with a wall that leaves a door, as an OBJ file."""
+    width, depth = 4 + seed % 3, 5 + seed % 2
+    lines, first = [], 1
+    for low, high, is_room in [((0, 0, 0), (width, 2.6, depth), True), ((0, 0, 2 + 0.1 * seed), (width - 1.1, 2.6, 2.2 + 0.1 * seed), False)]:
+        corners, faces = box(low, high, is_room)
+        lines += [f"v {x} {y} {z}" for x, y, z in corners]
+        lines += ["f " + " ".join(str(first + i) for i in face) for face in faces]
+        first += 8
+    return "\n".join(lines) + "\n"
+
+
+def png(rgba, side=2):
+    row = b"\0" + bytes(rgba) * side
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 6, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(row * side)) + chunk(b"IEND", b"")

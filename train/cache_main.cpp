@@ -38,7 +38,7 @@ nlohmann::ordered_json describeCache(const std::string& path) {
   for (int64_t block = 0; block < cache.blockCount(); ++block) cache.loadBlock(block);
   return {{"functions", cache.functionCount()},
           {"coefficients", cache.coefficientCount()},
-          {"scenes", cache.origin().scene_ids.size()},
+          {"scenes", cache.origin().scenes.size()},
           {"basis_sha256", cache.origin().basis_sha256},
           {"training_set_sha256", cache.origin().training_set_sha256},
           {"verified", kVerifiedByDigest}};

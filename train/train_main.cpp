@@ -1,12 +1,12 @@
 // nlg-train: trains the generator of one representation; a killed run goes on where its last checkpoint stood.
 
 #include <torch/cuda.h>
-#include <csignal>
 #include <cstring>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <optional>
 
 #include <nlohmann/json.hpp>
@@ -48,11 +48,16 @@ void readSlurm(ProcessGroup::Options& processes, bool is_given) {
   throw UsageError("processes", std::to_string(processes.count) + ", which srun started", std::to_string(asked));
 }
 
-// What makes a run the run that it is. Threads change no bit, and processes none but by rounding: a run may go on with others.
-nlohmann::ordered_json runOptions(const Request& request, const OptionTable& table) {
+using Scenes = std::map<std::string, std::string>;  // id → SHA-256
+
+// What makes a run the run that it is, and goes with its weights. Threads change no bit, and processes none but by rounding: a run may go on with others.
+nlohmann::ordered_json runOptions(const Request& request, const OptionTable& table, const TrainingData& held_out,
+                                  const Scenes& seen) {
   nlohmann::ordered_json options = table.toJson();
   options.erase("processes");
   options.erase("threads");
+  options["held_out_sha256"] = held_out.sha256();  // by which the curve judges
+  options["training_scenes"] = seen;
   if (!request.init.empty()) options["init_sha256"] = fileSha256(request.init);
   return options;
 }
@@ -81,7 +86,9 @@ torch::Device findDevice(const std::string& name) {
 }
 
 // The generator that training begins with: its shape, and coefficients as it knows them, go over the options.
-std::optional<GeneratorData> readInit(const Request& request, Representation* representation, TrainOptions* options) {
+// seen   gets the scenes that it was trained on
+std::optional<GeneratorData> readInit(const Request& request, Representation* representation, TrainOptions* options,
+                                      Scenes* seen) {
   if (request.init.empty()) return {};
   WeightsFile file;
   GeneratorData data;
@@ -89,6 +96,12 @@ std::optional<GeneratorData> readInit(const Request& request, Representation* re
   requireRead(request.init, generatorFromWeights(file, &data), "the weights of a generator");
   if (representationName(data.representation) != request.representation)
     throw InputError(request.init, "representation", request.representation, representationName(data.representation));
+  try {
+    *seen = nlohmann::json::parse(file.metadata["training_options"]).at("training_scenes").get<Scenes>();
+  } catch (const nlohmann::json::exception&) {
+    std::cerr << "nlg-train: " << request.init
+              << " does not say which scenes it was trained on: held-out ones may be among them\n";
+  }
   options->shape = shapeOf(data, options->shape);
   options->representation_slope = representation->slope = data.representation.slope;
   options->whitening = 1.0;
@@ -123,9 +136,6 @@ TrainingData readTrainingData(const Request& request, const BasisFile& basis, co
   }
   return TrainingData(std::move(cache), basis.basis.data, used);
 }
-
-// Set by Ctrl-C and its kin.
-volatile std::sig_atomic_t stopped_by = 0;
 
 // Whether a run is the one that is asked for but for its number of steps, of which more are asked for.
 bool isExtended(const RunIdentity& found, const RunIdentity& asked) {
@@ -190,12 +200,14 @@ void requireSameRun(const ProcessGroup& processes, const RunIdentity& identity) 
   }
 }
 
-// Whole scenes are held out, or the held-out error would say nothing.
-void requireSeparate(const Request& request, const TrainingData& training, const TrainingData& held_out) {
-  const std::vector<std::string>& scenes = training.sceneIds();
-  for (const std::string& scene : held_out.sceneIds()) {
-    if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) continue;
-    throw InputError(request.held_out.front(), "scene " + scene, "a scene that no training shard holds", "a training scene");
+// Whole scenes are held out, or the held-out error would say nothing; a copy under another name is the same scene.
+void requireSeparate(const Request& request, const Scenes& seen, const Scenes& held_out) {
+  for (const auto& [scene, sha256] : held_out) {
+    for (const auto& [other, other_sha256] : seen) {
+      if (scene != other && (sha256.empty() || sha256 != other_sha256)) continue;
+      throw InputError(request.held_out.front(), "scene " + scene,
+                       "a scene that neither training shards nor --init were trained on", "the training scene " + other);
+    }
   }
 }
 
@@ -227,7 +239,8 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
     throw UsageError("--representation", representationNames(), "'" + request.representation + "'");
   }
   representation.slope = static_cast<float>(options.representation_slope);
-  const std::optional<GeneratorData> init = readInit(request, &representation, &options);
+  Scenes seen;
+  const std::optional<GeneratorData> init = readInit(request, &representation, &options, &seen);
   options.device = findDevice(request.device);
   computeOnCallingThreads();
   // a system that refuses threads is found before any data are read
@@ -247,10 +260,11 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
                               used);
   if (held_out.functionCount() == 0)
     throw InputError(request.held_out.front(), "functions", "at least one in all shards", "none");
-  requireSeparate(request, training, held_out);
+  seen.insert(training.scenes().begin(), training.scenes().end());
+  requireSeparate(request, seen, held_out.scenes());
 
   // a run is what its checkpoints say: it goes on from the newest whole one of the same options and data
-  const RunIdentity identity{request.representation, runOptions(request, table).dump(), fileSha256(request.basis),
+  const RunIdentity identity{request.representation, runOptions(request, table, held_out, seen).dump(), fileSha256(request.basis),
                              training.sha256()};
   const RunFolder folder(request.run);
   const auto lock = request.processes.rank == 0 ? folder.lock() : nullptr;
@@ -272,24 +286,7 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
   };
   const ProcessGroup processes(request.processes);
   requireSameRun(processes, identity);
-  // several processes have to end together, and go on from their last checkpoint
-  using Handler = void (*)(int);
-  constexpr int kStopping[] = {SIGINT, SIGTERM};
-  std::vector<Handler> before;
-  if (processes.count() == 1) {
-    for (const int signal : kStopping)
-      before.push_back(std::signal(signal, [](int number) {
-        stopped_by = number;
-        std::signal(number, SIG_DFL);  // a second one ends the process at once
-      }));
-  }
-  const TrainReport report =
-      train(options, representation, training, held_out, &state, save, processes, [] { return stopped_by != 0; });
-  for (size_t i = 0; i < before.size(); ++i) std::signal(kStopping[i], before[i]);
-  if (report.is_stopped) {
-    std::cerr << "nlg-train: stopped at step " << state.step << " of " << options.steps << "; the same command goes on\n";
-    std::raise(stopped_by);
-  }
+  const TrainReport report = train(options, representation, training, held_out, &state, save, processes);
   if (processes.rank() != 0) return;
   // an exact last layer makes something of any network
   if (report.held_out.network >= report.held_out.tent) {

@@ -28,6 +28,7 @@ uint32_t sceneIndex(const Shard& shard, FunctionSet& set) {
   if (found == set.scene_ids.end()) {
     set.scene_ids.push_back(shard.scene_id);
     set.families.push_back(shard.family);
+    set.scene_sha256[shard.scene_id] = shard.sceneSha256();
   }
   return index;
 }

@@ -1,6 +1,7 @@
 // All functions of several shards in memory, for training, export and validation.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,11 +14,12 @@ namespace nlg {
 struct FunctionSet : FunctionRows {
   uint64_t pattern_hash = 0;
   uint64_t test_pattern_hash = 0;
-  ShardCounts counts;                  // sums over the shards; duplicates include those between shards
-  std::vector<std::string> scene_ids;  // distinct scenes
-  std::vector<std::string> families;   // of each distinct scene
-  std::vector<uint32_t> scene_idx;     // N, into scene_ids
-  std::string sha256;                  // of the shards' hashes in the order of the paths: the data set's identity
+  ShardCounts counts;                               // sums over the shards; duplicates include those between shards
+  std::vector<std::string> scene_ids;               // distinct scenes
+  std::vector<std::string> families;                // of each distinct scene
+  std::map<std::string, std::string> scene_sha256;  // of each distinct scene, by its id (ShardHeader::sceneSha256)
+  std::vector<uint32_t> scene_idx;                  // N, into scene_ids
+  std::string sha256;                               // of the shards' hashes in the order of the paths: the data set's identity
 
   // also of a set made by hand, which may lack arrays that its readers do not ask for
   uint64_t functionCount() const { return scene_idx.size(); }

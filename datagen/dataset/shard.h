@@ -23,6 +23,9 @@ struct ShardHeader {
   ShardCounts counts;
   DuplicateRule duplicate_rule;  // that no two of its functions satisfy
   std::string provenance_json;   // tool/provenance.h
+
+  // Of the scene as it was read, without regard to its name: a copy has the same. Empty for a procedural scene.
+  std::string sceneSha256() const;
 };
 
 // All of it; without functions where only the rest and the numbers of points are asked for.

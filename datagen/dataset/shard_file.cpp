@@ -1,6 +1,7 @@
 #include "datagen/dataset/shard_file.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "datagen/dataset/shard_check.h"
 #include "datagen/functions/chunk_codec.h"
@@ -117,6 +118,12 @@ uint64_t ShardReader::storedBytes() const {
   uint64_t bytes = 0;
   forEachArray([&](const char* name, const auto&, const auto&) { bytes += file_.storedBytes(name); }, header_);
   return bytes;
+}
+
+std::string ShardHeader::sceneSha256() const {
+  const auto origin = nlohmann::json::parse(provenance_json, nullptr, false);
+  const nlohmann::json::json_pointer place("/inputs/scene");
+  return origin.is_object() && origin.contains(place) && origin[place].is_string() ? origin[place].get<std::string>() : "";
 }
 
 Shard readShard(const std::string& path, uint64_t pattern_hash, int point_count) {

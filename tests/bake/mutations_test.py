@@ -17,13 +17,12 @@ import subprocess
 import sys
 import tempfile
 import zipfile
-import zlib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 sys.dont_write_bytecode = True
 sys.path.append(str(Path(__file__).resolve().parents[1]))
-from tools import CHECK_FAILED, INPUT_ERROR, SECONDS
+from tools import CHECK_FAILED, INPUT_ERROR, SECONDS, png
 
 TOOLS, FORM = Path(sys.argv[1]).resolve(), sys.argv[2]
 # next to no time for functions and light
@@ -32,12 +31,6 @@ QUICK = ["--spacing-m", "1.5", "--light-samples", "2", "--light-rays", "8", "--l
 
 
 # ---- files
-
-def png(rgba, side=2):
-    row = b"\0" + bytes(rgba) * side
-    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 6, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(row * side)) + chunk(b"IEND", b"")
-
 
 def hdr(red, green, blue, exponent=128):
     """A sky of 8 x 4 texels, each of its mantissas times 2^(exponent - 136)."""

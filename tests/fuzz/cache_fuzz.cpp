@@ -73,7 +73,7 @@ std::string footerOf(int functions) {
                                        {"coefficient_count", 1},
                                        {"basis_sha256", "basis"},
                                        {"training_set_sha256", "set"},
-                                       {"scene_ids", {"house", "maze"}},
+                                       {"scenes", {{"house", ""}, {"maze", ""}}},
                                        {"block_sha256", {"none"}}};
   return json.dump() + '\n' + std::string(static_cast<size_t>(functions) * sizeof(float), '\0');
 }

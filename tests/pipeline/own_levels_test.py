@@ -10,6 +10,10 @@ import sys
 import tempfile
 from pathlib import Path
 
+sys.dont_write_bytecode = True
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from tools import room
+
 ROOT = Path(__file__).resolve().parents[2]
 BIN = Path(sys.argv[1]).resolve()
 # as little as the stages take; what a user would leave alone
@@ -17,25 +21,6 @@ SMALL = ["scenes.families=[house]", "scenes.per_family=1", "scenes.jitters=1", "
          "train.steps=40", "train.batch=32", "train.start_candidates=16", "representations={tent_mlp4: {}}", "validate.direct_functions=4",
          "validate.direct_adam_steps=300", "validate.direct_lm_iterations=4", "validate.direct_restarts=1", "validate.convergence_functions=1",
          "frontier.functions=4", "frontier.repeats=2", "frontier.direct_adam_steps=[250]", "bake.spacing_m=1.5"]
-
-
-def box(low, high, is_room):
-    """Twelve triangles of a box, which face inward for a room and outward for what stands in it."""
-    corners = [[(low, high)[bits >> axis & 1][axis] for axis in range(3)] for bits in range(8)]
-    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    return corners, [tuple(reversed(face)) if is_room else face for face in faces]
-
-
-def room(seed):
-    """A room with a wall that leaves a door, as an OBJ file."""
-    width, depth = 4 + seed % 3, 5 + seed % 2
-    lines, first = [], 1
-    for low, high, is_room in [((0, 0, 0), (width, 2.6, depth), True), ((0, 0, 2 + 0.1 * seed), (width - 1.1, 2.6, 2.2 + 0.1 * seed), False)]:
-        corners, faces = box(low, high, is_room)
-        lines += [f"v {x} {y} {z}" for x, y, z in corners]
-        lines += ["f " + " ".join(str(first + i) for i in face) for face in faces]
-        first += 8
-    return "\n".join(lines) + "\n"
 
 
 def main():

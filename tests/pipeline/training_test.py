@@ -1,20 +1,21 @@
 #!/usr/bin/python3
 """nlg-train as a whole: from memory and from a cache, stopped and resumed, by several processes, on numbers that go wrong.
 
-    training_test.py BIN_FOLDER
+    training_test.py BIN_FOLDER [ROUNDS]
 """
 import csv
 import json
 import os
-import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from random import Random
 
 sys.dont_write_bytecode = True
 sys.path += [os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", *place) for place in ((), ("..", "validate", "stability"))]
-from tools import INPUT_ERROR, NUMERICAL_ERROR, SECONDS, USAGE_ERROR, Tools, read, run_checks
+from tools import INPUT_ERROR, NUMERICAL_ERROR, SECONDS, USAGE_ERROR, Tools, read, room, run_checks, write
 from training_cases import poisoned_cache
 
 TOOLS = Tools(sys.argv[1])
@@ -23,10 +24,11 @@ OPTIONS = ["--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1"
            "--theta-share", "0.25"]
 INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
 CACHE = ["--cache", "functions.cache"]
+ROUNDS = int(sys.argv[2]) if len(sys.argv) > 2 else 2  # of stops by every signal, for each kind of run
 
 
-def start(tool, *arguments):
-    return subprocess.Popen([os.path.join(TOOLS.folder, tool), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+def start(tool, *arguments, **more):
+    return subprocess.Popen([os.path.join(TOOLS.folder, tool), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
 
 
 def end(process, expected=0):
@@ -37,8 +39,12 @@ def end(process, expected=0):
     return out, err
 
 
-def train(name, *more, data=CACHE, steps=120, learning_rate="0.003"):
-    return start("nlg-train", *INPUTS, *OPTIONS, *data, "--steps", str(steps), "--learning-rate", learning_rate, "--out", f"{name}.ckpt", "--run", f"{name}_run", "--log", f"{name}.csv", *more)
+def train(name, *more, data=CACHE, steps=120, learning_rate="0.003", **how):
+    # the last one of an option counts
+    options = {}
+    for option, value in zip(*[iter([*INPUTS, *OPTIONS, *data, "--steps", str(steps), "--learning-rate", learning_rate, "--out", f"{name}.ckpt", "--run", f"{name}_run", "--log", f"{name}.csv", *more])] * 2):
+        options[option] = value
+    return start("nlg-train", *(word for pair in options.items() for word in pair), **how)
 
 
 def columns(path):
@@ -79,26 +85,74 @@ def check_damaged_checkpoint(_):
     end(train("damaged", steps=60), INPUT_ERROR)
 
 
+def folder_of(name):
+    """All that a run leaves: path → bytes."""
+    paths = [f"{name}.ckpt", f"{name}.csv", *(os.path.join(folder, file) for folder, _, files in os.walk(f"{name}_run") for file in files)]
+    return {path.removeprefix(name): read(path) for path in paths}
+
+
 def check_stops(_):
-    """Ctrl-C: a checkpoint, the line that goes on, and the same errors in the end. A second trainer, other options: refused in words."""
-    process = train("stopped", steps=2000)
-    while process.poll() is None and not os.path.exists("stopped_run/latest"):
+    """Stopped at random moments by every signal, also between rollbacks: the same command ends in the bytes of an unbroken run."""
+    random = Random(1)
+    for name, steps, more in (("plain", 400, ()), ("rolling", 120, ("--cache", "poisoned.cache"))):
+        begin = time.time()
+        _, err = end(train(f"unstopped_{name}", *more, steps=steps))
+        took_s = time.time() - begin
+        check(("rollback" in err) == (name == "rolling"), f"{name}: {err!r}")
+        stops = {stop: 0 for stop in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)}
+        for stop in [*stops] * ROUNDS:
+            process = train(name, *more, steps=steps)
+            try:
+                process.wait(random.uniform(0.2, 0.9) * took_s)
+                continue
+            except subprocess.TimeoutExpired:
+                process.send_signal(stop)
+            _, err = process.communicate()
+            check(process.returncode == -stop, f"{name}, {stop}: {process.returncode}, {err!r}")
+            stops[stop] += 1
+        end(train(name, *more, steps=steps))
+        check(sum(stops.values()) >= ROUNDS, f"{name} was hardly stopped: {stops}")
+        check(folder_of(name) == folder_of(f"unstopped_{name}"), f"{name}: a stopped run leaves other bytes")
+
+
+def check_ignored_stop(_):
+    """Who starts it so that Ctrl-C is ignored gets a whole run."""
+    process = train("ignoring", steps=400, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
+    while process.poll() is None and not os.path.exists("ignoring_run/latest"):
         time.sleep(0.01)
-    end(train("stopped", steps=2000), USAGE_ERROR)
+    end(train("ignoring", steps=400), USAGE_ERROR)
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate()
-    check(process.returncode == -signal.SIGINT and "stopped at step" in err and "goes on" in err, f"Ctrl-C: {process.returncode}, {err!r}")
-    stopped_at = int(re.search(r"stopped at step (\d+)", err)[1])
-    _, err = end(train("stopped", steps=2000))
-    check(f"step {stopped_at} " in err, f"stopped at {stopped_at}, went on as {err!r}")
-    end(train("unstopped", steps=2000))
-    check(columns("stopped.csv")["held_out_blend_rmse"] == columns("unstopped.csv")["held_out_blend_rmse"], "a stopped run ends otherwise")
-    _, err = end(train("stopped", steps=2000, learning_rate="0.01"), INPUT_ERROR)
-    check("learning_rate: 0.003, asked 0.01" in err and "--restart-on-change" in err, f"other options: {err!r}")
-    _, err = end(train("stopped", steps=1000), INPUT_ERROR)
-    check("steps: 2000, asked 1000" in err, f"fewer steps: {err!r}")
-    _, err = end(train("stopped", steps=2020))
-    check("an extended run" in err and json.load(open("stopped_run/config.json"))["steps"] == 2020, f"more steps: {err!r}")
+    end(process)
+    check(folder_of("ignoring") == folder_of("unstopped_plain"), "an ignored Ctrl-C changed the run")
+
+
+def check_other_runs(_):
+    """Other options, another held-out set: refused in words; more steps: said."""
+    for name, expected in (("plain", "learning_rate: 0.003, asked 0.01"), ("fewer", "steps: 400, asked 100"), ("held_out", "held_out_sha256")):
+        more = ["--held-out", "other.h5"] if name == "held_out" else []
+        _, err = end(train("plain", *more, steps=100 if name == "fewer" else 400, learning_rate="0.01" if name == "plain" else "0.003"), INPUT_ERROR)
+        check(expected in err and "--restart-on-change" in err, f"{name}: {err!r}")
+    _, err = end(train("plain", steps=420))
+    check("an extended run" in err and json.load(open("plain_run/config.json"))["steps"] == 420, f"more steps: {err!r}")
+
+
+def check_copies(tools):
+    """A held-out scene that is a copy of a training scene under another name is refused, and so is one that --init has seen."""
+    write("room.obj", room(0))
+    os.makedirs("copies", exist_ok=True)
+    shutil.copy("room.obj", "copies/other.obj")
+    for scene, out in (("room.obj", "--out room.h5"), ("copies/other.obj", "--held-out --out copy.h5")):
+        tools.must(f"nlg-datagen --scene {scene} --max-functions 60 --spacing-min-m 0.5 --spacing-max-m 0.5 {out}")
+    tools.must("nlg-pca --components 16 --shards room.h5 --out room_basis.h5")
+    room = ["--basis", "room_basis.h5"]
+    _, err = end(train("copied", *room, "--held-out", "copy.h5", data=["--shards", "room.h5"], steps=2), INPUT_ERROR)
+    check("scene other" in err and "the training scene room" in err, f"a copy: {err!r}")
+    # weights that saw the room, trained on another scene
+    end(train("seeing", *room, data=["--shards", "room.h5"], steps=2))
+    tools.must("nlg-export --checkpoint seeing.ckpt --basis room_basis.h5 --shards held_out.h5 --parity-tolerance 1 --out seeing.safetensors")
+    tools.must("nlg-pca --from seeing.safetensors --shards training.h5 --out seeing_basis.h5")
+    _, err = end(train("tuned", "--init", "seeing.safetensors", "--basis", "seeing_basis.h5", "--held-out", "copy.h5", data=["--shards", "training.h5"], steps=2), INPUT_ERROR)
+    check("scene other" in err and "the training scene room" in err, f"a copy of what --init saw: {err!r}")
 
 
 def check_bare_tent(_):
@@ -169,9 +223,10 @@ def check_rollbacks(_):
 
 def make_inputs(tools):
     for command in ("nlg-datagen --scene house:1 --max-functions 700 --out training.h5", "nlg-datagen --scene house:2 --max-functions 24 --held-out --out held_out.h5",
+                    "nlg-datagen --scene house:3 --max-functions 24 --held-out --out other.h5",
                     "nlg-pca --components 16 --shards training.h5 --held-out held_out.h5 --out basis.h5", "nlg-cache --basis basis.h5 --shards training.h5 --out functions.cache"):
         tools.must(command)
 
 
 if __name__ == "__main__":
-    sys.exit(run_checks(TOOLS, (make_inputs, check_cache, check_damaged_checkpoint, check_other_process, check_processes, check_lost_process, check_rollbacks, check_stops, check_bare_tent)))
+    sys.exit(run_checks(TOOLS, (make_inputs, check_cache, check_damaged_checkpoint, check_other_process, check_processes, check_lost_process, check_rollbacks, check_stops, check_ignored_stop, check_other_runs, check_copies, check_bare_tent)))

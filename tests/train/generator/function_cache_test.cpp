@@ -107,7 +107,7 @@ TEST_F(Cache, HoldsWhatTrainingInMemoryHolds) {
   ASSERT_EQ(disk.functionCount(), memory.functionCount());
   ASSERT_LT(disk.functionCount(), 400 + kCount - 360) << "functions that both shards hold come once";
   EXPECT_EQ(disk.sha256(), memory.sha256());
-  EXPECT_EQ(disk.sceneIds(), memory.sceneIds());
+  EXPECT_EQ(disk.scenes(), memory.scenes());
   std::vector<float> a(static_cast<size_t>(disk.coefficientCount())), b = a;
   for (int64_t i = 0; i < disk.functionCount(); ++i) {
     const StoredFunction x = disk.function(i), y = memory.function(i);

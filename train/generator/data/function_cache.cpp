@@ -120,7 +120,7 @@ void FunctionCache::readFooter(const std::string& footer) {
     function_count_ = static_cast<int64_t>(wholeNumber(path_, json, "function_count", footer.size() / sizeof(float)));
     coefficient_count_ = static_cast<int>(wholeNumber(path_, json, "coefficient_count", std::numeric_limits<int>::max()));
     origin_ = {json.at("basis_sha256").get<std::string>(), json.at("training_set_sha256").get<std::string>(),
-               json.at("scene_ids").get<std::vector<std::string>>()};
+               json.at("scenes").get<std::map<std::string, std::string>>()};
     block_sha256_ = json.at("block_sha256").get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path_, "footer", "the footer of a function cache", error.what());

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,8 @@ inline constexpr int64_t kBlockFunctions = 512;
 // What a cache was made of.
 struct CacheOrigin {
   std::string basis_sha256;
-  std::string training_set_sha256;     // FunctionSet::sha256 of the shards
-  std::vector<std::string> scene_ids;  // distinct scenes
+  std::string training_set_sha256;            // FunctionSet::sha256 of the shards
+  std::map<std::string, std::string> scenes;  // id → SHA-256 (FunctionSet::scene_sha256)
 };
 
 class FunctionCache {
@@ -79,7 +80,7 @@ std::vector<uint32_t> cacheOrder(int64_t count);
 
 // Layout of a function cache, shared by its reader and writer (docs/reference/formats.md, "Function cache").
 inline constexpr char kCacheMagic[8] = {'n', 'l', 'g', 'c', 'a', 'c', 'h', 'e'};
-inline constexpr uint64_t kCacheVersion = 2;
+inline constexpr uint64_t kCacheVersion = 3;
 inline constexpr size_t kFirstRecord = 4096;  // a page: records begin on one
 
 // The first bytes of the file; zeros up to kFirstRecord. Little-endian, as everything in the file.

@@ -178,9 +178,7 @@ CacheReport writeFunctionCache(const std::string& path, const std::vector<std::s
   for (const std::string& shard_path : shards) {
     const Shard header = readShardHeader(shard_path, supportPattern().hash, kSupportPointCount);
     largest_count += static_cast<int64_t>(header.counts.functions);
-    if (std::find(origin.scene_ids.begin(), origin.scene_ids.end(), header.scene_id) == origin.scene_ids.end()) {
-      origin.scene_ids.push_back(header.scene_id);
-    }
+    origin.scenes[header.scene_id] = header.sceneSha256();
   }
   if (largest_count == 0) throw InputError(shards.front(), "functions", "at least one in all shards", "none");
   CacheReport report;
@@ -205,7 +203,7 @@ CacheReport writeFunctionCache(const std::string& path, const std::vector<std::s
                                        {"coefficient_count", basis.coefficientCount()},
                                        {"basis_sha256", basis_sha256},
                                        {"training_set_sha256", sha256(hashes)},
-                                       {"scene_ids", origin.scene_ids},
+                                       {"scenes", origin.scenes},
                                        {"block_sha256", digests}});
   });
   return report;

@@ -29,7 +29,8 @@ class TrainingData {
   int64_t functionCount() const { return function_count_; }
   int coefficientCount() const { return coefficient_count_; }
   const std::string& sha256() const { return cache_ ? cache_->origin().training_set_sha256 : set_.sha256; }
-  const std::vector<std::string>& sceneIds() const { return cache_ ? cache_->origin().scene_ids : set_.scene_ids; }
+  // id → SHA-256
+  const std::map<std::string, std::string>& scenes() const { return cache_ ? cache_->origin().scenes : set_.scene_sha256; }
   FunctionCache* cache() const { return cache_.get(); }  // null when the functions lie in memory
 
   StoredFunction function(int64_t index) const;

@@ -185,7 +185,8 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
             "codes: nodes of the dictionary along each axis: 3, 5, 7 or 9", 3, 9);
   table.group("Run");
   table.add("start_candidates", &o.start.candidates, "number of random starts tried for theta0", 1, 1000000);
-  table.add("checkpoint_steps", &o.checkpoint_steps, "number of steps between checkpoints", 1, 100000000);
+  table.add("checkpoint_steps", &o.checkpoint_steps,
+            "number of steps between checkpoints, each with a validation. 0: a twentieth of the steps", 0, 100000000);
   table.add("validation_functions", &o.validation_functions, "number of held-out functions in the validation loss", 1, 100000000);
   table.add("threads", &o.threads, "number of threads; a batch of up to 512 keeps two busy. The result does not depend on it", 1,
             1024);
@@ -265,7 +266,7 @@ void TrainStep::apply(TrainingState& state, double rate) {
 
 TrainReport train(const TrainOptions& options, const Representation& representation, const TrainingData& training,
                   const TrainingData& held_out, TrainingState* state, const std::function<void()>& save,
-                  const ProcessGroup& processes, const std::function<bool()>& stop) {
+                  const ProcessGroup& processes) {
   agree(*state, processes);
   TrainStep step(options, representation, training, *state, processes);
   LossGuard guard(*state, options.divergence_ratio);
@@ -274,6 +275,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
   TrainReport report;
   const Clock::time_point start = Clock::now();
   const int64_t first_step = state->step, first_draw = state->draw;
+  const int checkpoint_steps = options.checkpoint_steps > 0 ? options.checkpoint_steps : std::max(1, options.steps / 20);
   double training_s = 0.0;
   LossMean mean, kept_mean;  // since the last checkpoint
   const auto goBack = [&](const char* quantity, double value) {
@@ -285,12 +287,6 @@ TrainReport train(const TrainOptions& options, const Representation& representat
                         options.bare_tent_rmse, options.threads);
   };
   while (state->step < options.steps) {
-    // a stopped run saves its state only if that is finite
-    if (stop && stop()) {
-      report.is_stopped = true;
-      if (guard.keep(*state)) save();
-      break;
-    }
     const Clock::time_point step_start = Clock::now();
     const TrainStep::Result result = step.computeGradient(*state);
     training_s += secondsSince(step_start);
@@ -309,7 +305,7 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     training_s += secondsSince(apply_start);
     progress.update(state->step, "loss " + std::to_string(mean.value()));
     // good states between checkpoints keep the way back short
-    const bool at_checkpoint = state->step % options.checkpoint_steps == 0 || state->step == options.steps;
+    const bool at_checkpoint = state->step % checkpoint_steps == 0 || state->step == options.steps;
     if (!at_checkpoint && state->step % kStepsBetweenGoodStates != 0) continue;
     if (!guard.keep(*state)) {
       goBack("sum of the parameters", NAN);

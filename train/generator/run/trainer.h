@@ -40,7 +40,7 @@ struct TrainOptions {
   bool begins_trained =
       false;  // with a generator's numbers: dark points have their whole weight from the first step, codes no leak
   StartOptions start{.candidates = 2048};  // most random starts end badly: a good theta0 is found once and serves all functions
-  int checkpoint_steps = 1000;             // a checkpoint and a validation every so many steps
+  int checkpoint_steps = 0;                // a checkpoint and a validation every so many steps; 0: every twentieth of them
   int validation_functions = 2048;         // at most so many held-out functions in the validation loss
   int threads = 1;
   torch::Device device = torch::kCPU;  // of the network; the loss of theta is computed on the processor
@@ -63,8 +63,7 @@ Theta fitTheta0(const Representation& representation, const BasisFile& basis, co
 TrainingState makeState(const TrainOptions& options, const Theta& theta0);
 
 struct TrainReport {
-  bool is_stopped = false;  // before its last step, because it was asked to
-  HeldOutError held_out;    // averaged weights
+  HeldOutError held_out;  // averaged weights
   double elapsed_s = 0.0;
   double samples_per_s = 0.0;
 };
@@ -74,12 +73,11 @@ struct TrainReport {
 //
 // processes   those that train together, each calling this with the same state and data: every batch is split among them, and all
 //             of them take the same steps. Validation and save() are the first one's.
-// stop        asked before every step; true: a checkpoint is saved, and training ends. Null: nobody asks
 // throws      NumericalError when going back does not help; the last checkpoint stays. InputError when another process is gone or
 //             the training set's cache is damaged
 TrainReport train(const TrainOptions& options, const Representation& representation, const TrainingData& training,
                   const TrainingData& held_out, TrainingState* state, const std::function<void()>& save,
-                  const ProcessGroup& processes = ProcessGroup(), const std::function<bool()>& stop = nullptr);
+                  const ProcessGroup& processes = ProcessGroup());
 
 // One step at a given rate, without validation: what train() is made of.
 class TrainStep {
