@@ -56,12 +56,12 @@ nlohmann::ordered_json shardGeometry(const std::string& path, const std::string&
 
 // nlg-datagen info FOLDER: what a folder of shards holds, scene by scene, and how hard its functions are.
 //
-// Reads every shard (.h5) below a folder, in bounded memory.
+// Reads the shards, or where none are named every shard (.h5) below the folder, in bounded memory.
 // returns   `scenes`, a row for each scene of each split, and `all`: probes, functions, what was left out by reason, and of the functions:
 //           those that the bare tent is enough for, hard ones, those of probes in solid, the share of dark points; `tent_blend_rmse`, how
 //           many functions lie in each bin of the bare tent's blend RMSE
 // throws    InputError where there is no shard, or one of them cannot be read
-nlohmann::ordered_json dataCard(const std::string& folder);
+nlohmann::ordered_json dataCard(const std::string& folder, std::vector<std::string> shards = {});
 
 // The same as tables for people.
 std::string dataCardText(const nlohmann::ordered_json& card);

@@ -191,16 +191,17 @@ Json describeShard(const std::string& path) {
   }
 }
 
-Json dataCard(const std::string& folder) {
-  std::map<std::pair<std::string, std::string>, Row> rows;  // by split and scene
-  uint64_t shards = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (entry.path().extension() != ".h5" || !entry.is_regular_file()) continue;
-    const ShardReader reader(entry.path().string(), supportPattern().hash, kSupportPointCount);
-    rows[{entry.path().parent_path().filename().string(), reader.header().scene_id}].add(rowOf(reader));
-    ++shards;
+Json dataCard(const std::string& folder, std::vector<std::string> shards) {
+  if (shards.empty()) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+      if (entry.path().extension() == ".h5" && entry.is_regular_file()) shards.push_back(entry.path().string());
   }
-  if (shards == 0) throw InputError(folder, "files", "shards (.h5) in it or below", "none");
+  if (shards.empty()) throw InputError(folder, "files", "shards (.h5) in it or below", "none");
+  std::map<std::pair<std::string, std::string>, Row> rows;  // by split and scene
+  for (const std::string& path : shards) {
+    const ShardReader reader(path, supportPattern().hash, kSupportPointCount);
+    rows[{std::filesystem::path(path).parent_path().filename().string(), reader.header().scene_id}].add(rowOf(reader));
+  }
   Row all;
   Json scenes = Json::array();
   for (const auto& [name, row] : rows) {
@@ -209,7 +210,7 @@ Json dataCard(const std::string& folder) {
     scene.update(jsonOf(row));
     scenes.push_back(std::move(scene));
   }
-  return {{"folder", folder}, {"shards", shards}, {"scenes", std::move(scenes)}, {"all", jsonOf(all)}};
+  return {{"folder", folder}, {"shards", shards.size()}, {"scenes", std::move(scenes)}, {"all", jsonOf(all)}};
 }
 
 std::string dataCardText(const Json& card) {

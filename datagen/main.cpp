@@ -95,12 +95,14 @@ int dataCardMain(int argc, char** argv) {
       "functions are.",
       "nlg-datagen info"};
   std::string folder;
+  std::vector<std::string> shards;
   bool json = false;
   OptionTable table("datagen");
   app.add_option("folder", folder, "folder of shards (.h5), or of folders of shards")->required();
+  app.add_option("--shards", shards, "shards to describe. None: all in the folder or below");
   app.add_flag("--json", json, "print one line of JSON");
   return runTool(argc, argv, app, table, [&] {
-    const nlohmann::ordered_json card = dataCard(folder);
+    const nlohmann::ordered_json card = dataCard(folder, shards);
     std::cout << (json ? card.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n' : dataCardText(card));
   });
 }

@@ -4,6 +4,7 @@ import sys
 import traceback
 
 INTERNAL_ERROR, USAGE_ERROR, INPUT_ERROR, OUTPUT_ERROR, CHECK_FAILED, DAMAGED_FILE = 1, 2, 3, 5, 6, 7
+STOPPED = 130  # by Ctrl-C, as shells say it
 
 
 class ToolError(Exception):
@@ -60,6 +61,8 @@ def run(name, work):
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         say(name, OutputError(error.filename or "standard output", error.strerror or error))
         return OUTPUT_ERROR
+    except KeyboardInterrupt:
+        return STOPPED
     except MemoryError:
         say(name, "out of memory")
         return INTERNAL_ERROR

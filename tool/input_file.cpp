@@ -1,5 +1,6 @@
 #include "tool/input_file.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <string_view>
@@ -12,12 +13,16 @@
 #include <system_error>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "runtime_eval/regular_file/regular_file.h"
 #include "runtime_eval/weights_file/safetensors_layout.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
+
+constexpr char kBytes = 1;  // what the name of a file that is no text begins with
 
 std::string reason() { return std::generic_category().message(errno); }
 
@@ -85,6 +90,36 @@ void noteInput(const std::string& path) {
 std::vector<std::string> inputsSoFar() {
   const std::lock_guard lock(inputs().mutex);
   return {inputs().paths.begin(), inputs().paths.end()};
+}
+
+std::string inputsText(const std::vector<std::string>& paths) {
+  nlohmann::json names = nlohmann::json::array();
+  for (const std::string& path : paths) {
+    const bool is_text = path[0] != kBytes && nlohmann::json::parse(nlohmann::json(path).dump(
+                                                  -1, ' ', false, nlohmann::json::error_handler_t::ignore)) == path;
+    std::string bytes(1, kBytes);
+    for (const unsigned char byte : path) {
+      if (byte >= 0x80) bytes += static_cast<char>(0xc0 | byte >> 6);
+      bytes += static_cast<char>(byte < 0x80 ? byte : 0x80 | (byte & 0x3f));
+    }
+    names.push_back(is_text ? path : bytes);
+  }
+  std::sort(names.begin(), names.end());
+  return names.dump() + "\n";
+}
+
+std::vector<std::string> inputsOf(const std::string& text) {
+  auto paths = nlohmann::json::parse(text).get<std::vector<std::string>>();
+  for (std::string& path : paths) {
+    if (path[0] != kBytes) continue;
+    std::string bytes;
+    for (size_t at = 1; at < path.size(); ++at) {
+      const auto byte = static_cast<unsigned char>(path[at]);
+      bytes += byte < 0x80 ? path[at] : static_cast<char>((byte & 3) << 6 | (path[++at] & 0x3f));
+    }
+    path = bytes;
+  }
+  return paths;
 }
 
 InputError notOpened(const std::string& path, const std::string& place, const std::string& fault) {

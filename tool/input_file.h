@@ -20,6 +20,11 @@ InputError notOpened(const std::string& path, const std::string& place, const st
 void noteInput(const std::string& path);
 // The paths of all files that this process has asked for so far, sorted: those that it could not open, too.
 std::vector<std::string> inputsSoFar();
+// What --inputs and the environment's NLG_INPUTS (tool_main.h) write: names of files, sorted, as a list of JSON in one line. Of a name that is no UTF-8 each byte is a character, behind
+// U+0001.
+std::string inputsText(const std::vector<std::string>& paths);
+// The inverse.
+std::vector<std::string> inputsOf(const std::string& text);
 
 // Open from beginning to end of its life. Regular files only: regular_file.h says why.
 class InputFile {

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <fstream>
 #include <string_view>
 
 #include "tool/printable.h"
@@ -30,6 +31,7 @@ Progress::Form Progress::wantedForm() {
   const char* const wish = std::getenv("NLG_PROGRESS");
   if (wish != nullptr && std::string_view(wish) == "off") return Form::none;
   if (wish != nullptr && std::string_view(wish) == "lines") return Form::lines;
+  if (wish != nullptr && *wish == '/') return Form::file;
   return ::isatty(STDERR_FILENO) == 1 ? Form::terminal : Form::log;
 }
 
@@ -44,6 +46,7 @@ Progress::Progress(std::string what, int64_t total)
 }
 
 Progress::~Progress() {
+  if (printed_ && form_ == Form::file) ::unlink(file().c_str());
   if (printed_ && form_ == Form::terminal) std::fputs("\r\033[K", stderr);
   const auto took = std::chrono::steady_clock::now() - start_;
   if (form_ != Form::log || took < kShortestLogged || std::uncaught_exceptions() > exceptions_) return;
@@ -61,10 +64,18 @@ void Progress::advance(int64_t count) {
   if (lock.owns_lock()) update(done);
 }
 
+std::string Progress::file() {
+  return fmt::format("{}/{}.{}", std::getenv("NLG_PROGRESS"), program_invocation_short_name, ::getpid());
+}
+
 void Progress::print(const std::string& line) {
   const std::string printed = form_ == Form::lines ? line + '\n' : "\r\033[K" + line.substr(0, terminalColumns());
-  std::fputs(printed.c_str(), stderr);
-  std::fflush(stderr);
+  if (form_ == Form::file) {
+    std::ofstream(file()) << line << '\n';
+  } else {
+    std::fputs(printed.c_str(), stderr);
+    std::fflush(stderr);
+  }
   last_print_ = std::chrono::steady_clock::now();
   printed_ = true;
 }

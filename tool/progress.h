@@ -3,7 +3,8 @@
 //
 // The environment's NLG_PROGRESS=off keeps it quiet: where several tools share a terminal, their lines would overwrite each other.
 // NLG_PROGRESS=lines is for programs that start a tool and show how far it is: what a terminal's line would say, each time on a new one.
-// The workflow sets it (workflow/environment.sh) and says itself how far the run is.
+// NLG_PROGRESS=/FOLDER keeps that line in the file FOLDER/TOOL.PROCESS while the stage lasts: so does the workflow
+// (workflow/Snakefile), which shows it in its own line.
 #pragma once
 
 #include <atomic>
@@ -35,9 +36,10 @@ class Progress {
   void advance(int64_t count = 1);
 
  private:
-  enum class Form { none, terminal, lines, log };
+  enum class Form { none, terminal, lines, file, log };
   static Form wantedForm();
-  bool isLive() const { return form_ == Form::terminal || form_ == Form::lines; }
+  bool isLive() const { return form_ != Form::none && form_ != Form::log; }
+  static std::string file();
   void print(const std::string& line);
 
   std::string what_;

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
+#include "tool/input_file.h"
 #include "tool/printable.h"
 #include "tool/provenance.h"
 
@@ -192,6 +193,7 @@ void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const
   table.applyFlags();
   run();
   flushStandardOutput();
+  if (const char* const file = std::getenv("NLG_INPUTS")) writeFileAtomically(file, inputsText(inputsSoFar()));
 }
 
 // --help and --version reach us as exceptions too.

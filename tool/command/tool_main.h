@@ -23,6 +23,7 @@ inline constexpr const char* kEndsWith = "NLG_ENDS_WITH";
 // What is printed meanwhile on stderr, and on stdout where that is a terminal, holds no control characters but ends of lines and
 // tabs: printable.h. SIGPIPE is ignored. Command-line mistakes exit with usage_error; --help, --help-all
 // and --version with success; so does --list-options, by itself, which prints OptionTable::describeAsJson.
+// The environment's NLG_INPUTS names a file for the names of all files that were read or looked for, if all went well (inputsText).
 // returns   the process's exit code
 int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run);
 
