@@ -48,8 +48,8 @@ void describe(FrontierOptions& o, OptionTable& table) {
             0.0, 10.0);
   table.add("front_error_tolerance", &o.front.error,
             "relative difference of two mean blend RMSEs below which the front treats them as equal", 0.0, 10.0);
-  table.add("bootstrap_draws", &o.bootstrap_draws, "bootstrap draws of scenes for the interval of the speed at equal error", 1,
-            1000000);
+  table.add("bootstrap_draws", &o.bootstrap_draws,
+            "bootstrap draws of scenes and functions for the interval of the speed at equal error", 1, 1000000);
   table.add("seed", &o.seed, "seed of random starts and draws");
 }
 

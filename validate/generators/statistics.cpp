@@ -74,21 +74,18 @@ double PooledMagnitudes::quantile(double share) const {
   return kBinCount / 2048.0;
 }
 
-SceneBootstrap::SceneBootstrap(const std::vector<uint32_t>& scene_of_value, const BootstrapOptions& options) : options_(options) {
-  std::map<uint32_t, uint32_t> compact;
-  for (const uint32_t scene : scene_of_value) compact.emplace(scene, 0);
-  for (auto& [scene, idx] : compact) idx = static_cast<uint32_t>(scene_count_++);
-  values_.resize(scene_count_);
-  for (const uint32_t scene : scene_of_value) {
-    scene_.push_back(compact[scene]);
-    ++values_[scene_.back()];
-  }
-  if (isOneScene()) return;
+SceneBootstrap::SceneBootstrap(const std::vector<uint32_t>& scene_of_value, const BootstrapOptions& options)
+    : options_(options), count_(scene_of_value.size()) {
+  std::map<uint32_t, std::vector<uint32_t>> by_scene;
+  for (uint32_t i = 0; i < count_; ++i) by_scene[scene_of_value[i]].push_back(i);
+  std::vector<const std::vector<uint32_t>*> scenes;
+  for (const auto& [scene, values] : by_scene) scenes.push_back(&values);
   Random random(options.seed);
-  draws_.resize(static_cast<size_t>(options.resamples) * scene_count_);
-  for (int r = 0; r < options.resamples; ++r) {
-    for (size_t draw = 0; draw < scene_count_; ++draw) {
-      ++draws_[static_cast<size_t>(r) * scene_count_ + random.below(static_cast<uint32_t>(scene_count_))];
+  draws_.resize(static_cast<size_t>(options.resamples) * count_);
+  for (size_t r = 0; r < draws_.size(); r += count_) {
+    for (size_t draw = 0; draw < scenes.size(); ++draw) {
+      const std::vector<uint32_t>& values = *scenes[random.below(static_cast<uint32_t>(scenes.size()))];
+      for (size_t i = 0; i < values.size(); ++i) ++draws_[r + values[random.below(static_cast<uint32_t>(values.size()))]];
     }
   }
 }
@@ -107,22 +104,12 @@ Interval SceneBootstrap::ofMeans(const std::vector<const std::vector<double>*>& 
   std::vector<double> means;
   for (const std::vector<double>* list : lists) means.push_back(nlg::mean(*list));
   const double value = figure(means);
-  if (isOneScene()) return {value, value, value};
-  // by list and scene, so that a resample takes no second look at the values
-  std::vector<std::vector<double>> sums;
-  for (const std::vector<double>* list : lists) {
-    sums.emplace_back(scene_count_);
-    for (size_t i = 0; i < list->size(); ++i) sums.back()[scene_[i]] += (*list)[i];
-  }
   std::vector<double> resampled;
-  for (int r = 0; r < options_.resamples; ++r) {
-    double count = 0.0;
-    for (size_t s = 0; s < scene_count_; ++s) count += static_cast<double>(draws(r)[s] * values_[s]);
-    for (size_t n = 0; n < lists.size(); ++n) {
-      double sum = 0.0;
-      for (size_t s = 0; s < scene_count_; ++s) sum += draws(r)[s] * sums[n][s];
-      means[n] = sum / count;
-    }
+  for (int r = 0; count_ > 0 && r < options_.resamples; ++r) {
+    const uint16_t* const drawn = draws(r);
+    const double count = std::accumulate(drawn, drawn + count_, 0.0);
+    for (size_t n = 0; n < lists.size(); ++n)
+      means[n] = std::inner_product(drawn, drawn + count_, lists[n]->begin(), 0.0) / count;
     resampled.push_back(figure(means));
   }
   return interval(value, std::move(resampled));
@@ -135,22 +122,18 @@ std::vector<Interval> SceneBootstrap::quantiles(const std::vector<double>& value
     const double value = quantile(copy, share);
     result.push_back({value, value, value});
   }
-  if (isOneScene()) return result;
   // sorted once for all resamples: each then counts how often every value was drawn
   std::vector<uint32_t> order(values.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return values[a] < values[b]; });
-  std::vector<uint32_t> scene;
-  for (const uint32_t i : order) scene.push_back(scene_[i]);
 
   std::vector<std::vector<double>> resampled(shares.size());
-  for (int r = 0; r < options_.resamples; ++r) {
-    uint64_t count = 0;
-    for (size_t s = 0; s < scene_count_; ++s) count += draws(r)[s] * values_[s];
+  for (int r = 0; count_ > 0 && r < options_.resamples; ++r) {
+    const uint64_t count = std::accumulate(draws(r), draws(r) + count_, uint64_t{0});
     size_t at = 0;
     uint64_t below = 0;  // values of the resample up to and with order[at - 1]
     const auto valueAt = [&](uint64_t rank) {
-      while (below <= rank) below += draws(r)[scene[at++]];
+      while (below <= rank) below += draws(r)[order[at++]];
       return values[order[at - 1]];
     };
     for (size_t q = 0; q < shares.size(); ++q) {

@@ -41,14 +41,13 @@ class PooledMagnitudes {
   uint64_t count_ = 0, sum_ = 0;
 };
 
-// Intervals by bootstrap over scenes: how far a figure would move if other scenes had been held out.
+// Intervals by bootstrap over scenes and functions: how far a figure would move if others had been held out.
 //
-// Functions of one scene resemble each other, so scenes are drawn, never functions. A resample has as many scenes as there are, drawn
-// with replacement, and all functions of each (Efron & Tibshirani 1993, chapter 8). The interval reaches from the 2.5th to the 97.5th
-// percentile of the resamples' figures. A simulation of 24 scenes (bootstrap_test.cpp) says how far to trust it: the interval of a
-// mean or a median holds the truth in 95 of 100 trials. That of a 95th percentile does so only in 78, since it hangs on the few
-// highest scenes; read it as a lower bound of the uncertainty. One scene says nothing of others: there both ends are the value
-// itself, and isOneScene says so.
+// Functions of one scene resemble each other, so scenes are drawn first, with replacement, and then of each drawn scene as many functions
+// as it has, with replacement too (Davison & Hinkley 1997, section 3.8). The interval reaches from the 2.5th to the 97.5th percentile of
+// the resamples' figures. A simulation of 24 scenes (bootstrap_test.cpp) says how far to trust it. The interval of a 95th percentile hangs
+// on the few highest scenes; read it as a lower bound of the uncertainty. One scene says nothing of others: its interval is over functions
+// alone.
 
 struct BootstrapOptions {
   int resamples = 1000;
@@ -65,8 +64,6 @@ class SceneBootstrap {
   // scene_of_value   of every value of the lists to come; scenes without any value are not drawn
   explicit SceneBootstrap(const std::vector<uint32_t>& scene_of_value, const BootstrapOptions& options = {});
 
-  bool isOneScene() const { return scene_count_ <= 1; }
-
   // Zeros for an empty list.
   // values   one a scene_of_value, in their order; finite
   Interval mean(const std::vector<double>& values) const;
@@ -82,13 +79,11 @@ class SceneBootstrap {
 
  private:
   Interval interval(double value, std::vector<double> resampled) const;
-  const uint32_t* draws(int resample) const { return &draws_[static_cast<size_t>(resample) * scene_count_]; }
+  const uint16_t* draws(int resample) const { return &draws_[static_cast<size_t>(resample) * count_]; }
 
   BootstrapOptions options_;
-  size_t scene_count_ = 0;        // that have a value
-  std::vector<uint32_t> scene_;   // of every value: 0 … scene_count - 1
-  std::vector<uint64_t> values_;  // by scene: how many
-  std::vector<uint32_t> draws_;   // by resample and scene: how often it was drawn
+  size_t count_;                 // of values
+  std::vector<uint16_t> draws_;  // by resample and value: how often it was drawn
 };
 
 }  // namespace nlg

@@ -118,15 +118,25 @@ Json functionsJson(const ShardCounts& counts, const FigureContext& context) {
           {"held_out_in_training_mirrored", context.known.countInTrainingMirrored()}};
 }
 
+Json inTrainingJson(const FigureContext& context) {
+  const std::vector<std::string>& names = context.set.scene_ids;
+  std::vector<uint64_t> functions(names.size()), known(names.size());
+  for (uint64_t i = 0; i < context.set.functionCount(); ++i) {
+    if (!context.populations.takesTheta(i)) continue;
+    ++functions[context.set.scene_idx[i]];
+    known[context.set.scene_idx[i]] += context.known.in_training_mirrored[i];
+  }
+  Json json = Json::object();
+  for (size_t s = 0; s < names.size(); ++s) json[names[s]] = {{"take_theta", functions[s]}, {"in_training", known[s]}};
+  return json;
+}
+
 Json bootstrapJson(const FigureContext& context) {
-  const size_t scenes = context.set.scene_ids.size();
-  return {{"over", "scenes"},
-          {"scenes", scenes},
+  return {{"over", "scenes, and functions of each"},
+          {"scenes", context.set.scene_ids.size()},
           {"resamples", context.bootstrap.resamples},
           {"confidence", context.bootstrap.confidence},
-          {"seed", context.bootstrap.seed},
-          {"note", scenes > 1 ? "a figure whose functions are all of one scene has no interval: both ends are the value"
-                              : "one scene: there is no interval, both ends are the value"}};
+          {"seed", context.bootstrap.seed}};
 }
 
 Json stagesJson(const std::vector<StagePlan>& plan) {

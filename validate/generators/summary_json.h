@@ -25,6 +25,8 @@ struct ValidatedGenerator {
 
 nlohmann::ordered_json tauJson(const ValidateOptions& options);
 nlohmann::ordered_json functionsJson(const ShardCounts& counts, const FigureContext& context);
+// By scene: functions that take a theta, and how many of them some training scene has too, as they are or mirrored.
+nlohmann::ordered_json inTrainingJson(const FigureContext& context);
 nlohmann::ordered_json bootstrapJson(const FigureContext& context);
 // A stage a line: name, word, population, above_rmse, budget, and the sentence that --help prints.
 nlohmann::ordered_json stagesJson(const std::vector<StagePlan>& plan);

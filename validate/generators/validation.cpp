@@ -71,6 +71,7 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
                   {"tau", tauJson(options)},
                   {"theta_precision", thetaPrecisionName(options.policy.theta_precision)},
                   {"functions", functionsJson(counts.all, context)},
+                  {"in_training", inTrainingJson(context)},
                   {"bootstrap", bootstrapJson(context)},
                   {tents.name, figuresByPopulation(tents, Scope::set, context)}};
   // for each generator the bake's policy, long fits from its thetas, and slices of telling functions

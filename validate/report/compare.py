@@ -68,7 +68,9 @@ def trainings_of(path):
     for name in sorted(os.listdir(folder)) if os.path.isdir(folder) else []:
         config, result = os.path.join(folder, name, "config.json"), os.path.join(folder, f"{name}.json")
         if os.path.isfile(config) and os.path.isfile(result):
-            found[name] = {**read_json(config).value, **{f"curve: {key}": value for key, value in read_json(result).value.items() if key.endswith("blend_rmse")}}
+            found[name] = {key: node.value for key, node in read_json(config).entries()}
+            # as many digits as mean anything
+            found[name] |= {f"curve: {key}": f"{node.number():.5g}" for key, node in read_json(result).entries() if key.endswith("blend_rmse")}
     return found
 
 
@@ -82,8 +84,9 @@ def training_lines(old, new):
                 yield f"  {name}, {key}: {values[0]} -> {values[1]}"
 
 
-def read_run(path):
-    path = summary_of(path)
+def read_run(path, is_folder=True):
+    """is_folder   a run's folder or its summary.json; otherwise the folder of nlg-validate's results"""
+    path = summary_of(path) if is_folder else os.path.join(path, "summary.json")
     summary = read_summary(path)
     functions = os.path.join(os.path.dirname(path), "functions.csv")
     if not os.path.exists(functions):
@@ -165,9 +168,9 @@ def worst_change(old, new, tau, factor):
     risen, fallen = new.blend_rmse > factor * np.maximum(old.blend_rmse, tau), old.blend_rmse > factor * np.maximum(new.blend_rmse, tau)
     change = {"old": float(old.blend_rmse.max(initial=0.0)), "new": float(new.blend_rmse.max(initial=0.0))}
     if risen.any():
+        # the figures are then those of the function that leapt highest: another one may be the worst of all
         highest = int(np.argmax(np.where(risen, new.blend_rmse, -1.0)))
-        note = f"{risen.sum()} leapt, the highest function {new.function[highest]} of {new.scene[highest]}: {old.blend_rmse[highest]:.5g} -> {new.blend_rmse[highest]:.5g}"
-        return change | {"note": note, "trend": "worse"}
+        return {"old": float(old.blend_rmse[highest]), "new": float(new.blend_rmse[highest]), "note": f"{risen.sum()} leapt, the highest function {new.function[highest]} of {new.scene[highest]}", "trend": "worse"}
     return change | ({"note": f"{fallen.sum()} no longer so high", "trend": "better"} if fallen.any() else {})
 
 
@@ -343,7 +346,8 @@ def main():
             if options.json:
                 print(json_of(comparison, options))
             else:
-                print("\n".join([f"{options.old} -> {path}", *training_lines(options.old, path), *text_of(comparison, options)]))
+                lines = [f"{options.old} -> {path}", *training_lines(options.old, path), *text_of(comparison, options)]
+                print("\n".join("".join(c if c.isprintable() or c == "\n" else " " for c in line) for line in lines))
             worse += [f"{name} is gone" for name in comparison.lost] + [", ".join(filter(None, (change.representation, change.scene))) + f": {change.figure}" for change in comparison.of("worse")]
         if not worse:
             return 0

@@ -1,5 +1,6 @@
 """What a lead reads first, as texts: the verdict with its three figures and its rule, scenes by trouble, the suite's cases, what bakes leave out."""
 import math
+import os
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from findings import TALK_FITTED, bracket, error, factor, figures_row, grouped, 
 from frontier import front_of, stage_points
 from inputs import ERRORS, WORDS
 from plots import NAMES, duration
+from tool.errors import InputError
 
 GROUP_NAMES = {"functions": "Functions", "codes": "Codes", "generator": "Generator", "training": "Training"}
 
@@ -41,6 +43,35 @@ def equal_error_words(judgement):
             f"{percent(equal.failing)} and {percent(equal.direct_failing)} of their functions fail the check")
 
 
+WEIGHTS = {"supplied": "the supplied weights", "init": "the weights that it started from"}
+FALSE_ALARMS, SMALLEST_CHANGE = 0.05, 0.01  # as of `nlg compare`
+
+
+def comparison(inputs, representation, folder):
+    """Whether a generator is better than other weights, by what is stored of the same functions: the paired test of compare.py."""
+    from compare import mean_change, read_run, trend_beyond  # which takes SciPy, and time to be loaded
+    other = read_run(folder, is_folder=False)
+    name = representation if representation in other.names() else other.names()[0]
+    before, after = (samples[one, "stored"].of("theta") for samples, one in ((other.samples, name), (inputs.samples, representation)))
+    if len(before) != len(after) or (before.function != after.function).any() or (before.scene != after.scene).any():
+        raise InputError(folder, "functions.csv", "the functions that the run is validated on", "others")
+    change = mean_change(before.blend_rmse, after.blend_rmse)
+    trend = trend_beyond(change["old"], change["new"], SMALLEST_CHANGE) if change.get("chance", 1.0) <= FALSE_ALARMS else "same"
+    word = {"better": "Better than", "worse": "Worse than", "same": "As good as"}[trend]
+    of = "" if name == representation else f", {name}"
+    return f"{word} {WEIGHTS.get(os.path.basename(folder), folder)}: {representation} has a mean blend RMSE of {error(change['new'])}, they {error(change['old'])}{of}, on the same {plural(len(after), 'function')}"
+
+
+NEAR_COPY, FEWEST_OF_COPY = 0.5, 5
+
+
+def near_copies(summary):
+    """Held-out scenes most of whose functions stand in the training set."""
+    if "in_training" not in summary.value:
+        return []
+    return [scene for scene, node in summary["in_training"].entries() if node["take_theta"].count() >= FEWEST_OF_COPY and node["in_training"].count() > NEAR_COPY * node["take_theta"].count()]
+
+
 class Decision:
     """The first screen and the tables behind it.
 
@@ -48,13 +79,16 @@ class Decision:
     limits     verdict.Limits
     cases      proof_inputs.Case, or None where the suite's file was not given
     frontier   proof_inputs.Frontier, or None likewise: then no time is judged
+    against    folders of nlg-validate's results of other weights on the same functions
     """
 
-    def __init__(self, inputs, limits, cases, frontier=None):
+    def __init__(self, inputs, limits, cases, frontier=None, against=()):
         self.inputs, self.limits, self.cases = inputs, limits, cases
         self.judgements = verdict.judge(inputs, limits, frontier)
         self.leader = verdict.leader(inputs, self.judgements)
         self.blocked = bool(cases) and bool(verdict.unexplained(cases))
+        self.comparisons = [comparison(inputs, self.leader, folder) for folder in against]
+        self.copies = near_copies(inputs.summary)
         self.tau = {error: inputs.summary["tau"][key].number() for error, key in zip(ERRORS, ("blend", "rmse"))}
 
     # ---- the first screen
@@ -62,19 +96,28 @@ class Decision:
     @property
     def state(self):
         """For the headline's colour: good, mixed or bad."""
-        ships = [j.verdict == verdict.SHIPS for j in self.judgements]
+        ships = [j.verdict == verdict.SHIPS and not self.copies for j in self.judgements]
         return "bad" if self.blocked or not any(ships) else "good" if all(ships) else "mixed"
 
     def headline(self):
+        """Whether it is better than what there is, where that was measured, and whether it may ship."""
+        return "; ".join([*self.comparisons, self.shipping()])
+
+    def shipping(self):
+        if self.copies:
+            return f"Undecided: {joined(self.copies)} {'is a near copy' if len(self.copies) == 1 else 'are near copies'} of what was trained on"
         ships = [j.representation for j in self.judgements if j.verdict == verdict.SHIPS]
         count = len(self.judgements)
         if self.blocked:
             return f"Nothing may ship: {plural(len(verdict.unexplained(self.cases)), 'stability case')} failed without an explanation"
-        if not ships:
+        undecided = [j.representation for j in self.judgements if j.verdict == verdict.UNDECIDED]
+        if count > 1 and len(ships) == count:
+            return f"All {count} generators may ship"
+        parts = [f"{joined(names)} {words}" for names, words in ((ships, "may ship"), (undecided, "undecided")) if names]
+        left = count - len(ships) - len(undecided)
+        if not parts:
             return "No generator may ship"
-        if len(ships) == count:
-            return f"{ships[0]} may ship" if count == 1 else f"All {count} generators may ship"
-        return f"{joined(ships)} may ship; {count - len(ships)} of {count} generators may not"
+        return "; ".join([*parts, f"{left} of {count} generators may not"] if left else parts)
 
     def rule(self):
         return [sentence.replace("*", "") for sentence in verdict.rule(self.limits, self.tau["rmse"], self.tau["blend_rmse"])]
@@ -85,7 +128,7 @@ class Decision:
 
     def text(self):
         """The verdict for a terminal: the headline, every generator's three figures, the rule."""
-        shown = lambda figure, write: "–" if figure.value is None else write(figure.value) + ("" if figure.passes else " (!)")
+        shown = lambda figure, write: "–" if figure.value is None else write(figure.value) + (f" ({bracket(figure.interval, write)})" if bracket(figure.interval, write) else "") + ("" if figure.passes else " (!)")
         lines = [self.headline()]
         for j in self.judgements:
             lines.append(f"  {j.representation}, {j.verdict}: {shown(j.failing, percent)} of stored functions fail the check; {shown(j.hard, factor)} times the best known blend RMSE on hard ones; "
@@ -94,7 +137,7 @@ class Decision:
         return "\n".join(lines).replace("\u00a0", " ") + "\n"
 
     def objections(self):
-        """One sentence a generator that may not ship."""
+        """One sentence a generator that may not ship, or is undecided."""
         limits = self.limits
         result = []
         for j in self.judgements:
@@ -103,16 +146,19 @@ class Decision:
                 said.append(f"{plural(j.functions, 'function')} that take a θ decide nothing, so it stays undecided: hold out more scenes")
             if j.failing.value is None:
                 said.append("no function takes a θ, so it stays undecided")
-            elif not j.failing.passes:
+            elif not j.failing.passes and not j.failing.is_open:
                 said.append(f"{percent(j.failing.value)} of its functions that take a θ fail the check as they are stored (limit {percent(limits.share_failing)})")
             if j.hard.value is None:
                 said.append("no hard function to compare with the best known, so it stays undecided")
-            elif not j.hard.passes:
+            elif not j.hard.passes and not j.hard.is_open:
                 said.append(f"{factor(j.hard.value)} × the best known blend RMSE on hard functions (limit {limits.error_hard:g} ×)")
             if j.speedup.value is None:
                 said.append((f"no speed at equal error, because {j.equal.reason}" if j.equal else "no frontier was given that times direct fits of the same blend RMSE") + ", so it stays undecided")
-            elif not j.speedup.passes:
+            elif not j.speedup.passes and not j.speedup.is_open:
                 said.append(f"{factor(j.speedup.value)} × as fast as a direct fit of the same mean blend RMSE (at least {limits.speedup:g} × is asked for)")
+            near = [what for figure, what in ((j.failing, "share that fails"), (j.hard, "error of hard functions"), (j.speedup, "speed")) if figure.is_open]
+            if near:
+                said.append(f"the interval of its {joined(near)} holds the limit: more held-out levels, or more functions of them, decide")
             if said:
                 result.append((j.representation, "; ".join(said) + "."))
         return result

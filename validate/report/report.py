@@ -2,7 +2,7 @@
 """Draws nlg-validate's results as one self-contained page, report.html; beside it the slices as slices.png and the verdict as verdict.txt.
 
     report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
-        [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ...] [--light LIGHT.json ...] [--data DATASET.json [--run FOLDER]] [--evaluation] --out report.html
+        [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ...] [--light LIGHT.json ...] [--data DATASET.json [--run FOLDER]] [--evaluation] [--against FOLDER ...] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
 cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/reference/formats.md says what the inputs hold.
@@ -51,6 +51,7 @@ class Proof:
     light: object = None     # light_figures.Point of all scenes and methods
     light_steps: object = None  # light_figures.Step of all scenes
     data: object = None         # tables of plan_section
+    against: list = field(default_factory=list)  # folders of other weights' results
     paths: dict = field(default_factory=dict)  # role → path
     is_evaluation: bool = False  # the scenes that published figures are of
     left_out: list = field(default_factory=list)  # what the run did less of than a full one, in words
@@ -128,7 +129,7 @@ def proof_values(proof, decision):
 
 def render(inputs, proof, limits):
     findings = findings_module.Findings(inputs)
-    decision = decision_module.Decision(inputs, limits, proof.cases, proof.frontier)
+    decision = decision_module.Decision(inputs, limits, proof.cases, proof.frontier, proof.against)
     limit = slices.difference_limit(inputs.slices)
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(os.path.dirname(os.path.abspath(__file__))), autoescape=True,
                                      undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -143,7 +144,8 @@ def render(inputs, proof, limits):
 
 
 def read_proof(arguments, summary):
-    proof = Proof(is_evaluation=arguments.evaluation, left_out=arguments.left_out)
+    proof = Proof(is_evaluation=arguments.evaluation, left_out=arguments.left_out, against=arguments.against)
+    proof.paths |= {f"summary of {os.path.basename(folder)}": os.path.join(folder, "summary.json") for folder in arguments.against}
     if arguments.frontier:
         proof.frontier, proof.paths["frontier"] = proof_inputs.read_frontier(arguments.frontier), arguments.frontier
         proof_inputs.refuse_other_weights(arguments.frontier, summary, {point.representation for point in proof.frontier.points})
@@ -175,6 +177,7 @@ def parse_arguments():
     parser.add_argument("--savings", nargs="+", help="reports of nlg-bake --json, one per scene")
     parser.add_argument("--light", nargs="+", help="light.json of nlg-validate light, one per scene")
     parser.add_argument("--data", help="output of nlg-datagen info --json on the data set")
+    parser.add_argument("--against", nargs="+", default=[], help="folders of nlg-validate's results on the same functions, of other weights: supplied, init")
     parser.add_argument("--run", help="folder of the run, whose plan and times are compared if it has a plan")
     parser.add_argument("--evaluation", action="store_true", help="say on the page that the scenes are those of the published figures")
     parser.add_argument("--left-out", nargs="*", default=[], help="what the run did less of than a full one, a text each: stands in the page's provenance")

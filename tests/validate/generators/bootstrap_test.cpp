@@ -72,21 +72,18 @@ TEST(SceneBootstrap, DrawsScenesBecauseFunctionsOfOneResembleEachOther) {
   EXPECT_LT(coverage(true).mean, 0.5);
 }
 
-TEST(SceneBootstrap, GivesTheValueItselfForOneSceneAndSaysSo) {
-  const SceneBootstrap bootstrap({3, 3, 3});
-  EXPECT_TRUE(bootstrap.isOneScene());
-  const Interval mean = bootstrap.mean({1.0, 2.0, 6.0});
-  EXPECT_EQ(mean.value, 3.0);
-  EXPECT_EQ(mean.low, 3.0);
-  EXPECT_EQ(mean.high, 3.0);
-  const Interval median = bootstrap.quantiles({1.0, 2.0, 6.0}, {0.5}).front();
-  EXPECT_EQ(median.low, 2.0);
-  EXPECT_EQ(median.high, 2.0);
-  EXPECT_FALSE(SceneBootstrap({3, 4, 3}).isOneScene());
+TEST(SceneBootstrap, TakesTheFunctionsOfOneSceneForWhatTheyAre) {
+  // the mean of 400 normal numbers of deviation .5 moves by .025: the interval is four times as wide
+  const Sample sample = drawScenes(1, 400, 5);
+  const SceneBootstrap bootstrap(sample.scenes);
+  const Interval mean = bootstrap.mean(sample.values), median = bootstrap.quantiles(sample.values, {0.5}).front();
+  EXPECT_NEAR(mean.high - mean.low, 4 * 0.025, 0.02);
+  // and their median by sqrt(pi / 2) as much again
+  EXPECT_NEAR(median.high - median.low, 4 * 0.025 * 1.2533, 0.04);
 }
 
 TEST(SceneBootstrap, ItsQuantilesAreThoseOfAListWrittenOut) {
-  // one resample: the interval's ends are its figure, which a list of the drawn scenes' values gives as well
+  // one resample: the interval's ends are its figure, which a list of the values drawn gives as well
   const Sample sample = drawScenes(5, 7, 3);
   BootstrapOptions options;
   options.resamples = 1;
@@ -97,9 +94,7 @@ TEST(SceneBootstrap, ItsQuantilesAreThoseOfAListWrittenOut) {
   std::vector<double> drawn;
   for (int draw = 0; draw < 5; ++draw) {
     const uint32_t scene = random.below(5);
-    for (size_t i = 0; i < sample.values.size(); ++i) {
-      if (sample.scenes[i] == scene) drawn.push_back(sample.values[i]);
-    }
+    for (int i = 0; i < 7; ++i) drawn.push_back(sample.values[7 * scene + random.below(7)]);
   }
   for (size_t q = 0; q < shares.size(); ++q) EXPECT_DOUBLE_EQ(intervals[q].low, quantile(drawn, shares[q])) << shares[q];
   EXPECT_DOUBLE_EQ(bootstrap.mean(sample.values).low, mean(drawn));

@@ -4,11 +4,13 @@
     report_test.py
 """
 import base64
+import csv
 import dataclasses
 import html.parser
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -117,6 +119,7 @@ def check_verdict(needed):
     data = read(needed)
     free = verdict.Limits(share_failing=1.0, error_hard=1e9, speedup=0.0)
     front = proof_inputs.read_frontier("frontier.json")
+    front.speeds["mlp"]["fitted"].high = 9.0  # and without a bound below
     every = decision.Decision(data, free, None, front)
     expect(every.state == "good" and every.headline() == "All 3 generators may ship" and not every.objections(), f"without limits: {every.headline()}")
     for key, limit, words in [("share_failing", -1.0, "fail the check as they are stored"), ("error_hard", 1e-6, "hard functions"), ("speedup", 1e9, "as fast as")]:
@@ -141,6 +144,7 @@ def check_verdict(needed):
     expect((equal.fitted_us, equal.direct_us, equal.label, equal.ratio, equal.interval, equal.failing, equal.direct_failing) == (500.0, 3000.0, "LM from theta0, gated", 6.0, (4.5, 8.1), .01, .03),
            f"another speed than the file's: {equal}")
     speed = front.speeds["mlp"]["fitted"]
+    speed.high = None
     expect(decision.Decision(data, free, None, front).judgements[1].speedup.interval == (3.0, None) and findings.bracket((3.0, None), findings.factor) == "3.00 or more", "an interval without a bound")
     speed.ratio, speed.longest_us, speed.reason = None, 9000.0, "no direct fit reaches this error"
     equal = verdict.at_equal_error(speed)
@@ -158,6 +162,46 @@ def check_verdict(needed):
     expect(not checked.blocked and checked.stability_state == "mixed", "a case that holds but fails the check blocks, or shines green")
     skipped = decision.Decision(data, free, [proof_inputs.Case("pca", "a", "b", "c", True, ""), proof_inputs.Case("pca", "d", "e", "f", False, "not run: w", ran=False)])
     expect(not skipped.blocked and skipped.stability_state == "mixed" and decision.Decision(data, free, skipped.cases[:1]).stability_state == "good", "a case that was not run counts as held")
+
+
+def check_undecided(needed):
+    """What other functions may put on the other side of its limit decides nothing; a figure that fails for certain does."""
+    front, free = proof_inputs.read_frontier("frontier.json"), verdict.Limits(share_failing=1.0, error_hard=1e9, speedup=0.0)
+    for key, limit, low, high, judged in (("speedup", 5.0, 4.9, 8.0, verdict.UNDECIDED), ("speedup", 5.0, 5.0, 8.0, verdict.SHIPS), ("speedup", 7.0, 4.9, 8.0, verdict.UNDECIDED), ("speedup", 9.0, 4.9, 8.0, verdict.FAILS),
+                                          ("share_failing", 0.02, 0.01, 0.03, verdict.UNDECIDED), ("share_failing", 0.02, 0.021, 0.03, verdict.FAILS), ("share_failing", 0.02, 0.01, 0.02, verdict.SHIPS)):
+        data = read(needed)
+        front.speeds["tent_mlp"]["fitted"].low, front.speeds["tent_mlp"]["fitted"].high = (low, high) if key == "speedup" else (4.5, 8.1)
+        if key == "share_failing":
+            data.summary["representations"]["tent_mlp"]["stored"]["theta"].value[key + "_check"] = {"value": (low + high) / 2, "low": low, "high": high}
+        found = decision.Decision(data, verdict.Limits(**{**vars(free), key: limit}), None, front)
+        one = next(j for j in found.judgements if j.representation == "tent_mlp")
+        expect(one.verdict == judged, f"{key}, {low} to {high}, limit {limit}: {one.verdict}")
+        is_named = any("tent_mlp" in part for part in found.headline().split("; ") if part.endswith("undecided"))
+        expect((judged == verdict.UNDECIDED) == ("holds the limit" in dict(found.objections()).get("tent_mlp", "")) == is_named, f"{key}, {limit}: {found.headline()}, {found.objections()}")
+    data = read(needed)
+    scene = str(data.samples["tent_mlp", "stored"].scene[0])
+    for known, is_copy in ((51, True), (50, False)):
+        data.summary.value["in_training"] = {scene: {"take_theta": 100, "in_training": known}}
+        found = decision.Decision(data, free, None, front)
+        expect(found.headline().startswith(f"Undecided: {scene} is a near copy") == is_copy == (found.state == "bad"), f"{known} of 100 functions known: {found.headline()}")
+
+
+def check_comparison(needed):
+    """Better than other weights, as good, worse: by the paired test over the same functions."""
+    data, free = read(needed), verdict.Limits(share_failing=1.0, error_hard=1e9, speedup=0.0)
+    for name, times, words in (("supplied", 1.0, "As good as the supplied weights"), ("init", 1.3, "Better than the weights that it started from"), ("supplied", 0.7, "Worse than the supplied weights")):
+        os.makedirs(name, exist_ok=True)
+        shutil.copy("summary.json", name)
+        with open("functions.csv", newline="") as file, open(f"{name}/functions.csv", "w", newline="") as other:
+            rows = list(csv.DictReader(file))
+            writer = csv.DictWriter(other, rows[0])
+            writer.writeheader()
+            for row in rows:
+                writer.writerow({**row, "blend_rmse": float(row["blend_rmse"]) * (times if row["word"] == "stored" else 1)})
+        found = decision.Decision(data, free, None, proof_inputs.read_frontier("frontier.json"), [name])
+        expect(found.headline().startswith(words) and found.headline().endswith("may ship"), f"{name}, {times} times the error: {found.headline()}")
+    data.samples["tent_mlp", "stored"].function[:] += 1
+    refuses(["functions that the run"], lambda path: decision.comparison(data, "tent_mlp", path), "supplied")
 
 
 def check_frontier():
@@ -263,6 +307,8 @@ def main():
         needed, proof = made_up.write_all("")
         check_page(needed, proof)
         check_verdict(needed)
+        check_undecided(needed)
+        check_comparison(needed)
         check_frontier()
         check_light()
         check_refusals(needed)
