@@ -11,21 +11,24 @@
 #                           here or as a list in the configuration, are as many runs, which are then compared
 # --bin FOLDER              the tools that are there (or NLG_BIN=FOLDER): nothing is installed or built
 # --profile FOLDER          a profile of snakemake's that runs the stages elsewhere; configs/profiles/slurm: as jobs of Slurm
+# --prune                   remove shards in the folder of the run's data that are of no run
 # A run that was stopped goes on where it was when it is started again. Exit codes: 2 a configuration or option that cannot be used,
 # or another run at work; 3 a file that cannot be judged; 5 results that cannot be written; 6 the report is there, and a stability case
-# in it does not hold; 1 everything else, a tool that failed among it, whose line says why.
+# in it does not hold; 130 stopped by Ctrl-C; 1 everything else, a tool that failed among it, whose line says why.
 set -euo pipefail
+trap 'echo "pipeline.sh: stopped; the same command goes on" >&2; exit 130' INT
 
 refuse() {
   echo "pipeline.sh: $*; ./pipeline.sh --help lists the options" >&2
   exit 2
 }
 
-plan='' profile='' changes=() sets=()
+plan='' profile='' prune='' changes=() sets=()
 while [ $# -gt 0 ]; do
   case $1 in
-    -h | --help) sed -n '2,17s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,18s/^# \{0,1\}//p' "$0"; exit 0 ;;
     --plan) plan=yes; shift ;;
+    --prune) prune=--prune; shift ;;
     --set)
       [ $# -ge 2 ] || refuse "--set: expected SECTION.KEY=VALUE, got nothing"
       sets+=("--set=$2")
@@ -82,11 +85,12 @@ fi
 sweep=$(/usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}" --sweep)
 if [ -n "$sweep" ]; then
   folders=() worst=0
+  trap : INT  # the run that is stopped says so
   while IFS=$'\t' read -r -u 3 folder settings; do
     IFS=$'\t' read -r -a settings <<< "$settings"
     echo "pipeline.sh: ${settings[*]}" >&2
     code=0
-    ./pipeline.sh ${plan:+--plan} ${profile:+--profile "$profile"} "${sets[@]}" "${settings[@]}" "$config" "${levels[@]}" || code=$?
+    ./pipeline.sh ${plan:+--plan} $prune ${profile:+--profile "$profile"} "${sets[@]}" "${settings[@]}" "$config" "${levels[@]}" || code=$?
     [ "$code" = 0 ] || [ "$code" = 6 ] || exit "$code"
     [ "$code" = 0 ] || worst=$code
     folders+=("$folder")
@@ -110,7 +114,8 @@ else
   build "$purpose" "${tools[@]}"
 fi
 if [ -n "$plan" ]; then
-  exec /usr/bin/python3 workflow/plan.py "$config" "${changes[@]}" --bin "${NLG_BIN:-build/release/bin}"
+  /usr/bin/python3 workflow/plan.py "$config" "${changes[@]}" --bin "${NLG_BIN:-build/release/bin}"
+  exit
 fi
 mkdir -p "$run" "$data" 2> /dev/null || { echo "pipeline.sh: $run: cannot be written: no folder can be made there" >&2; exit 5; }
 for lock in "$run/.lock" "$run/.jobs.lock" "$data/.lock" "$data/.jobs.lock"; do
@@ -130,9 +135,10 @@ if [ ${#changes[@]} -gt 0 ]; then
   /usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}" --write > /dev/null
   config=$(realpath -- "${judged[2]}")
 fi
-export NLG_PLAN=$run/plan.json
+run_folder=$(realpath -m -- "$run")
+export NLG_PLAN=$run_folder/plan.json
 # a batch system's jobs wait in its queue: their times are not those of the stages
-[ -n "$profile" ] || export NLG_TIMES=$run/times.json
+[ -n "$profile" ] || export NLG_TIMES=$run_folder/times.json
 /usr/bin/python3 workflow/plan.py "$config" --bin "${NLG_BIN:-build/release/bin}" --out "$NLG_PLAN" ||
   echo "pipeline.sh: the run goes on without a plan" >&2
 # what does the work: all cores of this machine, or what a profile says
@@ -144,17 +150,15 @@ fi
 for folder in "$run" "$data"; do
   flock -n "$folder/.jobs.lock" true || { echo "pipeline.sh: $folder: a tool of a run that was killed is still at work there" >&2; exit 2; }
 done
-# files to make come first: what a profile holds is appended, and would be files behind a "--"
-workflow() {
-  /usr/bin/snakemake "$@" -s workflow/Snakefile --configfile "$config" "${where[@]}" --rerun-incomplete --nolock \
-    --rerun-triggers mtime params input --log-handler-script workflow/run_progress.py
-}
-# damaged files are put aside, and asked for by name: what nothing out of date needs, snakemake would not miss
-damaged=$(/usr/bin/python3 workflow/check_artefacts.py "$config" "${NLG_BIN:-build/release/bin}")
-mapfile -t again <<<"$damaged"
-workflow ${damaged:+"${again[@]}"} all
+# what is another file than the run made is put aside
+/usr/bin/python3 workflow/check_artefacts.py "$config" "${NLG_BIN:-build/release/bin}" $prune
+# what it keeps for itself lies in the run's folder; a profile's scripts are told from here
+[ -n "$profile" ] || where+=(--directory "$run")
+rm -rf "$run/.progress"
+/usr/bin/snakemake all -s workflow/Snakefile --configfile "$config" "${where[@]}" --rerun-incomplete --nolock \
+  --log-handler-script "$PWD/workflow/run_progress.py"
 # snakemake takes it away after the last training, and forgets it where it was killed just then
-rm -f "$data/training/functions.cache"
+rm -f "$run/training/functions.cache" "$data/training/functions.cache"
 # the headline, what each generator was judged by, and the rule
 cat "$run/verdict.txt"
 echo "The report: $(realpath "$run/report.html")"

@@ -26,8 +26,9 @@ from tool.errors import UsageError, run
 
 from furniture import find_interiors
 from levels import find_levels, is_texts
+from origins import sha256_of
 from plain_yaml import ConfigurationError, parsed, read, require, require_plain, text_of
-from settings import MAX_SHARDS, OWN, REPRESENTATIONS, TOOL_ROWS, default, judged, kind_of, rows_of
+from settings import MAX_SHARDS, OWN, REPRESENTATIONS, ROOT, TOOL_ROWS, default, judged, kind_of, number_of, rows_of
 
 SECTIONS = sorted({row["section"] for row in OWN + TOOL_ROWS} - {""})
 PART_SECTIONS = sorted({*SECTIONS} - {"split"})  # which `full` may go over
@@ -102,11 +103,14 @@ class Run:
         results = environment.get("NLG_OUT") or "out"
         require("NLG_OUT", results, results.isprintable() and not set(results) & set("{}"), "a folder's name of one line without braces")
         self.folder, self.data_folder = (os.path.join(results, name) for name in (self.name, config["data"] or self.name))
+        # a basis that weights bring is not that of the run which shares its data
+        self.basis_folder = self.folder if config["init"] else self.data_folder
         self._take_effort(config)
         self._take_representations(config["representations"])
         self._take_init(config["init"])
         self._take_training()
         self._take_scenes(self.sections["scenes"], environment)
+        self._take_references(environment)
         self._take_split(config.get("split") or {})
         self._take_report(self.sections["report"])
         self._take_light(self.sections["validate_light"])
@@ -137,6 +141,15 @@ class Run:
         self.init = {name: os.path.join(os.path.abspath(folder), f"{name}.safetensors") for name in self.representations} if folder else {}
         for path in self.init.values():
             require("init", path, os.path.isfile(path), "weights of every representation")
+
+    def _take_references(self, environment):
+        """Weights that those of the run are compared with, by what they are: where there are own levels the supplied ones of the same representations
+        (or the bakes' first, where there are none of these), and those that trainings begin with."""
+        folder = environment.get("NLG_WEIGHTS") or os.path.join(ROOT, "weights")
+        supplied = [path for name in self.representations if os.path.isfile(path := os.path.join(folder, f"{name}.safetensors"))]
+        supplied = supplied or [path for path in [os.path.join(folder, "tent_mlp44.safetensors")] if os.path.isfile(path)]
+        references = {"supplied": supplied if self.own_levels else [], "init": list(self.init.values())}
+        self.references = {name: paths for name, paths in references.items() if paths}
 
     def _take_training(self):
         """Processes and threads of each training, which the workflow starts."""
@@ -175,6 +188,18 @@ class Run:
                 "some of the scenes held out, but not all; held_out names them, held_out_share draws them")
         for scene in sorted({*self.held_out} & {*self.evaluation}):
             raise ConfigurationError(f"split: {scene} is in held_out and in evaluation; a scene can be in one of them")
+        self._refuse_copies()
+
+    def _refuse_copies(self):
+        """A level of the same bytes under another name, or a link to it, is the same level; other kinds of copies nlg-train refuses."""
+        alike = {}
+        for scene, (asked, files) in self.scenes.items():
+            if asked in files:
+                alike.setdefault(os.path.getsize(asked), []).append(scene)
+        for scenes in alike.values():
+            for kept, other in itertools.product(*([scene for scene in scenes if (scene in self.training) == trained] for trained in (False, True))):
+                if sha256_of(self.scenes[kept][0]) == sha256_of(self.scenes[other][0]):
+                    raise ConfigurationError(f"split: {kept} is not to be trained on, and {other} is the same level: take one of them away, or hold out both")
 
     def _draw_held_out(self, share, seed):
         """Holds out a share of the scenes of the folder, or of all scenes where there is none; whole scenes, the same ones for the same names and
@@ -206,11 +231,8 @@ class Run:
         require("validate_light: spacings", light["spacings"], len(light["spacings"]) <= MAX_LIGHT_SPACINGS, f"at most {MAX_LIGHT_SPACINGS} distances")
         self.light_spacings = [str(value) for value in light["spacings"]]
         self.light = {key: value for key, value in light.items() if key not in ("scenes", "spacings")}
-
-    def light_files(self, name):
-        """The file that a scene of light is read from; none where it is a built-in one."""
-        scene = self.light_scenes[name]
-        return [scene] if os.path.isfile(scene) else []
+        # the file that each is read from; none where it is a built-in one
+        self.light_files = {name: [os.path.abspath(scene)] if os.path.isfile(scene) else [] for name, scene in self.light_scenes.items()}
 
     def shards(self, split):
         """Paths of the shards of a split, in the order in which the tools are given them."""
@@ -226,11 +248,12 @@ class Run:
             names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png", f"training/{name}/events.out.tfevents.0.nlg",
                       f"weights/{name}.safetensors", f"weights/{name}.json"]
         names += [f"{split}/{file}" for split in judged for file in ("summary.json", "functions.csv", "slices.json", "frontier.json")]
+        names += [f"{reference}/{file}" for reference in self.references for file in ("summary.json", "functions.csv", "slices.json")]
         names += [*([] if self.report["stability"] == "short" else ["training_cases.json"]), "stability.json"]
         names += [f"savings/{scene}.json" for scene in self.savings]
         names += [f"light/{scene}.json" for scene in self.light_scenes]
         names += [f"{split}{file}" for split in ("", *(f"{name}/" for name in judged[1:])) for file in ("report.html", "slices.png", "verdict.txt")]
-        return [f"{self.data_folder}/{name}" for name in ("dataset.json", "basis.h5", "basis.json")] + [f"{self.folder}/{name}" for name in names]
+        return [f"{self.data_folder}/dataset.json", *(f"{self.basis_folder}/{name}" for name in ("basis.h5", "basis.json")), *(f"{self.folder}/{name}" for name in names)]
 
     def picture_folders(self):
         """Folders that a rule makes with whatever is in them → the file that it makes last."""
@@ -241,9 +264,16 @@ class Run:
         names = ["datagen", "pca", "cache", "train", "export", "validate"]
         return [f"nlg-{name}" for name in names + ["bake"] * bool(self.report["savings"])]
 
-    def section(self, name):
-        """A tool's options as text: a change of them re-runs the rule."""
-        return json.dumps(self.sections[name], sort_keys=True)
+    def asked(self, name, own=None, without=("threads", "processes")):
+        """A tool's options as text, those that nobody names among them: a change of it re-makes what the tool makes.
+
+        own       what a scene or a representation has for itself
+        without   options that change no result
+        """
+        rows = {row["name"]: row for row in rows_of(name)}
+        values = {**{key: row.get("default") for key, row in rows.items()}, **self.sections[name], **(own or {})}
+        return json.dumps({key: number_of(value, float) if kind_of(rows[key]) in ("integer", "number") else value
+                           for key, value in values.items() if key not in without}, sort_keys=True)
 
     def flags_over(self, name, own=None):
         """Flags over a tool's section of the file: what the effort sets, and over it what a scene or a representation has for itself."""
@@ -279,7 +309,7 @@ def load(path):
 
 
 def of_snakemake(config, path):
-    """The run of a file that Snakemake was given, by --configfile or --config file=FILE.
+    """The run of a file that Snakemake was given, by --configfile or --config file=FILE; its folders as absolute paths.
 
     config   what Snakemake took for the configuration: anything in it that the file does not hold would not reach the tools, which read the file
     """
@@ -287,7 +317,7 @@ def of_snakemake(config, path):
     for key in sorted(set(config) - {"file"}, key=str):
         if not isinstance(content, dict) or key not in content or content[key] != config[key]:
             raise ConfigurationError(f"--config: only file=FILE can be combined with --configfile, got {key!r}")
-    return judge(content, path)
+    return judge(content, path, {**os.environ, "NLG_OUT": os.path.abspath(os.environ.get("NLG_OUT") or "out")})
 
 
 def changed(content, levels, values):

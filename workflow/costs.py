@@ -91,6 +91,9 @@ class Costs:
             stages.append(Stage(f"train {name}", "train", 1, self.train(name), processes * min(threads, 2)))
         stages += [Stage("export", "export", len(run.representations), EXPORT_S * len(run.representations), 1),
                    Stage("validate", "validate", 1, self.validate("held_out"), cores)]
+        if run.references:
+            stages += [Stage("other weights", "references", len(run.references), sum(
+                WITH_THETA * of(POLICY_S, name) * self.functions["held_out"] for name in run.representations for _ in run.references), cores)]
         stages += [Stage("evaluate", "evaluate", 1, self.validate("evaluation"), cores)] * bool(run.evaluation)
         stages += [Stage("frontier", "frontier", judged, self.frontier("held_out") + self.frontier("evaluation") * bool(run.evaluation), 1)]
         stages += [Stage("training cases", "training_cases", 1, TRAINING_CASES_S, 1)] * (run.report["stability"] != "short")

@@ -1,8 +1,8 @@
 # What every stage of the workflow finds in its environment; sourced before each of them. The settings of the libraries' threads and
 # memory cost a factor of two when they are wrong.
 
-# several tools share one terminal: run_progress.py says how far the run is
-export NLG_PROGRESS=off
+# several tools share one terminal: the Snakefile names a folder for their lines, and run_progress.py shows them
+export NLG_PROGRESS=${NLG_PROGRESS:-off}
 # stages bring their own parallelism: one BLAS thread each; OpenMP threads, where a library makes some, sleep while they wait
 export OPENBLAS_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 # OpenBLAS 0.3.21 takes newer AVX-512 processors for Haswell and halves sgemm

@@ -1,15 +1,17 @@
 """How far a run of the workflow is: snakemake's log handler (--log-handler-script), in place of what it prints itself.
 
-In a terminal one line that rewrites itself: jobs done of all, what is at work, time left. Every stage that is over leaves one line
-with its time, and so it does where stderr is a file or a pipe. Errors and warnings of snakemake are printed as they are.
+In a terminal one line that rewrites itself: jobs done of all, what is at work and how far its tools are, time left. Where stderr is a file or
+a pipe it comes once a minute. Every stage that is over leaves one line with its time. Errors and warnings of snakemake are printed as they are.
 
-NLG_PLAN names the run's plan (plan.py), by which jobs are weighed until one of their rule has shown what it takes here; NLG_TIMES the file
-in which the times of jobs are noted, for the report.
+NLG_PLAN names the run's plan (plan.py), by which jobs are weighed until one of their rule has shown what it takes here; beside it lies the
+folder .progress, in which tools say how far they are (tool/progress.h). NLG_TIMES names the file in which the times of jobs are noted, for the
+report.
 """
 import json
 import os
 import re
 import shutil
+import signal
 import sys
 import threading
 import time
@@ -21,6 +23,7 @@ from tool.duration import duration
 from tool.errors import OutputError
 
 TYPICAL_S = 10  # of a job that no plan speaks of
+OVERRUN = 1.5    # times what was planned
 
 
 def read_json(path):
@@ -69,10 +72,10 @@ class RunProgress:
 
     write      where text goes; is_terminal: whether a line can rewrite itself there
     now        the clock, in seconds
-    plan       what plan.py wrote; times: where times are noted
+    plan       what plan.py wrote; times: where times are noted; folder: where tools say how far they are
     """
 
-    def __init__(self, write, is_terminal, now=time.time, cores=os.cpu_count() or 1, plan=None, times=""):
+    def __init__(self, write, is_terminal, now=time.time, cores=os.cpu_count() or 1, plan=None, times="", folder=""):
         self.write, self.is_terminal, self.now, self.cores = write, is_terminal, now, cores
         self.lock = threading.Lock()
         self.started_s = now()
@@ -85,6 +88,8 @@ class RunProgress:
         self.has_line = False
         self.typical_s = seconds_of_jobs(plan or {})
         self.times = Times(times, plan or {})
+        self.folder, self.planned_s = folder, (plan or {}).get("clock_s")
+        self.is_stopped = False  # by Ctrl-C: what then fails says nothing
 
     def take(self, event):
         with self.lock:
@@ -95,7 +100,14 @@ class RunProgress:
 
     def tick(self):
         with self.lock:
-            self._draw()
+            left = self.left_s()
+            if left is not None and self.planned_s and self.now() - self.started_s + left > OVERRUN * self.planned_s:
+                self._print(f"{duration(self.planned_s)} were planned; it will be about {duration(self.now() - self.started_s + left)}")
+                self.planned_s = None
+            if self.is_terminal:
+                self._draw()
+            else:
+                self._print(self.line())
 
     def _take_run_info(self, event):
         # snakemake's table of rules and their jobs; it comes again when jobs were added
@@ -123,7 +135,7 @@ class RunProgress:
 
     def _take_job_error(self, event):
         self.running.pop(event["jobid"], None)
-        self._print(f"{self._count()} {event['name']} failed: {', '.join(event.get('output') or [])}; its own line stands above")
+        self._print(f"{self._count()} {event['name']} failed: {', '.join(event.get('output') or [])}; what its tool said stands above")
 
     def _take_group_error(self, event):
         # many shards in one job of a batch system: what was wrong with it, its status command said
@@ -131,7 +143,7 @@ class RunProgress:
         for job in jobs:
             self.running.pop(job["jobid"], None)
         rules = ", ".join(sorted({job["name"] for job in jobs}))
-        self._print(f"{self._count()} {rules} failed: a job that made {len(jobs)} of them; its own line stands above")
+        self._print(f"{self._count()} {rules} failed: a job that made {len(jobs)} of them; what its tool said stands above")
 
     def _take_info(self, event):
         # all else that snakemake says at this level is about itself
@@ -170,7 +182,17 @@ class RunProgress:
         at_work = ", ".join(f"{rule} {of}".strip() for rule, of, _ in self.running.values()) or "waiting"
         left = self.left_s()
         ending = f", about {duration(left)} left" if left is not None else ""
-        return f"{self._count()} {duration(self.now() - self.started_s)}{ending}: {at_work}"
+        tools = "".join(f"; {text}" for text in self.tools())
+        return f"{self._count()} {duration(self.now() - self.started_s)}{ending}: {at_work}{tools}"
+
+    def tools(self):
+        """What the tools at work say of themselves; one that ends takes its line with it."""
+        for name in sorted(os.listdir(self.folder)) if os.path.isdir(self.folder) else ():
+            try:
+                with open(os.path.join(self.folder, name)) as file:
+                    yield file.read().strip()
+            except OSError:
+                pass
 
     def _draw(self):
         if not self.is_terminal or not self.planned:
@@ -180,6 +202,8 @@ class RunProgress:
         self.has_line = True
 
     def _print(self, text):
+        if self.is_stopped:
+            return
         self.write(("\r\033[K" if self.has_line else "") + text + "\n")
         self.has_line = False
 
@@ -189,7 +213,8 @@ def write_stderr(text):
     sys.stderr.flush()
 
 
-progress = RunProgress(write_stderr, sys.stderr.isatty(), plan=read_json(os.environ.get("NLG_PLAN")), times=os.environ.get("NLG_TIMES", ""))
+NLG_PLAN = os.environ.get("NLG_PLAN", "")
+progress = RunProgress(write_stderr, sys.stderr.isatty(), plan=read_json(NLG_PLAN), times=os.environ.get("NLG_TIMES", ""), folder=os.path.join(os.path.dirname(NLG_PLAN), ".progress") if NLG_PLAN else "")
 # snakemake would print its own lines beside ours; its --quiet would keep the ends of jobs from us as well
 if "snakemake.logging" in sys.modules:
     sys.modules["snakemake.logging"].logger.log_handler.clear()
@@ -197,12 +222,22 @@ if "snakemake.logging" in sys.modules:
 
 def log_handler(event):
     """What snakemake calls with every event."""
-    if event["level"] == "run_info" and progress.is_terminal and not progress.planned:
+    if event["level"] == "run_info" and not progress.planned:
         threading.Thread(target=keep_time, daemon=True).start()
     progress.take(event)
 
 
 def keep_time():
     while True:
-        time.sleep(1)
+        time.sleep(1 if progress.is_terminal else 60)
         progress.tick()
+
+
+def stop(number, frame):
+    """Ctrl-C: pipeline.sh says it; what its end makes of the jobs at work is no failure."""
+    progress.is_stopped = True
+    raise KeyboardInterrupt
+
+
+if "snakemake.logging" in sys.modules and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    signal.signal(signal.SIGINT, stop)

@@ -44,7 +44,7 @@ OWN = [
     own("", "full", "map", "options of other sections, for `effort: full`. The report of a short run says what it leaves out", default={}),
     own("", "representations", "any", "representations that get a generator ([names](formats.md#all-files)): a list, or a map from each to its own options of the section `train`"),
     own("", "init", "text", "folder of weights, `REPRESENTATION.safetensors`, from which training starts. Their basis and shape override the options of `train`", default=""),
-    own("", "data", "text", "name of another run whose data set, basis and function cache are used, and made if they are missing. `scenes`, `split`, `datagen` and `basis` must be equal in both", default=""),
+    own("", "data", "text", "name of another run whose data set, basis and function cache are used, and made if they are missing; what lies there is never replaced. `scenes`, `split`, `datagen` and `basis` must be equal in both. With `init` the run has its own basis and cache", default=""),
     own("scenes", "families", "texts", "families of procedural scenes. A scene is named `FAMILY_SEED`", one_of=FAMILIES),
     own("scenes", "per_family", "integer", "number of scenes of each family, with seeds from 0 to `per_family` − 1", min=0, max=MAX_SHARDS),
     own("scenes", "folder", "text", "folder of [scenes](../guide/scenes.md): its `.glb`, `.gltf` and `.obj` files and the maps of its `.pk3` archives. `./pipeline.sh FOLDER` sets it", default=""),

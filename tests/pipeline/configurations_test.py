@@ -63,9 +63,15 @@ def check_refused(tools):
     """pipeline.sh's judgement, which is Snakemake's too: one line that holds the words."""
     os.mkdir("bad_game")
     write("bad_game/a.pk3", "no archive")
+    os.mkdir("copies")
+    for name, text in (("a", "v 0 0 0"), ("b", "v 0 0 1"), ("backup", "v 0 0 0")):
+        write(f"copies/{name}.obj", text)
+    os.symlink("b.obj", "copies/linked.obj")
+    copies = BASIS.replace("''", os.path.abspath("copies"))
     shop, own = "archives: [/homes/Big Shop.sh3f]", BASIS.replace("''", os.path.abspath("homes"))
     furniture, archives = (lambda text, key=key: f"{BASIS}, {key}: [{text}]" for key in ("furniture", "archives"))
     for scenes, split, more, words in [
+            (copies, "held_out: [a]", "", "a is not to be trained on, and backup is the same level"), (copies, HELD_OUT + ", evaluation: [b]", "", "b is not to be trained on, and linked is the same level"),
             *((BASIS, HELD_OUT, more, words) for more, words in [
                 ("effort: half", "one of short, full, got 'half'"), ("full: {train: {Steps: 1}}", "unknown key 'Steps' (did you mean 'steps'?)"), ("train: [steps]", "a map of settings"),
                 ("bake: {spacing_m: -1}", "bake: spacing_m: expected a number from 0 to 100000, got -1"), ("frontier: {corrected_lm_steps: 8}", "a list, got 8"), ("colour: red", "unknown key 'colour'"),

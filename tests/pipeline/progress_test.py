@@ -48,7 +48,7 @@ class Progress(unittest.TestCase):
             run.works(job, "datagen", 40, scene=f"house_{job}")
         run.begins(3, "train", representation="mlp")
         run.progress.take({"level": "job_error", "jobid": 3, "name": "train", "output": ["mlp.ckpt"]})
-        self.assertEqual(run.text.splitlines(), ["[3/4] datagen: 3 jobs, 2 min 00 s", "[3/4] train failed: mlp.ckpt; its own line stands above"])
+        self.assertEqual(run.text.splitlines(), ["[3/4] datagen: 3 jobs, 2 min 00 s", "[3/4] train failed: mlp.ckpt; what its tool said stands above"])
 
     def test_a_group_that_failed_is_no_longer_at_work(self):
         run = Run()

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "runtime_eval/evaluator/kernel_shape.h"
 #include "tool/error.h"
 #include "tool/progress.h"
@@ -303,7 +305,10 @@ TrainReport train(const TrainOptions& options, const Representation& representat
     noteLoss(state, result.loss);
     mean.add(result.loss);
     training_s += secondsSince(apply_start);
-    progress.update(state->step, "loss " + std::to_string(mean.value()));
+    if (progress.due()) {
+      const double rate = scheduledRate(options, *state, state->step - 1);
+      progress.update(state->step, fmt::format("loss {:.4g}, learning rate {:.2g}", mean.value(), rate));
+    }
     // good states between checkpoints keep the way back short
     const bool at_checkpoint = state->step % checkpoint_steps == 0 || state->step == options.steps;
     if (!at_checkpoint && state->step % kStepsBetweenGoodStates != 0) continue;
