@@ -23,7 +23,7 @@ refuse() {
   exit 2
 }
 
-plan='' profile='' prune='' changes=() sets=()
+plan='' profile='' prune='' changes=() sets=() names=()
 while [ $# -gt 0 ]; do
   case $1 in
     -h | --help) sed -n '2,18s/^# \{0,1\}//p' "$0"; exit 0 ;;
@@ -49,10 +49,11 @@ while [ $# -gt 0 ]; do
       ;;
     --) shift; break ;;
     -*) refuse "unknown option $1" ;;
-    *) break ;;
+    *) names+=("$1"); shift ;;
   esac
 done
-[ $# -le 2 ] || refuse "expected at most a configuration and a folder of levels, got $# arguments; options come before them"
+set -- "${names[@]}" "$@"
+[ $# -le 2 ] || refuse "expected at most a configuration and a folder of levels, got $# arguments"
 [ -n "${1-pipeline.yaml}" ] || refuse "expected a configuration, got an empty name"
 [ ! -d "${1:-}" ] || set -- "$(dirname "$0")/configs/levels.yaml" "$@"
 [ $# -le 2 ] || refuse "expected at most a configuration and a folder of levels, got two folders"

@@ -375,6 +375,21 @@ def content_of(arguments):
     return changed(content, arguments.levels, arguments.set) if arguments.levels or arguments.set else content
 
 
+def judge_arguments(arguments, content):
+    """The run; what is wrong with --set alone is told of it, not of the file."""
+    try:
+        return judge(content, arguments.config)
+    except ConfigurationError:
+        try:
+            judge(changed(read(arguments.config), arguments.levels, []), arguments.config)
+        except ConfigurationError:
+            pass  # the file is to blame
+        else:
+            for text in arguments.set:
+                judge(changed(read(arguments.config), arguments.levels, [text]), f"--set {text}")
+        raise
+
+
 def swept(content):
     """Keys that hold a list where one value is meant → these values. A text such as 4000,8000 in place of a number is a list, too. What makes
     the data has one value: runs are compared on the same functions."""
@@ -430,7 +445,7 @@ def main():
         for folder, settings in sweep(content, arguments.config):
             print(folder, *(f"--set={setting}" for setting in settings), sep="\t")
         return
-    run_of_file = judge(content, arguments.config)
+    run_of_file = judge_arguments(arguments, content)
     is_changed = bool(arguments.levels or arguments.set)
     path = os.path.join(run_of_file.folder, "configuration.yaml") if is_changed else arguments.config
     if arguments.write and is_changed:

@@ -21,6 +21,7 @@ from tool.input_file import as_documented, read_bytes
 from tool.regular_file import regular
 
 FOLDER = ".origins"
+CHECKOUT = ("workflow", "validate", "tool", "weights")  # folders of it that stages read
 NONE, CHANGED = "none", "changed while it was read"
 
 
@@ -89,6 +90,7 @@ class Origins:
         self.folders, self.root, self.no_inputs, self.tools = [os.path.abspath(folder) for folder in folders], root, [*no_inputs, tools], tools
         self.began = {}  # first output → (when in ns, origin): of the jobs at work
         self.why = {}    # rule → reason → how many jobs are done again for it
+        self.known = {}  # file → its record: a shard's is asked for by many stages
 
     @functools.cached_property
     def revision(self):
@@ -97,21 +99,27 @@ class Origins:
     def folder_of(self, path):
         return next((folder for folder in self.folders if is_inside(path, folder)), None)
 
+    def _record(self, path):
+        if path not in self.known:
+            self.known[path] = read_record(self.folder_of(path), path)
+        return self.known[path]
+
     def _digest(self, path):
         """Of a file of the run by its record, with which check_artefacts.py has compared it."""
-        folder = self.folder_of(path)
-        known = folder and os.path.lexists(path) and read_record(folder, path).get("sha256")
+        known = self.folder_of(path) and os.path.lexists(path) and self._record(path).get("sha256")
         return known or digest_of(path)
 
+    def _home(self, path):
+        """The folder that a file's name is told from, because it may lie anywhere: of the run, or the checkout's; None: neither."""
+        in_checkout = any(is_inside(path, os.path.join(self.root, name)) for name in CHECKOUT)
+        return self.folder_of(path) or (self.root if in_checkout else None)
+
     def _base(self, job):
-        """The folder of the level, or of the weights, that a job is about: names of files are told from there."""
-        own = [os.path.dirname(path) for path in map(os.path.abspath, job.input) if not self.folder_of(path) and not is_inside(path, self.root)]
-        return own[0] if own else self.root
+        """The folder of the level, or of the weights, that a job is about: names of other files are told from there."""
+        return next((os.path.dirname(path) for path in map(os.path.abspath, job.input) if not self._home(path)), self.root)
 
     def _name(self, path, job):
-        folder = self.folder_of(path)
-        # of the run's two folders, which may be one
-        return os.path.relpath(path, folder or self._base(job))
+        return os.path.relpath(path, self._home(path) or self._base(job))
 
     def _origin(self, job):
         # what is only there for a while stands for inputs that the job has as well
@@ -126,7 +134,7 @@ class Origins:
             return ""  # made when it is asked for
         origin = self._origin(job)
         for path in (path for path, output in zip(outputs, job.output) if output not in job.temp_output or len(outputs) == 1):
-            record = read_record(self.folder_of(path), path)
+            record = self._record(path)
             if not os.path.lexists(path):
                 return "missing"
             if not record:
@@ -157,7 +165,9 @@ class Origins:
         return [f"{rule}: {count} made again: {reason}" for rule, reasons in self.why.items() for reason, count in reasons.items()]
 
     def started(self, job):
-        self.began.setdefault(job.output[0], (time.time_ns(), self._origin(job)))
+        # a batch system's job is told of twice: when it is sent, and when it has its number there
+        if job.output[0] not in self.began:
+            self.began[job.output[0]] = (time.time_ns(), self._origin(job))
 
     def _files(self, job, since_ns):
         """Digests of what a tool has read beside the inputs, by name. One that was changed meanwhile is like no other."""
@@ -171,7 +181,7 @@ class Origins:
             if self.folder_of(path) or os.path.isdir(path) or any(is_inside(path, place) for place in self.no_inputs):
                 continue
             is_old = not os.path.lexists(path) or os.stat(path).st_ctime_ns < since_ns
-            found[self._name(path, job)] = digest_of(path) if is_old else CHANGED
+            found[os.path.relpath(path, self._base(job))] = digest_of(path) if is_old else CHANGED
         return found
 
     def finished(self, job):
@@ -179,13 +189,11 @@ class Origins:
         try:
             record = {**(origin or self._origin(job)), "files": self._files(job, since_ns), "tools": self.revision}
             for path in map(os.path.abspath, job.output):
-                self.write(path, {"sha256": digest_of(path), **record})
+                self.known[path] = {"sha256": digest_of(path), **record}
+                write_atomically(record_path(self.folder_of(path), path), json.dumps(self.known[path], sort_keys=True).encode())
         except (OSError, OutputError) as error:
             # the files themselves are there; they are made again
             print(f"{', '.join(job.output)}: what it was made of is not recorded: {error}", file=sys.stderr)
-
-    def write(self, path, record):
-        write_atomically(record_path(self.folder_of(path), path), json.dumps(record, sort_keys=True).encode())
 
 
 def install(workflow, persistence, io, folder, origins):
@@ -205,7 +213,8 @@ def install(workflow, persistence, io, folder, origins):
 
         def started(self, job, external_jobid=None):
             super().started(job, external_jobid)
-            if origins and job.output:
+            # of a group its jobs are told one by one
+            if origins and not job.is_group() and job.output:
                 origins.started(job)
 
         def finished(self, job, keep_metadata=True):

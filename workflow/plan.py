@@ -94,7 +94,8 @@ def plan(arguments, content, of_run):
         own = [(of_shard, weight) for of_shard, (of_split, _, weight) in zip(plans, sample) if of_split == split]
         total = {name: sum(weight * of_shard[key] for of_shard, weight in own)
                  for name, key in (("probes", "visited_probes"), ("functions", "functions"), ("core_s", "core_seconds"), ("bytes", "bytes"))}
-        splits[split] = {"scenes": len(getattr(of_run, split)), "shards": len(of_run.shards(split)), **total}
+        of_levels = sum(weight * of_shard["functions"] for of_shard, (of_split, scene, weight) in zip(plans, sample) if of_split == split and scene in of_run.own_levels)
+        splits[split] = {"scenes": len(getattr(of_run, split)), "shards": len(of_run.shards(split)), **total, "own_functions": of_levels}
     costs = Costs(of_run, {split: data["functions"] for split, data in splits.items()})
     stages = costs.stages(cores, sum(data["core_s"] for data in splits.values()))
     return {"schema_version": 1, "configuration": digest_of(content), "cores": cores, "clock_s": by_the_clock(stages, cores),
@@ -122,6 +123,8 @@ def text(found, of_run):
         yield f"  {WORD_OF[split]:19} {len(names)} scenes, {data['shards']} shards, about {data['probes']:,.0f} probes, {data['functions']:,.0f} functions"
         if split != "training":
             yield f"  {'':19} {configuration.listed(names)}"
+        elif 0 < data["own_functions"] < data["functions"]:
+            yield f"  {'':19} {100 * data['own_functions'] / data['functions']:.0f} % of the functions are of your levels, the others of made scenes (scenes.per_family)"
     cache_bytes = found["splits"]["training"]["functions"] * 11e3
     yield f"  disk                {sum(data['bytes'] for data in found['splits'].values()) / 1e6:,.0f} MB; while it trains {cache_bytes / 1e6:,.0f} MB more"
     yield f"\n{'stage':28}{'one core':>12}"

@@ -5,6 +5,7 @@
 """
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -39,10 +40,11 @@ def main():
             return done
 
         refused = run(*pipeline, "--set", "split.held_out=[room1, room7]", str(levels), code=2).stderr
-        assert "room7" in refused and "room0, room1" in refused, refused
+        assert "room7" in refused and "room0, room1" in refused and refused.split(": ")[2].startswith("--set"), refused
         overruled = run(*pipeline, "--set", "representations={tent_mlp4: {steps: 7}}", "--set", "train.steps=9", str(levels), code=2).stderr
         assert "representations.tent_mlp4.steps" in overruled, overruled
-        plan = run(*pipeline, "--plan", str(levels)).stdout
+        plan = run(*pipeline, str(levels), "--plan").stdout
+        assert re.search(r" [1-9]\d % of the functions are of your levels", plan), plan
         for words in ("six_rooms", "held out", "data set", "basis", "train tent_mlp4", "validate", "frontier", "report", "functions"):
             assert words in plan, f"the plan lacks '{words}':\n{plan}"
         assert not (folder / "out/six_rooms/dataset").exists(), "a plan that makes data"

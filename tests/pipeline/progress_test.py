@@ -20,13 +20,13 @@ datagen         3              1              1
 train           1              2              2
 total           5              1              2
 """
-PLAN = {"configuration": "c", "stages": [{"name": "data set", "rule": "datagen", "jobs": 3, "core_s": 6.0, "cores": 1}, {"name": "train mlp", "rule": "train", "jobs": 1, "core_s": 100.0, "cores": 2}]}
+PLAN = {"configuration": "c", "clock_s": 60, "stages": [{"name": "data set", "rule": "datagen", "jobs": 3, "core_s": 6.0, "cores": 1}, {"name": "train mlp", "rule": "train", "jobs": 1, "core_s": 100.0, "cores": 2}]}
 
 
 class Run:
-    def __init__(self, is_terminal=False, times=""):
+    def __init__(self, is_terminal=False, times="", folder=""):
         self.text, self.time_s = "", 100.0
-        self.progress = RunProgress(self._write, is_terminal, lambda: self.time_s, cores=2, plan=PLAN, times=times)
+        self.progress = RunProgress(self._write, is_terminal, lambda: self.time_s, cores=2, plan=PLAN, times=times, folder=folder)
         self.progress.take({"level": "run_info", "msg": STATS})
 
     def _write(self, text):
@@ -57,6 +57,26 @@ class Progress(unittest.TestCase):
         run.progress.take({"level": "group_error", "groupid": "shards", "job_error_info": [{"name": "datagen", "jobid": job} for job in range(3)]})
         self.assertIn("datagen failed", run.text)
         self.assertFalse(run.progress.running)
+
+    def test_a_log_hears_how_far_tools_are_and_that_a_plan_is_overrun_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = Run(folder=folder)
+            run.works(0, "datagen", 40, scene="house_0")
+            run.begins(3, "train", representation="mlp")
+            with open(os.path.join(folder, "nlg-train.7"), "w") as file:
+                file.write("nlg-train: steps: 3 of 9\n")
+            for _ in range(2):
+                run.progress.tick()
+        lines = run.text.splitlines()
+        self.assertEqual(sum("were planned; it will be about" in line for line in lines), 1)
+        self.assertEqual([line for line in lines if "train mlp; nlg-train: steps: 3 of 9" in line], [lines[-2], lines[-1]])
+
+    def test_what_fails_after_ctrl_c_says_nothing(self):
+        run = Run()
+        run.begins(3, "train", representation="mlp")
+        run.progress.is_stopped = True
+        run.progress.take({"level": "job_error", "jobid": 3, "name": "train", "output": ["mlp.ckpt"]})
+        self.assertEqual(run.text, "")
 
     def test_the_time_left_follows_what_jobs_took(self):
         run = Run(is_terminal=True)
