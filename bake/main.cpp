@@ -38,7 +38,7 @@ struct Request {
   std::string scene, out, config, json;
   std::string inputs;   // a file to name all others in that were read
   std::string relit;    // a grid whose light is made anew; empty: everything is
-  std::string kept;     // a file of what functions took, read and written; empty: none is
+  std::string kept;     // a file of theta, read and written; empty: none is
   std::string checked;  // a grid that is only asked whether it is what would be baked
   std::vector<std::string> weights;
   bool out_is_given = false, is_verbose = false;
@@ -258,11 +258,11 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   std::map<std::string, std::string> weights_sha256;
   for (const WeightsUsed& used : weights) weights_sha256[kWeightsRole + used.representation] = used.sha256;
 
-  // kept functions hold for the same options but those of light, the same weights and the same program
+  // kept theta hold for the same options but those of light, the same weights and the same program
   const int threads = threadsOf(options);
   const bool is_keeping = !request.kept.empty();
   nlohmann::ordered_json origin;
-  KeptProbes kept;
+  KeptThetas kept;
   std::string told;
   if (is_keeping) {
     origin = functionOrigin(table, weights_sha256);
@@ -280,7 +280,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   const GridMetadata metadata = bakeMetadata(scene, bakedOptions(table), weights_sha256);
   Bake bake = bakeScene(scene, generators, options, temporaryFolder(), metadata, is_keeping ? &kept : nullptr);
 
-  // the grid first: kept functions are of use to the next bake alone
+  // the grid first: kept theta are of use to the next bake alone
   const std::string bytes = fileBytes(bake.grid, options, metadata);
   writeFileAtomically(request.out, bytes);
   if (is_keeping) writeFileAtomically(request.kept, keptBytes(kept, origin));
@@ -369,7 +369,7 @@ int main(int argc, char** argv) {
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own weights; the scene comes first, because --weights takes "
       "several files.\n"
       "nlg-bake SCENE --relight GRID: computes only the light of a baked grid again.\n"
-      "nlg-bake SCENE --keep FILE: incremental; computes only functions that a change affects.\n"
+      "nlg-bake SCENE --keep FILE: incremental; fits only functions that a change affects.\n"
       "nlg-bake SCENE --check GRID: whether a grid is up to date.\n"
       "nlg-bake info GRID ...: verifies and describes light grids.\n"
       "nlg-bake probes GRID: prints the probes of a grid as a table.",
@@ -392,7 +392,7 @@ int main(int argc, char** argv) {
                  "computed again");
   app.add_option("--keep", request.kept,
                  "file of the incremental bake, read and rewritten by every bake: only functions that a change of the level "
-                 "affects are computed again. The grid equals that of a whole bake, byte for byte");
+                 "affects are fitted again. The grid equals that of a whole bake, byte for byte");
   app.add_option("--check", request.checked,
                  "light grid to compare with what this command would bake; nothing is baked. Exit code 6 if it is out of date, "
                  "with what has changed");

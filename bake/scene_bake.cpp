@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <optional>
-#include <unordered_map>
 
 #include "runtime_eval/policy/refinement.h"
 #include "tool/parallel_for.h"
@@ -34,7 +32,7 @@ struct FunctionInWork {
 class Baking {
  public:
   Baking(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-         const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept)
+         const std::string& spool_folder, const GridMetadata& metadata, KeptThetas* kept)
       : scene_(scene),
         generators_(generators),
         options_(options),
@@ -42,7 +40,6 @@ class Baking {
         functions_(scene, options, thread_count_, spool_folder),
         metadata_(metadata),
         kept_(kept) {
-    if (kept_ != nullptr) functions_.keep(known_.emplace(*kept_));
     std::vector<const Generator*> pointers;
     for (const Generator& generator : generators_) pointers.push_back(&generator);
     for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(pointers, options_.policy));
@@ -72,28 +69,30 @@ class Baking {
 
  private:
   std::function<void()> makeTheta(const FunctionRows& chunk, ThetaPolicy& policy) {
-    std::vector<KeptKey> keys;
-    std::vector<std::shared_ptr<KeptFunction>> known(chunk.functionCount());  // null: to be made
+    std::vector<FunctionInWork> work(chunk.functionCount());
     std::vector<StoredFunction> functions;
-    for (uint64_t n = 0; n < chunk.functionCount(); ++n) {
-      // functions with the same samples as before keep their theta
+    for (uint64_t n = 0; n < work.size(); ++n) {
       const StoredFunction function = storedFunction(chunk, n);
-      if (known_) known[n] = known_->findFunction(keys.emplace_back(keyOf(function)));
-      if (known[n] && !known[n]->theta) known[n].reset();
-      if (!known[n]) functions.push_back(function);
+      // functions with the same samples as before keep their theta
+      if (kept_ == nullptr || !takeKept(keyOf(function), &work[n])) functions.push_back(function);
     }
     std::vector<MadeTheta> made(functions.size());
     if (!made.empty()) policy.make(functions.data(), static_cast<int>(functions.size()), made.data());
-    return [this, keys = std::move(keys), known = std::move(known), made = std::move(made)] {
-      auto next = made.begin();
-      for (size_t n = 0; n < known.size(); ++n) {
-        FunctionInWork& function = in_work_.emplace_back();
-        function.is_final = known[n] != nullptr;
-        function.made = function.is_final ? known[n]->theta->made : *next++;
-        function.chosen_first = function.is_final ? known[n]->theta->chosen_first : function.made.generator;
-        if (!keys.empty()) function.key = keys[n];
-      }
-    };
+    auto next = made.begin();
+    for (FunctionInWork& function : work) {
+      if (function.is_final) continue;
+      function.made = std::move(*next++);
+      function.chosen_first = function.made.generator;
+    }
+    return [this, work = std::move(work)] { in_work_.insert(in_work_.end(), work.begin(), work.end()); };
+  }
+
+  bool takeKept(const KeptKey& key, FunctionInWork* function) const {
+    function->key = key;
+    const auto known = kept_->find(key);
+    function->is_final = known != kept_->end();
+    if (function->is_final) function->made = known->second.made, function->chosen_first = known->second.chosen_first;
+    return function->is_final;
   }
 
   // Worst first, so that a limit of time leaves the least trouble behind; without one the order changes nothing.
@@ -149,20 +148,13 @@ class Baking {
   }
 
   void keepAll() {
-    KeptProbes probes = functions_.takeKept();
-    known_.reset();
-    std::unordered_map<KeptKey, KeptFunction*, KeptKeyHash> functions;
-    for (const KeptProbe& probe : probes) {
-      if (probe.function) functions[probe.function->key] = probe.function.get();
-    }
+    kept_->clear();
     for (const FunctionInWork& function : in_work_) {
-      if (function.is_final) continue;
-      KeptTheta& theta = functions.at(function.key)->theta.emplace(KeptTheta{function.made, function.chosen_first});
+      KeptTheta& theta = (*kept_)[function.key] = {function.made, function.chosen_first};
       // times are of the bake that made it, and would make equal files differ
       theta.made.record.word_us = {};
       theta.made.record.stage_us = {};
     }
-    *kept_ = std::move(probes);
   }
 
   LightGrid makeGrid() {
@@ -190,8 +182,7 @@ class Baking {
   const GridMetadata& metadata_;
   std::vector<std::unique_ptr<BakeThread>> threads_;
   std::vector<FunctionInWork> in_work_;
-  KeptProbes* kept_;
-  std::optional<KeptIndex> known_;  // of kept_, where somebody asks
+  KeptThetas* kept_;
   BakeStatistics statistics_;
 };
 
@@ -245,7 +236,7 @@ std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
 }
 
 Bake bakeScene(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const GridMetadata& metadata, KeptProbes* kept) {
+               const std::string& spool_folder, const GridMetadata& metadata, KeptThetas* kept) {
   return Baking(scene, generators, options, spool_folder, metadata, kept).run();
 }
 

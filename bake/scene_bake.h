@@ -39,7 +39,7 @@ struct BakeStatistics {
   uint64_t left_for_time = 0;      // functions that failed the check and were not refined: refine_seconds were over
   TentCounts bare_tents;           // functions without theta: not in the list below
   std::vector<FunctionOutcome> functions;
-  bool is_keeping = false;   // whether functions of an earlier bake were taken where they are known again
+  bool is_keeping = false;   // whether theta of an earlier bake were taken where their functions are known again
   uint64_t kept_thetas = 0;  // functions whose theta is of one
   BlendErrors blend;         // of the grid as it is
 
@@ -63,10 +63,10 @@ struct Bake {
 
 // generators   one a representation, by rising D; at least one
 // metadata     that the file is going to have: max_bytes counts it
-// kept         what an earlier bake kept with these generators and settings of functions, perhaps nothing; then what this one keeps.
+// kept         theta that an earlier bake made with these generators and settings of functions, perhaps none; then those of this one.
 //              The grid is the same with and without. Null: nobody asks. refine_seconds must be 0
 // throws       as SceneFunctions does
 Bake bakeScene(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const GridMetadata& metadata = {}, KeptProbes* kept = nullptr);
+               const std::string& spool_folder, const GridMetadata& metadata = {}, KeptThetas* kept = nullptr);
 
 }  // namespace nlg

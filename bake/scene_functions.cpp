@@ -6,7 +6,6 @@
 #include "bake/blend_error.h"
 #include "runtime_eval/evaluator/generator/projection.h"
 #include "runtime_eval/support/weighting_function.h"
-#include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 
@@ -32,7 +31,6 @@ struct SceneFunctions::ThreadState {
   GeneratedFunction function;
   FunctionChecker checker;
   FunctionTimes times;
-  std::vector<uint8_t> samples;
 };
 
 SceneFunctions::SceneFunctions(const PreparedScene& scene, const BakeOptions& options, int thread_count,
@@ -57,10 +55,6 @@ FunctionTimes SceneFunctions::times() const {
     times.in_solid_s += thread->times.in_solid_s;
     times.triangles += thread->times.triangles;
     times.cavity_probes += thread->times.cavity_probes;
-    times.seen_probes += thread->times.seen_probes;
-    times.kept_probes += thread->times.kept_probes;
-    times.kept_functions += thread->times.kept_functions;
-    times.kept_s += thread->times.kept_s;
     times.link_tests += thread->builder.visibility().packetTestCount();
   }
   times.duplicates_s = collector_.seconds();
@@ -78,7 +72,6 @@ struct SceneFunctions::PlacedProbe {
 // What a probe comes to that was begun: visibility, then the function where there is one.
 ProbeOutcome SceneFunctions::seeAndGenerate(const PlacedProbe& probe, ThreadState& state) const {
   FunctionTimes& times = state.times;
-  times.seen_probes += !probe.settled;
   const ProbeOutcome seen = probe.settled ? *probe.settled : state.builder.look();
   const Clock::time_point after = Clock::now();
   times.visibility_s += secondsBetween(probe.start, after);
@@ -116,64 +109,12 @@ void SceneFunctions::makeFunction(const PlacedProbe& probe, ThreadState& state, 
   state.times.bare_tent_s += secondsBetween(appended, Clock::now());
 }
 
-bool SceneFunctions::takeKnown(const PlacedProbe& probe, const KeptKey& key, ThreadState& state, ProbeBlock* block) {
-  const KeptProbe* known = known_->findProbe(state.builder, key);
-  if (known == nullptr) return false;
-  // what is known serves the next bake, too
-  kept_[probe.number] = *known;
-  ++state.times.kept_probes;
-  block->outcomes.push_back(known->outcome);
-  state.times.kept_functions += known->outcome == ProbeOutcome::function || known->outcome == ProbeOutcome::empty;
-  if (known->outcome != ProbeOutcome::function) return true;
-  block->bare_tent_rmse.push_back(known->bare_tent_rmse);
-  // nobody looks at the samples where the bare tent stands for them, and in a bake nobody at what the probe sees
-  state.samples.assign(kKeptSampleBytes, 0);
-  if (known->function && !unpackSamples(known->function->packed, &state.samples))
-    throw InputError("--keep", "samples of a function", "compressed samples", "other bytes");
-  // rows as a function that was generated would have them
-  FunctionRows& rows = block->functions;
-  const auto validity = state.samples.begin() + kSupportPointCount, sums = validity + kValidityByteCount;
-  rows.phi.insert(rows.phi.end(), state.samples.begin(), validity);
-  rows.validity.insert(rows.validity.end(), validity, sums);
-  rows.blend_sum.insert(rows.blend_sum.end(), sums, state.samples.end());
-  rows.seen.resize(rows.seen.size() + kValidityByteCount, 0);
-  const glm::dvec3 position_m = scene_.source.scene.origin_m + probe.position;
-  rows.probe_position_m.insert(rows.probe_position_m.end(), {position_m.x, position_m.y, position_m.z});
-  rows.spacing_m.push_back(probe.spacing_m);
-  rows.flags.push_back(known->flags);
-  return true;
-}
-
-// Of the block's last probe.
-void SceneFunctions::note(const PlacedProbe& probe, const KeptKey& key, const ThreadState& state, const ProbeBlock& block) {
-  KeptProbe& kept = kept_[probe.number].emplace();
-  kept.key = key;
-  kept.asked = state.builder.visibility().asked();
-  kept.outcome = block.outcomes.back();
-  if (kept.outcome != ProbeOutcome::function) return;
-  kept.eye = state.builder.visibility().eye();
-  kept.flags = block.functions.flags.back();
-  kept.bare_tent_rmse = block.bare_tent_rmse.back();
-  if (kept.bare_tent_rmse) return;
-  const StoredFunction samples = storedFunction(block.functions, block.functions.functionCount() - 1);
-  const KeptKey samples_key = keyOf(samples);
-  kept.function = known_->findFunction(samples_key);
-  if (!kept.function) kept.function = std::make_shared<KeptFunction>(KeptFunction{samples_key, packSamples(samples), {}});
-}
-
-void SceneFunctions::setTargets(const PlacedProbe& probe, bool is_known, ThreadState& state, const ProbeBlock& block) {
+void SceneFunctions::setTargets(const PlacedProbe& probe, const ThreadState& state, const ProbeBlock& block) const {
   const ProbeOutcome outcome = block.outcomes.back();
   if (outcome == ProbeOutcome::free_space) return targets_->setTargets(probe.number, {}, nullptr);
   if (outcome != ProbeOutcome::function) return;
-  FunctionRows anew = supportRows();
-  targets_->setTargets(probe.number, is_known ? kept_[probe.number]->eye : state.builder.visibility().eye(), [&] {
-    if (!is_known || !block.bare_tent_rmse.back()) return storedFunction(block.functions, block.functions.functionCount() - 1);
-    // nobody keeps the samples of what is all but the bare tent
-    state.builder.look();
-    state.builder.generate(&state.function);
-    appendFunction(state.function, probe.position, probe.spacing_m, &anew);
-    return storedFunction(anew, 0);
-  });
+  targets_->setTargets(probe.number, state.builder.visibility().eye(),
+                       [&] { return storedFunction(block.functions, block.functions.functionCount() - 1); });
 }
 
 void SceneFunctions::makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block) {
@@ -181,31 +122,8 @@ void SceneFunctions::makeProbe(uint64_t number, ThreadState& state, ProbeBlock* 
   PlacedProbe probe{number, {x, y, z}, scene_.tree.probeSpacing(number), Clock::now(), {}};
   probe.settled = state.builder.begin(probe.position, probe.spacing_m, InSolid::by_eye, &eyes_);
   state.times.cavity_probes += state.builder.isInCavity();
-  const bool is_noted = known_ != nullptr && !probe.settled;
-  const KeptKey key = is_noted ? keyOf(state.builder) : KeptKey{};
-  const bool is_known = is_noted && takeKnown(probe, key, state, block);
-  if (is_known) {
-    state.times.kept_s += secondsBetween(probe.start, Clock::now());
-  } else {
-    makeFunction(probe, state, block);
-    if (is_noted) note(probe, key, state, *block);
-  }
-  if (targets_ != nullptr) setTargets(probe, is_known, state, *block);
-}
-
-void SceneFunctions::keep(const KeptIndex& known) {
-  known_ = &known;
-  kept_.resize(scene_.tree.probeCount());
-}
-
-KeptProbes SceneFunctions::takeKept() {
-  KeptProbes probes;
-  for (std::optional<KeptProbe>& kept : kept_) {
-    if (kept) probes.push_back(std::move(*kept));
-  }
-  kept_.clear();
-  mergeAlike(&probes);
-  return probes;
+  makeFunction(probe, state, block);
+  if (targets_ != nullptr) setTargets(probe, state, *block);
 }
 
 void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher) {

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "bake/again/kept_functions.h"
 #include "bake/bake_options.h"
 #include "bake/prepared_scene.h"
 #include "datagen/functions/function_pipeline.h"
@@ -21,10 +20,6 @@ struct FunctionTimes {
   // Of probes that have a function: triangles in their supports; pairs of 16 links and a triangle that were tested.
   uint64_t triangles = 0, link_tests = 0;
   uint64_t cavity_probes = 0;  // probes in cavities: those with an eye and those without
-  uint64_t seen_probes = 0;    // that needed more than their own place's vote and a look for triangles
-  // Probes that were known again instead, and those of them that have a function. What they took is in kept_s alone.
-  uint64_t kept_probes = 0, kept_functions = 0;
-  double kept_s = 0.0;
 };
 
 class BlendTargets;
@@ -38,11 +33,6 @@ class SceneFunctions {
   // Makes the functions of all probes, and hands them to finishers (FunctionPipeline) in chunks of kBatchCount, the last of fewer.
   // The same functions in the same order for any number of threads. throws OutputError when the spool's disk refuses
   void makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher);
-
-  // From now on notes what probes come to. Those that are known again are not seen anew.
-  // known   must outlive this object
-  void keep(const KeptIndex& known);
-  KeptProbes takeKept();  // once makeAll has returned
 
   // From now on says of every probe what it should weigh at these points; targets   of this scene; must live until makeAll returns
   void tellTargets(BlendTargets* targets) { targets_ = targets; }
@@ -62,11 +52,8 @@ class SceneFunctions {
 
   ProbeOutcome seeAndGenerate(const PlacedProbe& probe, ThreadState& state) const;
   void makeFunction(const PlacedProbe& probe, ThreadState& state, ProbeBlock* block) const;
-  // Returns whether the probe that was begun is known again; then it is in the block.
-  bool takeKnown(const PlacedProbe& probe, const KeptKey& key, ThreadState& state, ProbeBlock* block);
-  void note(const PlacedProbe& probe, const KeptKey& key, const ThreadState& state, const ProbeBlock& block);
-  // Of the block's last probe. is_known   whether it was known again
-  void setTargets(const PlacedProbe& probe, bool is_known, ThreadState& state, const ProbeBlock& block);
+  // Of the block's last probe.
+  void setTargets(const PlacedProbe& probe, const ThreadState& state, const ProbeBlock& block) const;
   void makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block);
 
   const PreparedScene& scene_;
@@ -77,8 +64,6 @@ class SceneFunctions {
   std::vector<uint32_t> probe_function_;
   ShardCounts counts_;
   BlendTargets* targets_ = nullptr;
-  const KeptIndex* known_ = nullptr;
-  std::vector<std::optional<KeptProbe>> kept_;  // by probe; of none unless somebody asks
 };
 
 }  // namespace nlg

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -17,28 +16,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char *kKind = "nlg-kept-functions", *kVersion = "2", *kExpected = "functions that a bake kept";
-constexpr uint32_t kNoFunction = 0xffffffffu;
-constexpr double kNoTent = -1.0;
+constexpr const char *kKind = "nlg-kept-functions", *kVersion = "3", *kExpected = "theta that a bake kept";
 constexpr size_t kCheckNumbers = 4 * kThetaWordCount, kCheckCounts = 2 * kThetaWordCount;
 
-// The file's tensors.
+// The file's tensors, by theta.
 struct Arrays {
-  // by probe
-  std::vector<uint64_t> probe_key;  // two each
-  std::vector<uint8_t> outcome, flags;
-  std::vector<float> eye;  // three each
-  std::vector<double> tent_rmse;
-  std::vector<uint32_t> function;
-  std::vector<uint16_t> question_count;
-  // by question; of points as many as it has
-  std::vector<uint8_t> question;
-  std::vector<uint16_t> point;
-  // by function
-  std::vector<uint64_t> function_key;  // two each
-  std::vector<uint32_t> packed_bytes;
-  std::vector<uint8_t> packed, has_theta;
-  // by theta
+  std::vector<uint64_t> key;  // of the function's samples, two each
   std::vector<uint8_t> generator, chosen_first, bits, ended, stop;
   std::vector<double> check;         // 4 numbers of 4 words each
   std::vector<int32_t> check_count;  // 2 of them
@@ -48,19 +31,7 @@ struct Arrays {
 // One list of names for the reader and the writer.
 template <class Visit, class Of>
 void forEachTensor(Of& arrays, const Visit& visit) {
-  visit("probe.key", arrays.probe_key);
-  visit("probe.outcome", arrays.outcome);
-  visit("probe.flags", arrays.flags);
-  visit("probe.eye", arrays.eye);
-  visit("probe.tent_rmse", arrays.tent_rmse);
-  visit("probe.function", arrays.function);
-  visit("probe.question_count", arrays.question_count);
-  visit("question", arrays.question);
-  visit("question.point", arrays.point);
-  visit("function.key", arrays.function_key);
-  visit("function.packed_bytes", arrays.packed_bytes);
-  visit("function.packed", arrays.packed);
-  visit("function.has_theta", arrays.has_theta);
+  visit("theta.key", arrays.key);
   visit("theta.generator", arrays.generator);
   visit("theta.chosen_first", arrays.chosen_first);
   visit("theta.bits", arrays.bits);
@@ -71,21 +42,8 @@ void forEachTensor(Of& arrays, const Visit& visit) {
   visit("theta", arrays.theta);
 }
 
-uint8_t bitsOf(const FarQuestion& question) {
-  return static_cast<uint8_t>(static_cast<int>(question.kind) | question.solid << 1 | question.disputed << 2 |
-                              question.point_count << 3);
-}
-
-FarQuestion questionOf(uint8_t bits) {
-  FarQuestion question;
-  question.kind = static_cast<FarQuestion::Kind>(bits & 1);
-  question.solid = bits >> 1 & 1;
-  question.disputed = bits >> 2 & 1;
-  question.point_count = static_cast<uint8_t>(bits >> 3);
-  return question;
-}
-
-void add(const KeptTheta& theta, Arrays* arrays) {
+void add(const KeptKey& key, const KeptTheta& theta, Arrays* arrays) {
+  arrays->key.insert(arrays->key.end(), key.begin(), key.end());
   const ThetaRecord& record = theta.made.record;
   arrays->generator.push_back(theta.made.generator);
   arrays->chosen_first.push_back(theta.chosen_first);
@@ -105,11 +63,13 @@ class Parser {
   Parser(const std::string& path, const std::vector<Representation>& representations)
       : path_(path), representations_(representations) {}
 
-  KeptProbes run(const TensorFileReader& reader) {
+  KeptThetas run(const TensorFileReader& reader) {
     forEachTensor(arrays_, [&](const char* name, auto& values) { requireRead(path_, reader.read(name, &values), kExpected); });
     checkCounts();
-    readFunctions();
-    return readProbes();
+    KeptThetas thetas;
+    const float* numbers = arrays_.theta.data();
+    for (size_t t = 0; t < arrays_.generator.size(); ++t) thetas[{arrays_.key[2 * t], arrays_.key[2 * t + 1]}] = thetaAt(t, &numbers);
+    return thetas;
   }
 
  private:
@@ -119,30 +79,8 @@ class Parser {
 
   void checkCounts() const {
     const Arrays& a = arrays_;
-    const size_t probes = a.outcome.size(), functions = a.has_theta.size(), thetas = a.generator.size();
-    require(a.probe_key.size() == 2 * probes && a.flags.size() == probes && a.eye.size() == 3 * probes &&
-                a.tent_rmse.size() == probes && a.function.size() == probes && a.question_count.size() == probes,
-            "probe", "lists of one length");
-    require(std::all_of(a.eye.begin(), a.eye.end(), [](float e) { return e >= -1.0f && e <= 1.0f; }), "probe.eye",
-            "a point of the support");
-    require(std::accumulate(a.question_count.begin(), a.question_count.end(), uint64_t{0}) == a.question.size(), "question",
-            "as many questions as probes have");
-    uint64_t points = 0;
-    for (const uint8_t bits : a.question) {
-      const size_t count = questionOf(bits).point_count;
-      require(count >= 1 && count <= FarQuestion::kMostPoints, "question", "1 to 5 points");
-      points += count;
-    }
-    require(points == a.point.size() &&
-                std::all_of(a.point.begin(), a.point.end(), [](uint16_t p) { return p < kSupportPointCount; }),
-            "question.point", "as many support points as questions have");
-    require(a.function_key.size() == 2 * functions && a.packed_bytes.size() == functions &&
-                std::accumulate(a.packed_bytes.begin(), a.packed_bytes.end(), uint64_t{0}) == a.packed.size(),
-            "function", "lists of one length");
-    require(static_cast<size_t>(std::count(a.has_theta.begin(), a.has_theta.end(), 1)) == thetas &&
-                std::all_of(a.has_theta.begin(), a.has_theta.end(), [](uint8_t has) { return has <= 1; }),
-            "function.has_theta", "1 for each theta, else 0");
-    require(a.chosen_first.size() == thetas && a.bits.size() == thetas && a.ended.size() == thetas && a.stop.size() == thetas &&
+    const size_t thetas = a.generator.size();
+    require(a.key.size() == 2 * thetas && a.chosen_first.size() == thetas && a.bits.size() == thetas && a.ended.size() == thetas && a.stop.size() == thetas &&
                 a.check.size() == kCheckNumbers * thetas && a.check_count.size() == kCheckCounts * thetas,
             "theta", "lists of one length");
     uint64_t numbers = 0;
@@ -180,51 +118,9 @@ class Parser {
     return theta;
   }
 
-  void readFunctions() {
-    const uint8_t* packed = arrays_.packed.data();
-    const float* numbers = arrays_.theta.data();
-    size_t theta = 0;
-    for (size_t f = 0; f < arrays_.has_theta.size(); ++f) {
-      functions_.push_back(std::make_shared<KeptFunction>());
-      KeptFunction& function = *functions_.back();
-      function.key = {arrays_.function_key[2 * f], arrays_.function_key[2 * f + 1]};
-      function.packed.assign(packed, packed + arrays_.packed_bytes[f]);
-      packed += arrays_.packed_bytes[f];
-      if (arrays_.has_theta[f]) function.theta = thetaAt(theta++, &numbers);
-    }
-  }
-
-  KeptProbes readProbes() const {
-    KeptProbes probes(arrays_.outcome.size());
-    size_t question = 0, point = 0;
-    for (size_t p = 0; p < probes.size(); ++p) {
-      KeptProbe& probe = probes[p];
-      probe.key = {arrays_.probe_key[2 * p], arrays_.probe_key[2 * p + 1]};
-      require(arrays_.outcome[p] <= static_cast<uint8_t>(ProbeOutcome::empty), "probe.outcome", "0 to 3");
-      probe.outcome = static_cast<ProbeOutcome>(arrays_.outcome[p]);
-      probe.flags = arrays_.flags[p];
-      std::copy_n(&arrays_.eye[3 * p], 3, probe.eye.begin());
-      if (arrays_.tent_rmse[p] != kNoTent) probe.bare_tent_rmse = arrays_.tent_rmse[p];
-      const uint32_t function = arrays_.function[p];
-      require(function < functions_.size() || function == kNoFunction, "probe.function", "a function, or none");
-      if (function != kNoFunction) probe.function = functions_[function];
-      require(probe.function == nullptr || !probe.bare_tent_rmse, "probe.function", "no function of a bare tent");
-      require((probe.outcome == ProbeOutcome::function) == (probe.function != nullptr || probe.bare_tent_rmse.has_value()),
-              "probe.function", "a function if the outcome says so");
-      // what was asked of the scene beyond the support, and what it answered
-      for (uint16_t q = 0; q < arrays_.question_count[p]; ++q) {
-        FarQuestion asked = questionOf(arrays_.question[question++]);
-        for (size_t i = 0; i < asked.point_count; ++i) asked.points[i] = arrays_.point[point++];
-        probe.asked.push_back(asked);
-      }
-    }
-    return probes;
-  }
-
   const std::string& path_;
   const std::vector<Representation>& representations_;
   Arrays arrays_;
-  std::vector<std::shared_ptr<KeptFunction>> functions_;
 };
 
 std::string textOf(const TensorFileReader& reader, const char* key) {
@@ -247,38 +143,14 @@ std::string changeOf(const Json& before, const Json& now) {
 
 }  // namespace
 
-std::string keptBytes(const KeptProbes& probes, const Json& origin) {
+std::string keptBytes(const KeptThetas& thetas, const Json& origin) {
   Arrays arrays;
-  std::unordered_map<const KeptFunction*, uint32_t> number_of;
-  // each function once, in the order of the probes that have it first
-  const auto numberOf = [&](const KeptFunction& function) {
-    const auto [place, is_new] = number_of.emplace(&function, static_cast<uint32_t>(number_of.size()));
-    if (!is_new) return place->second;
-    arrays.function_key.insert(arrays.function_key.end(), function.key.begin(), function.key.end());
-    arrays.packed_bytes.push_back(static_cast<uint32_t>(function.packed.size()));
-    arrays.packed.insert(arrays.packed.end(), function.packed.begin(), function.packed.end());
-    arrays.has_theta.push_back(function.theta.has_value());
-    if (function.theta) add(*function.theta, &arrays);
-    return place->second;
-  };
-  for (const KeptProbe& probe : probes) {
-    arrays.probe_key.insert(arrays.probe_key.end(), probe.key.begin(), probe.key.end());
-    arrays.outcome.push_back(static_cast<uint8_t>(probe.outcome));
-    arrays.flags.push_back(probe.flags);
-    arrays.eye.insert(arrays.eye.end(), probe.eye.begin(), probe.eye.end());
-    arrays.tent_rmse.push_back(probe.bare_tent_rmse.value_or(kNoTent));
-    arrays.function.push_back(probe.function ? numberOf(*probe.function) : kNoFunction);
-    arrays.question_count.push_back(static_cast<uint16_t>(probe.asked.size()));
-    for (const FarQuestion& asked : probe.asked) {
-      arrays.question.push_back(bitsOf(asked));
-      arrays.point.insert(arrays.point.end(), asked.points.begin(), asked.points.begin() + asked.point_count);
-    }
-  }
+  for (const auto& [key, theta] : thetas) add(key, theta, &arrays);
   TensorFileWriter writer;
   forEachTensor(std::as_const(arrays), [&](const char* name, const auto& values) { writer.add(name, values); });
   std::string bytes;
   const FileResult result = writer.serialize({{"kind", kKind}, {"version", kVersion}, {"origin", origin.dump()}}, &bytes);
-  if (!result.ok()) throw NumericalError("bake: kept functions: " + result.detail);
+  if (!result.ok()) throw NumericalError("bake: kept theta: " + result.detail);
   return bytes;
 }
 
@@ -286,24 +158,19 @@ std::optional<Json> describeKept(const std::string& path) {
   TensorFileReader reader;
   // what cannot be read at all is for the reader of whatever else it is
   if (!reader.openFile(path).ok() || !isKept(reader)) return std::nullopt;
-  const auto countOf = [&](const char* name) {
-    std::vector<uint8_t> values;
-    requireRead(path, reader.read(name, &values), kExpected);
-    return values.size();
-  };
+  std::vector<uint8_t> generator;
+  requireRead(path, reader.read("theta.generator", &generator), kExpected);
   return Json{{"kind", kKind},
-              {"probes", countOf("probe.outcome")},
-              {"functions", countOf("function.has_theta")},
-              {"thetas", countOf("theta.generator")},
+              {"thetas", generator.size()},
               {"verified", kVerifiedByDigest},
               {"origin", Json::parse(textOf(reader, "origin"), nullptr, false)}};
 }
 
-KeptProbes readKept(const std::string& path, const Json& origin, const std::vector<Representation>& representations,
+KeptThetas readKept(const std::string& path, const Json& origin, const std::vector<Representation>& representations,
                     std::string* told) {
   std::error_code error;
   if (!std::filesystem::exists(path, error) && !error) {
-    *told = path + ": not there yet, all functions are made anew";
+    *told = path + ": not there yet, all theta are made anew";
     return {};
   }
   TensorFileReader reader;
@@ -315,7 +182,7 @@ KeptProbes readKept(const std::string& path, const Json& origin, const std::vect
   // what another program, other options or other weights made may differ in any bit
   if (version != kVersion || before != origin) {
     *told = path + ": not used, " + (version != kVersion ? "of another version" : changeOf(before, origin)) +
-            "; all functions are made anew";
+            "; all theta are made anew";
     return {};
   }
   return Parser(path, representations).run(reader);

@@ -12,13 +12,13 @@
 namespace nlg {
 
 // origin   what functions depend on beside the level: functionOrigin
-std::string keptBytes(const KeptProbes& probes, const nlohmann::ordered_json& origin);
+std::string keptBytes(const KeptThetas& thetas, const nlohmann::ordered_json& origin);
 
 // What an earlier bake kept. Nothing where there is no file yet, or where its origin is another.
 // representations   of the bake's generators, in their order
 // told              one line for the user, where nothing is known
 // throws   InputError when the file is something else; DamageError when it is damaged
-KeptProbes readKept(const std::string& path, const nlohmann::ordered_json& origin,
+KeptThetas readKept(const std::string& path, const nlohmann::ordered_json& origin,
                     const std::vector<Representation>& representations, std::string* told);
 
 // What such a file is, for `info`; nothing where it is something else.

@@ -45,9 +45,7 @@ constexpr ThetaWord kWords[] = {ThetaWord::network, ThetaWord::corrected, ThetaW
 
 nlohmann::ordered_json keptJson(const BakeStatistics& s) {
   if (!s.is_keeping) return nullptr;
-  return {{"probes_anew", s.function_times.seen_probes},
-          {"functions_anew", s.counts.functions - s.kept_thetas},
-          {"thread_seconds", s.function_times.kept_s}};
+  return {{"functions_anew", s.counts.functions - s.kept_thetas}};
 }
 
 nlohmann::ordered_json thinnedJson(const LightStatistics& light) {
@@ -255,8 +253,7 @@ std::string toSummary(const BakeReport& report, const std::string& path) {
   const BakeStatistics& s = report.statistics;
   std::string text = firstLine(path, s.counts.grid_probes, report.file_bytes, s.load_wall_s + s.wall_s, report.peak_memory_bytes);
   if (s.is_keeping) {
-    text += fmt::format("{} of {} seen anew, {} of {} made anew\n", countText(s.function_times.seen_probes),
-                        countText(s.counts.grid_probes, "probe"), countText(s.counts.functions - s.kept_thetas),
+    text += fmt::format("theta of {} of {} made anew\n", countText(s.counts.functions - s.kept_thetas),
                         countText(s.counts.functions, "function"));
   }
   text += countText(s.counts.functions, "function").append(" stored");

@@ -30,7 +30,7 @@ std::optional<double> sum(const std::optional<double>& a, const std::optional<do
 // Probes that have a function, 0 everywhere or not, and were seen in this bake.
 uint64_t generatedProbes(const BakeStatistics& s) {
   const ShardCounts& counts = s.counts;
-  return counts.functions + counts.duplicates + counts.empty + s.bare_tents.count - s.function_times.kept_functions;
+  return counts.functions + counts.duplicates + counts.empty + s.bare_tents.count;
 }
 
 // What one of each kind took in this bake. Seconds of the processor.
@@ -114,10 +114,6 @@ class SavingsCount {
   // By what each of the others took: there is no price where nothing was done anew.
   void addKept() {
     if (!statistics_.is_keeping) return;
-    const FunctionTimes& spent = statistics_.function_times;
-    add("probes that an earlier bake saw", spent.kept_probes, spent.kept_probes + spent.seen_probes,
-        sum(times(spent.kept_functions, sum(unit_.visibility_s, unit_.function_s)), -spent.kept_s), {},
-        "--keep: what touches their supports is as it was, and so is what was asked of the rest; less what it took to know");
     add("theta that an earlier bake made", statistics_.kept_thetas, counts_.functions,
         times(statistics_.kept_thetas, unit_.theta_s), {}, "--keep: of functions with the same samples");
   }

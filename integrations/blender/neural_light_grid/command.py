@@ -51,7 +51,7 @@ def bake(context, exported, out):
 
 
 def keeping(context, exported, name):
-    """What functions took, for the next bake while Blender runs: only what has changed since is made anew."""
+    """Theta for the next bake while Blender runs: only those of functions that have changed since are made anew."""
     # a limit of time leaves functions that no other bake may take
     if "--refine-seconds" in settings.of(context.scene).more:
         return []
