@@ -6,7 +6,6 @@
 #include "bake/light_bake.h"
 #include "datagen/functions/function_collector.h"
 #include "datagen/functions/function_rows.h"
-#include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/support/weighting_function.h"
@@ -57,9 +56,8 @@ double thetaSeconds(const FunctionRows& rows, const std::vector<uint64_t>& with_
 // Seconds of a thread that a probe's function and theta take, on average over a sample of probes.
 double functionSeconds(const PlacedSample& sample, const RayScene& rays, const BakeOptions& options,
                        const std::vector<Generator>& generators) {
-  const LinkTable links = makeLinkTable({});
-  WeightingBuilder builder(rays, links, options.diffusion);
-  ProbeEyes eyes(sample.frame);
+  WeightingBuilder builder(rays, options.diffusion);
+  ProbeLattice lattice(sample.frame);
   FunctionChecker checker;
   GeneratedFunction function;
   FunctionRows rows;
@@ -72,10 +70,9 @@ double functionSeconds(const PlacedSample& sample, const RayScene& rays, const B
     const double start = threadSeconds();
     ++visited;
     // of probes in solid most are left out before anybody looks at them
-    if (builder.begin(probe.position_m, probe.spacing_m, InSolid::left_out, &eyes)) continue;
-    const ProbeOutcome seen = builder.look();
-    if (seen == ProbeOutcome::in_solid) continue;
-    if (seen == ProbeOutcome::function && builder.generate(&function) == ProbeOutcome::function) {
+    const ProbeOutcome outcome = builder.build(probe.position_m, probe.spacing_m, &function, InSolid::left_out, &lattice);
+    if (outcome == ProbeOutcome::in_solid || outcome == ProbeOutcome::free_space) continue;
+    if (outcome == ProbeOutcome::function) {
       appendFunction(function, probe.position_m, probe.spacing_m, &rows);
       builder.sumBlend(function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
       const uint64_t row = rows.functionCount() - 1;

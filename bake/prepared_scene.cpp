@@ -132,7 +132,6 @@ PreparedScene::PreparedScene(const std::string& request, const BakeOptions& opti
 
 PreparedScene::PreparedScene(SceneSource lit, const BakeOptions& options, const KnownAir& known)
     : source(std::move(lit)),
-      links(known.tree == nullptr ? makeLinkTable({}) : LinkTable{}),
       rays(source.scene),
       full_tree(placeProbes(source, options, &spacing_m)),
       searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "bake/bake_options.h"
-#include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
 #include "light/air_places.h"
 #include "nlg/probe_tree.h"
@@ -27,14 +26,13 @@ struct PreparedScene {
   // throws   UsageError on a setting that cannot be used; InputError when the scene cannot be read or has no triangle
   PreparedScene(const std::string& request, const BakeOptions& options);
   // The same of a scene that loadLitScene has read.
-  // known   for light alone: then there are no links, and where that bake searched what this one would, no cells without air are searched
+  // known   where that bake searched what this one would, no cells without air are searched
   PreparedScene(SceneSource lit, const BakeOptions& options, const KnownAir& known = {});
 
   // The tree in the world's coordinates, in which engines look up; the scene's are relative to its middle.
   ProbeTree treeInWorld() const;
 
   SceneSource source;
-  LinkTable links;
   RayScene rays;
   double spacing_m = 0.0;       // of probes outside boxes with a spacing of their own
   ProbeTree full_tree;          // before cells in solid were left out

@@ -137,7 +137,6 @@ class Baking {
     statistics_.counts = functions_.counts();
     statistics_.function_times = functions_.times();
     statistics_.scene_triangles = scene_.source.scene.triangles.size();
-    statistics_.link_packets = scene_.links.link_packets.tree.packetCount();
     statistics_.bare_tents = functions_.bareTents();
     for (const FunctionInWork& function : in_work_) {
       const MadeTheta& made = function.made;

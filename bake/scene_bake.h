@@ -31,7 +31,7 @@ struct FunctionOutcome {
 struct BakeStatistics {
   ShardCounts counts;
   FunctionTimes function_times;
-  uint64_t scene_triangles = 0, link_packets = 0;  // of the scene; of a support, 16 links each
+  uint64_t scene_triangles = 0;
   AirStatistics air;
   LightStatistics light;
   double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0,

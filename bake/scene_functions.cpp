@@ -26,7 +26,7 @@ FunctionRows supportRows() {
 }  // namespace
 
 struct SceneFunctions::ThreadState {
-  ThreadState(const PreparedScene& scene, const BakeOptions& options) : builder(scene.rays, scene.links, options.diffusion) {}
+  ThreadState(const PreparedScene& scene, const BakeOptions& options) : builder(scene.rays, options.diffusion) {}
   WeightingBuilder builder;
   GeneratedFunction function;
   FunctionChecker checker;
@@ -37,7 +37,7 @@ SceneFunctions::SceneFunctions(const PreparedScene& scene, const BakeOptions& op
                                const std::string& spool_folder)
     : scene_(scene),
       options_(options),
-      eyes_(scene.tree.frame()),
+      lattice_(scene.tree.frame()),
       threads_(static_cast<size_t>(thread_count)),
       collector_(supportRows(), {options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)}, kBatchCount,
                  {}, spool_folder) {
@@ -55,7 +55,6 @@ FunctionTimes SceneFunctions::times() const {
     times.in_solid_s += thread->times.in_solid_s;
     times.triangles += thread->times.triangles;
     times.cavity_probes += thread->times.cavity_probes;
-    times.link_tests += thread->builder.visibility().packetTestCount();
   }
   times.duplicates_s = collector_.seconds();
   return times;
@@ -65,63 +64,68 @@ struct SceneFunctions::PlacedProbe {
   uint64_t number;
   glm::dvec3 position;
   float spacing_m;
-  Clock::time_point start;              // when it was begun
-  std::optional<ProbeOutcome> settled;  // by that
 };
 
-// What a probe comes to that was begun: visibility, then the function where there is one.
-ProbeOutcome SceneFunctions::seeAndGenerate(const PlacedProbe& probe, ThreadState& state) const {
+ProbeOutcome SceneFunctions::see(const PlacedProbe& probe, ThreadState& state) {
   FunctionTimes& times = state.times;
-  const ProbeOutcome seen = probe.settled ? *probe.settled : state.builder.look();
+  const Clock::time_point start = Clock::now();
+  const ProbeOutcome seen = state.builder.see(probe.position, probe.spacing_m, InSolid::by_eye, &lattice_);
   const Clock::time_point after = Clock::now();
-  times.visibility_s += secondsBetween(probe.start, after);
-  if (seen == ProbeOutcome::in_solid) times.in_solid_s += secondsBetween(probe.start, after);
-  if (seen != ProbeOutcome::function) return seen;
-  times.triangles += state.builder.visibility().triangles().size();
-  const ProbeOutcome outcome = state.builder.generate(&state.function);
-  times.functions_s += secondsBetween(after, Clock::now());
-  return outcome;
+  times.visibility_s += secondsBetween(start, after);
+  times.cavity_probes += state.builder.sight().vote.in_cavity;
+  if (seen == ProbeOutcome::in_solid) times.in_solid_s += secondsBetween(start, after);
+  if (seen == ProbeOutcome::function) times.triangles += state.builder.sight().triangle_count;
+  return seen;
 }
 
-void SceneFunctions::makeFunction(const PlacedProbe& probe, ThreadState& state, ProbeBlock* block) const {
+void SceneFunctions::makeFunction(const PlacedProbe& probe, ThreadState& state, ProbeBlock* block) {
   FunctionRows& rows = block->functions;
-  const ProbeOutcome outcome = seeAndGenerate(probe, state);
+  const ProbeOutcome seen = see(probe, state);
+  if (seen == ProbeOutcome::function && takesExactTent() && state.builder.isBareTent()) {
+    // nobody looks at the samples where the bare tent stands for them
+    block->outcomes.push_back(seen);
+    appendZeros(&rows);
+    rows.flags.back() = state.builder.sight().vote.solid() ? kFlagInSolid : 0;
+    block->bare_tent_rmse.push_back(0.0);
+    return;
+  }
+  const Clock::time_point start = Clock::now();
+  const ProbeOutcome outcome = seen == ProbeOutcome::function ? state.builder.generate(&state.function) : seen;
   block->outcomes.push_back(outcome);
   if (outcome != ProbeOutcome::function) return;
-  const Clock::time_point start = Clock::now();
   appendFunction(state.function, scene_.source.scene.origin_m + probe.position, probe.spacing_m, &rows);
+  state.builder.sumBlend(state.function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
   const Clock::time_point appended = Clock::now();
   state.times.functions_s += secondsBetween(start, appended);
-  const auto sumBlend = [&] {
-    state.builder.sumBlend(state.function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
-  };
-  const auto checkBareTent = [&] {
-    const StoredFunction function = storedFunction(rows, rows.functionCount() - 1);
-    return state.checker.checkBareTent(function, options_.policy.check());
-  };
-  // sums are dear: nobody asks for those of a function that is a bare tent without them, if they have no say in it
-  FunctionCheck tent = checkBareTent();
-  bool is_tent = takesBareTent(tent, options_.policy);
-  if (!is_tent || state.checker.isPartlyLit(storedFunction(rows, rows.functionCount() - 1))) sumBlend();
-  if (is_tent) tent = checkBareTent();
-  is_tent = is_tent && takesBareTent(tent, options_.policy);
-  block->bare_tent_rmse.push_back(is_tent ? std::optional(tent.rmse) : std::nullopt);
+  const FunctionCheck tent = state.checker.checkBareTent(storedFunction(rows, rows.functionCount() - 1), options_.policy.check());
+  block->bare_tent_rmse.push_back(takesBareTent(tent, options_.policy) ? std::optional(tent.rmse) : std::nullopt);
   state.times.bare_tent_s += secondsBetween(appended, Clock::now());
 }
 
-void SceneFunctions::setTargets(const PlacedProbe& probe, const ThreadState& state, const ProbeBlock& block) const {
+// Whether a function that is the bare tent, without error, takes no theta.
+bool SceneFunctions::takesExactTent() const {
+  FunctionCheck exact;
+  exact.valid_count = 1;
+  return takesBareTent(exact, options_.policy);
+}
+
+void SceneFunctions::setTargets(const PlacedProbe& probe, ThreadState& state, const ProbeBlock& block) const {
   const ProbeOutcome outcome = block.outcomes.back();
   if (outcome == ProbeOutcome::free_space) return targets_->setTargets(probe.number, {}, nullptr);
   if (outcome != ProbeOutcome::function) return;
-  targets_->setTargets(probe.number, state.builder.visibility().eye(),
-                       [&] { return storedFunction(block.functions, block.functions.functionCount() - 1); });
+  FunctionRows anew = supportRows();
+  targets_->setTargets(probe.number, *state.builder.sight().eye, [&] {
+    if (!block.bare_tent_rmse.back()) return storedFunction(block.functions, block.functions.functionCount() - 1);
+    // the samples of what is all but the bare tent may never have been made
+    state.builder.generate(&state.function);
+    appendFunction(state.function, probe.position, probe.spacing_m, &anew);
+    return storedFunction(anew, 0);
+  });
 }
 
 void SceneFunctions::makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block) {
   const auto [x, y, z] = scene_.tree.probePosition(number);
-  PlacedProbe probe{number, {x, y, z}, scene_.tree.probeSpacing(number), Clock::now(), {}};
-  probe.settled = state.builder.begin(probe.position, probe.spacing_m, InSolid::by_eye, &eyes_);
-  state.times.cavity_probes += state.builder.isInCavity();
+  const PlacedProbe probe{number, {x, y, z}, scene_.tree.probeSpacing(number)};
   makeFunction(probe, state, block);
   if (targets_ != nullptr) setTargets(probe, state, *block);
 }

@@ -16,9 +16,8 @@ namespace nlg {
 // What the functions took and what they looked at. Seconds by the clock, summed over threads.
 struct FunctionTimes {
   double visibility_s = 0.0, functions_s = 0.0, bare_tent_s = 0.0, duplicates_s = 0.0;
-  double in_solid_s = 0.0;  // of visibility_s: of probes in solid that turned out to have no eye
-  // Of probes that have a function: triangles in their supports; pairs of 16 links and a triangle that were tested.
-  uint64_t triangles = 0, link_tests = 0;
+  double in_solid_s = 0.0;     // of visibility_s: of probes in solid that turned out to have no eye
+  uint64_t triangles = 0;      // in the supports of probes that have a function
   uint64_t cavity_probes = 0;  // probes in cavities: those with an eye and those without
 };
 
@@ -50,15 +49,16 @@ class SceneFunctions {
 
   struct PlacedProbe;
 
-  ProbeOutcome seeAndGenerate(const PlacedProbe& probe, ThreadState& state) const;
-  void makeFunction(const PlacedProbe& probe, ThreadState& state, ProbeBlock* block) const;
+  ProbeOutcome see(const PlacedProbe& probe, ThreadState& state);
+  bool takesExactTent() const;
+  void makeFunction(const PlacedProbe& probe, ThreadState& state, ProbeBlock* block);
   // Of the block's last probe.
-  void setTargets(const PlacedProbe& probe, const ThreadState& state, const ProbeBlock& block) const;
+  void setTargets(const PlacedProbe& probe, ThreadState& state, const ProbeBlock& block) const;
   void makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block);
 
   const PreparedScene& scene_;
   BakeOptions options_;
-  ProbeEyes eyes_;
+  ProbeLattice lattice_;
   std::vector<std::unique_ptr<ThreadState>> threads_;
   FunctionCollector collector_;
   std::vector<uint32_t> probe_function_;

@@ -6,7 +6,7 @@
 
 #include "datagen/probes/probe_placement.h"
 #include "datagen/visibility/ray_scene.h"
-#include "datagen/visibility/support_visibility.h"
+#include "datagen/visibility/solid_vote.h"
 #include "scene/scene.h"
 
 namespace nlg {

@@ -219,8 +219,7 @@ void RenderedScene::makeBaselines() {
   options.probe = options.solve.probe;
   options.thread_count = threads_;
   options.seed = mixSeed(options_.seed, kBaselineStream);
-  baselines_ =
-      std::make_unique<MethodSet>(MethodScene{*transport_, baked_scene_->links, baked_scene_->tree, baked_scene_->air}, options);
+  baselines_ = std::make_unique<MethodSet>(MethodScene{*transport_, baked_scene_->tree, baked_scene_->air}, options);
   // each once, however many of its methods are asked for
   std::vector<void (MethodSet::*)()> added;
   for (const std::string& name : methodNames(request_)) {

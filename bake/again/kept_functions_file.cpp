@@ -68,7 +68,8 @@ class Parser {
     checkCounts();
     KeptThetas thetas;
     const float* numbers = arrays_.theta.data();
-    for (size_t t = 0; t < arrays_.generator.size(); ++t) thetas[{arrays_.key[2 * t], arrays_.key[2 * t + 1]}] = thetaAt(t, &numbers);
+    for (size_t t = 0; t < arrays_.generator.size(); ++t)
+      thetas[{arrays_.key[2 * t], arrays_.key[2 * t + 1]}] = thetaAt(t, &numbers);
     return thetas;
   }
 
@@ -80,8 +81,9 @@ class Parser {
   void checkCounts() const {
     const Arrays& a = arrays_;
     const size_t thetas = a.generator.size();
-    require(a.key.size() == 2 * thetas && a.chosen_first.size() == thetas && a.bits.size() == thetas && a.ended.size() == thetas && a.stop.size() == thetas &&
-                a.check.size() == kCheckNumbers * thetas && a.check_count.size() == kCheckCounts * thetas,
+    require(a.key.size() == 2 * thetas && a.chosen_first.size() == thetas && a.bits.size() == thetas &&
+                a.ended.size() == thetas && a.stop.size() == thetas && a.check.size() == kCheckNumbers * thetas &&
+                a.check_count.size() == kCheckCounts * thetas,
             "theta", "lists of one length");
     uint64_t numbers = 0;
     for (size_t t = 0; t < thetas; ++t) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datagen/visibility/link_table.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/policy/stage_plan.h"
@@ -162,9 +161,6 @@ class SavingsCount {
     if (seen == 0) return;
     add("triangles that a probe's support does not touch", seen * triangles - tested, seen * triangles, {}, {},
         "of every triangle for every probe that has a function");
-    const uint64_t pairs = tested * statistics_.link_packets;
-    add("links that no triangle is near", pairs - std::min(pairs, statistics_.function_times.link_tests), pairs, {}, {},
-        "pairs of 16 links and a triangle of the support, ruled out without a test");
   }
 
   void addRepresentations() {

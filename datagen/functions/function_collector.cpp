@@ -12,7 +12,7 @@ namespace {
 
 void appendSamples(const GeneratedFunction& function, size_t first, size_t count, std::vector<uint8_t>& bytes) {
   for (size_t i = first; i < first + count; ++i) {
-    bytes.push_back(function.valid[i] ? static_cast<uint8_t>(std::lround(255.0f * function.phi[i])) : 0);
+    bytes.push_back(function.valid[i] ? static_cast<uint8_t>(255.0f * function.phi[i] + 0.5f) : 0);
   }
 }
 

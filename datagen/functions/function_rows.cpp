@@ -41,6 +41,10 @@ void appendRows(const FunctionRows& from, uint64_t first, uint64_t count, Functi
       from, *to);
 }
 
+void appendZeros(FunctionRows* rows) {
+  forEachWidth([](uint64_t width, auto& values) { values.resize(values.size() + width); }, *rows);
+}
+
 void reserveRows(uint64_t count, FunctionRows* rows) {
   forEachWidth([&](uint64_t width, auto& values) { values.reserve(count * width); }, *rows);
 }

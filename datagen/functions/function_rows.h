@@ -69,6 +69,9 @@ StoredFunction functionAt(const FunctionRows& rows, uint64_t n);
 // Appends functions [first, first + count) to rows of the same shape.
 void appendRows(const FunctionRows& from, uint64_t first, uint64_t count, FunctionRows* to);
 
+// Appends a function of zeros.
+void appendZeros(FunctionRows* rows);
+
 // Takes memory for so many functions in all.
 void reserveRows(uint64_t count, FunctionRows* rows);
 

@@ -131,10 +131,10 @@ ShardJob::ShardJob(const SceneSource& source, const ShardRequest& request, const
       seed_(shardSeed(options.seed, source.id, request.jitter)),
       scene_(shardScene(source.scene, options.jitter, seed_, request.jitter)),
       tree_(placeProbes(scene_, options, seed_)),
-      links_(makeLinkTable(testPoints(header_.test_point_count))),
+      test_links_(makeTestLinks(testPoints(header_.test_point_count))),
       rays_(scene_),
       hull_(rays_, options.keep_outside ? std::vector<glm::vec3>{} : placesOfPeople(source.scene)),
-      eyes_(tree_.frame()) {}
+      lattice_(tree_.frame()) {}
 
 CollectorLimits ShardJob::limits() const {
   return {static_cast<uint64_t>(options_.max_functions),
@@ -167,17 +167,13 @@ void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& 
     // drawn from the probe's own number: threads and limits do not change which probes are tried
     const bool by_eye = Random(mixSeed(seed_, kInSolidStream, index)).chance(options_.in_solid);
     const InSolid in_solid = by_eye ? InSolid::by_eye : InSolid::left_out;
-    // cheap outcomes first: open air and solid are settled without visibility
-    const std::optional<ProbeOutcome> settled = builder.begin(position, spacing_m, in_solid, &eyes_);
-    ProbeOutcome outcome = settled ? *settled : builder.look();
-    if (outcome == ProbeOutcome::function) outcome = builder.generate(&function);
+    ProbeOutcome outcome = builder.build(position, spacing_m, &function, in_solid, &lattice_);
     // validity decides which points count for the hull: it is known only now
     if (outcome == ProbeOutcome::function && isOutside(position, spacing_m, function)) outcome = ProbeOutcome::outside;
     block->outcomes.push_back(outcome);
     if (outcome != ProbeOutcome::function) continue;
     FunctionRows& rows = block->functions;
     appendFunction(function, scene_.origin_m + position, spacing_m, &rows);
-    // S needs the eyes of the probes around; eyes_ finds each once
     builder.sumBlend(function, &rows.blend_sum[rows.blend_sum.size() - kSupportPointCount]);
   }
 }
@@ -191,7 +187,7 @@ FunctionPipeline ShardJob::pipeline() const {
     return probes;
   };
   pipeline.makeGenerator = [this](int) {
-    const auto builder = std::make_shared<WeightingBuilder>(rays_, links_, options_.diffusion);
+    const auto builder = std::make_shared<WeightingBuilder>(rays_, options_.diffusion, &test_links_);
     return [this, builder](const std::vector<uint64_t>& probes, ProbeBlock* block) { generate(*builder, probes, block); };
   };
   return pipeline;

@@ -11,7 +11,6 @@
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"
 #include "datagen/visibility/hull.h"
-#include "datagen/visibility/link_table.h"
 #include "datagen/visibility/ray_scene.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "scene/jitter.h"
@@ -80,10 +79,10 @@ class ShardJob {
   uint64_t seed_;
   Scene scene_;
   ProbeTree tree_;
-  LinkTable links_;
+  TestLinks test_links_;
   RayScene rays_;
   Hull hull_;
-  mutable ProbeEyes eyes_;  // that threads find when they first ask
+  mutable ProbeLattice lattice_;  // whose probes and cells threads find when they first ask
 };
 
 // What brings the chunks of a shard to its file: compressed in any order, written in theirs. The writer must outlive it.

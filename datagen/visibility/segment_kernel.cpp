@@ -136,40 +136,41 @@ void sortIntoLeaves(const PacketTree& tree, const std::vector<LocalTriangle>& tr
   }
 }
 
-uint64_t blockLinksVectors(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch,
-                           uint16_t* HWY_RESTRICT blocked) {
+void blockLinksVectors(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch,
+                       uint16_t* HWY_RESTRICT blocked) {
   const PacketTree& tree = links.tree;
   std::fill(blocked, blocked + tree.packetCount(), uint16_t{0});
+  const size_t lanes = hn::Lanes(Tag());
+  const auto testPackets = [&](const WideTriangle& triangle, uint32_t first, uint32_t end) {
+    // boxes of packets, a vector of them at a time; lanes past the end are of other packets
+    for (uint32_t begin = first; begin < end; begin += static_cast<uint32_t>(lanes)) {
+      uint32_t touched = triangle.touches(tree.packets, begin);
+      if (end - begin < lanes) touched &= (1u << (end - begin)) - 1;
+      forEachBit(touched, [&](uint32_t i) {
+        const uint32_t packet = begin + i;
+        // a packet whose 16 links are all blocked has nothing left to learn
+        if (blocked[packet] == kAllLanes) return;
+        uint32_t met = 0;
+        for (size_t k = 0; k < kPacketLanes; k += lanes) {
+          const size_t place = size_t{packet} * kPacketLanes + k;
+          met |= triangle.meets(load(links.from, place), load(links.to, place)) << k;
+        }
+        blocked[packet] |= static_cast<uint16_t>(met);
+      });
+    }
+  };
+  // fewer packets than leaves: their boxes alone leave out as much as the tree would
+  if (tree.packetCount() <= kLeafCount) {
+    for (const LocalTriangle& triangle : triangles)
+      testPackets(WideTriangle(triangle), 0, static_cast<uint32_t>(tree.packetCount()));
+    return;
+  }
   // triangles descend the tree once; leaves then run over theirs, so that a leaf's packets stay in cache
   sortIntoLeaves(tree, triangles, &scratch->triangles_of_leaf);
-  const size_t lanes = hn::Lanes(Tag());
-  uint64_t test_count = 0;
   for (uint32_t leaf = 0; leaf < kLeafCount; ++leaf) {
-    const std::vector<uint32_t>& list = scratch->triangles_of_leaf[leaf];
-    if (list.empty()) continue;
-    const uint32_t first = tree.first_packet[leaf], end = tree.first_packet[leaf + 1];
-    for (const uint32_t t : list) {
-      const WideTriangle triangle(triangles[t]);
-      // boxes of packets, a vector of them at a time; lanes past the leaf's end are of other leaves
-      for (uint32_t begin = first; begin < end; begin += static_cast<uint32_t>(lanes)) {
-        uint32_t touched = triangle.touches(tree.packets, begin);
-        if (end - begin < lanes) touched &= (1u << (end - begin)) - 1;
-        forEachBit(touched, [&](uint32_t i) {
-          const uint32_t packet = begin + i;
-          // a packet whose 16 links are all blocked has nothing left to learn
-          if (blocked[packet] == kAllLanes) return;
-          uint32_t met = 0;
-          for (size_t k = 0; k < kPacketLanes; k += lanes) {
-            const size_t place = size_t{packet} * kPacketLanes + k;
-            met |= triangle.meets(load(links.from, place), load(links.to, place)) << k;
-          }
-          blocked[packet] |= static_cast<uint16_t>(met);
-          ++test_count;
-        });
-      }
-    }
+    for (const uint32_t t : scratch->triangles_of_leaf[leaf])
+      testPackets(WideTriangle(triangles[t]), tree.first_packet[leaf], tree.first_packet[leaf + 1]);
   }
-  return test_count;
 }
 
 // Scalars, in the order in which segmentMeets and WideTriangle compute them.
@@ -285,7 +286,7 @@ void sortIntoOctantsVectors(const Boxes& boxes, const std::vector<LocalTriangle>
   }
 }
 
-void blockOctantVectors(const OctantPackets& points, const std::vector<LocalTriangle>& triangles,
+void blockOctantVectors(const CornerPackets& points, const std::vector<LocalTriangle>& triangles,
                         const std::vector<uint32_t>& some, const LocalPoint& eye, uint16_t* HWY_RESTRICT blocked) {
   constexpr uint32_t kPackets = kOctantPointCount / kPacketLanes;
   const Vectors from = broadcast(eye.data());
@@ -360,33 +361,13 @@ void sortIntoOctants(const std::vector<LocalTriangle>& triangles, std::array<std
   HWY_DYNAMIC_DISPATCH(sortIntoOctantsVectors)(boxes, triangles, octants);
 }
 
-OctantPackets makeOctantPackets(int mirror) {
-  const LocalPoint* points = &supportPattern().points[static_cast<size_t>(mirror) * kOctantPointCount];
-  OctantPackets octant;
-  octant.packets.resize(kOctantPointCount / kPacketLanes);
-  for (size_t packet = 0; packet < kOctantPointCount / kPacketLanes; ++packet) {
-    LocalPoint low = points[packet * kPacketLanes], high = low;
-    for (int i = 0; i < kPacketLanes; ++i) {
-      for (int axis = 0; axis < 3; ++axis) {
-        const float x = points[packet * kPacketLanes + i][axis];
-        low[axis] = std::min(low[axis], x);
-        high[axis] = std::max(high[axis], x);
-        octant.at[axis].push_back(x);
-      }
-    }
-    octant.packets.set(packet, low, high);
-  }
-  return octant;
-}
-
-void blockOctantRays(const OctantPackets& points, const std::vector<LocalTriangle>& triangles, const std::vector<uint32_t>& some,
+void blockOctantRays(const CornerPackets& points, const std::vector<LocalTriangle>& triangles, const std::vector<uint32_t>& some,
                      const LocalPoint& eye, uint16_t* blocked) {
   HWY_DYNAMIC_DISPATCH(blockOctantVectors)(points, triangles, some, eye, blocked);
 }
 
-uint64_t blockLinks(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch,
-                    uint16_t* blocked) {
-  return HWY_DYNAMIC_DISPATCH(blockLinksVectors)(links, triangles, scratch, blocked);
+void blockLinks(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch, uint16_t* blocked) {
+  HWY_DYNAMIC_DISPATCH(blockLinksVectors)(links, triangles, scratch, blocked);
 }
 
 }  // namespace nlg

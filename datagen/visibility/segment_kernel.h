@@ -1,4 +1,4 @@
-// Vectorised segment tests of a support: which links, and which rays from one point, meet which triangles.
+// Vectorised segment tests: which links, and which rays from one point, meet which triangles.
 //
 // What counts as meeting is segmentMeets, a pure function of one segment and one triangle; everything here only leaves out pairs
 // that it would say no to. The same bits on every SIMD target: no fused multiply-adds. Rules and figures: docs/theory/visibility.md.
@@ -9,32 +9,13 @@
 #include <vector>
 
 #include "datagen/visibility/local_triangles.h"
-#include "datagen/visibility/packet_tree.h"
+#include "datagen/visibility/segment_packets.h"
 
 namespace nlg {
 
 // Does the segment meet the triangle? Its ends count, and so does the triangle's rim, widened by kEdgeReach; a segment that lies
 // in the triangle's plane does not meet it. The same for (to, from).
 bool segmentMeets(const LocalTriangle& triangle, const LocalPoint& from, const LocalPoint& to);
-
-// The fixed segments of the support by place of their tree.
-struct LinkPackets {
-  PacketTree tree;
-  std::array<AlignedFloats, 3> from, to;  // local coordinates
-  std::vector<uint32_t> from_point, to_point;
-};
-struct PointPackets {
-  PacketTree tree;
-  std::array<AlignedFloats, 3> at;
-};
-
-// The support points of one octant, in pattern order: neighbours in memory are neighbours in space.
-struct OctantPackets {
-  Boxes packets;  // kOctantPointCount / kPacketLanes
-  std::array<AlignedFloats, 3> at;
-};
-// mirror   of the octant, bits as in SupportPattern
-OctantPackets makeOctantPackets(int mirror);
 
 // Kept between probes so that none of them allocates.
 struct LinkScratch {
@@ -49,17 +30,15 @@ void blockRays(const PointPackets& points, const std::vector<LocalTriangle>& tri
 // Adds each triangle's index to the lists of the octants that it touches, or comes near; bits as in SupportPattern.
 void sortIntoOctants(const std::vector<LocalTriangle>& triangles, std::array<std::vector<uint32_t>, kMirrorCount>* octants);
 
-// The same of some of the triangles and the points of an octant: bit i of blocked[p] is of its point 16 p + i.
+// The same of some of the triangles and the points of a cell, seen from a corner of it: bit i of blocked[p] is of its point 16 p + i.
 // some      indices into triangles
 // eye       local coordinates, anywhere
 // blocked   kOctantPointCount / kPacketLanes words, all written
-void blockOctantRays(const OctantPackets& points, const std::vector<LocalTriangle>& triangles, const std::vector<uint32_t>& some,
+void blockOctantRays(const CornerPackets& points, const std::vector<LocalTriangle>& triangles, const std::vector<uint32_t>& some,
                      const LocalPoint& eye, uint16_t* blocked);
 
 // Sets bit i of blocked[p] when the link at place 16 p + i meets a triangle.
 // blocked   a word a packet, all written
-// returns   how many pairs of packet and triangle were tested
-uint64_t blockLinks(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch,
-                    uint16_t* blocked);
+void blockLinks(const LinkPackets& links, const std::vector<LocalTriangle>& triangles, LinkScratch* scratch, uint16_t* blocked);
 
 }  // namespace nlg

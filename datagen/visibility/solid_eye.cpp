@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <numeric>
+
+#include "datagen/visibility/cavity.h"
+#include "datagen/visibility/solid_vote.h"
 
 namespace nlg {
 namespace {
@@ -58,6 +62,11 @@ void forEachMember(uint64_t set, const Visit& visit) {
   for (; set != 0; set &= set - 1) visit(std::countr_zero(set));
 }
 
+// Of a place that is by itself in air.
+bool isBehindSky(const SupportVisibility& visibility, const LocalPoint& at) {
+  return visibility.rays().hasSkyFaces() && solidVoteWithSky(visibility.rays(), visibility.placeOf(at)).solid();
+}
+
 }  // namespace
 
 const std::vector<uint32_t>& eyeCandidates(EyeRing ring) {
@@ -109,13 +118,17 @@ SolidEye::Set SolidEye::Candidates::inAir(const SupportVisibility& visibility) c
     judged |= group;
     members.clear();
     forEachMember(group, [&](int member) { members.push_back(points[member]); });
-    if (!visibility.groupVote(members).solid()) air |= group;
+    const auto place_of = [&](size_t member) { return visibility.placeOf(supportPattern().points[members[member]]); };
+    const bool is_solid =
+        groupVote(visibility.rays(), members.size(), place_of).solid() || isInCavity(visibility.rays(), place_of(0));
+    if (!is_solid) air |= group;
   }
   return air;
 }
 
 SolidEye::SolidEye() : inner_(EyeRing::inner), outer_(EyeRing::outer) {
   for (const LocalPoint& point : supportPattern().points) tent_.push_back(static_cast<uint64_t>(0x1p32 * double{tent(point)}));
+  all_tents_ = std::accumulate(tent_.begin(), tent_.end(), uint64_t{0});
 }
 
 // The square of the share, by tents, of pairs in a set that see each other.
@@ -155,7 +168,7 @@ std::vector<SolidEye::Promise> SolidEye::promising(const Candidates& candidates,
     const Set sees = candidates.visible[promise.candidate];
     if (std::find(seen_sets.begin(), seen_sets.end(), sees) != seen_sets.end()) continue;
     // no wall tells what lies behind the sky from what lies before it
-    if (visibility.isBehindSky(candidates.points[promise.candidate])) continue;
+    if (isBehindSky(visibility, supportPattern().points[candidates.points[promise.candidate]])) continue;
     seen_sets.push_back(sees);
     eyes.push_back(promise);
     if (eyes.size() == kTracedEyes) break;
@@ -163,14 +176,14 @@ std::vector<SolidEye::Promise> SolidEye::promising(const Candidates& candidates,
   return eyes;
 }
 
-uint64_t SolidEye::seenTents(const SupportVisibility& visibility) const {
+uint64_t SolidEye::darkTents(const SupportVisibility& visibility) const {
   uint64_t sum = 0;
-  for (uint32_t point = 0; point < kSupportPointCount; ++point) sum += visibility.seen(point) ? tent_[point] : 0;
+  visibility.forEachDark([&](uint32_t point) { sum += tent_[point]; });
   return sum;
 }
 
 std::optional<LocalPoint> SolidEye::open(SupportVisibility* visibility) {
-  if (visibility->supportIsEmpty()) return std::nullopt;
+  if (visibility->triangles().empty()) return std::nullopt;
   std::optional<LocalPoint> best;
   double most = 0.0;
   for (Candidates* ring : {&inner_, &outer_}) {
@@ -178,7 +191,7 @@ std::optional<LocalPoint> SolidEye::open(SupportVisibility* visibility) {
     for (const Promise& promise : promising(*ring, *visibility)) {
       const LocalPoint& eye = supportPattern().points[ring->points[promise.candidate]];
       visibility->traceRays(eye);
-      const double seen = promise.oneness * static_cast<double>(seenTents(*visibility));
+      const double seen = promise.oneness * static_cast<double>(all_tents_ - darkTents(*visibility));
       if (best && seen <= most) continue;
       best = eye;
       most = seen;

@@ -12,6 +12,7 @@
 
 #include <glm/glm.hpp>
 
+#include "datagen/visibility/segment_kernel.h"
 #include "datagen/visibility/support_visibility.h"
 
 namespace nlg {
@@ -53,9 +54,10 @@ class SolidEye {
   };
   double onenessOf(const Candidates& candidates, Set set) const;
   std::vector<Promise> promising(const Candidates& candidates, const SupportVisibility& visibility) const;
-  uint64_t seenTents(const SupportVisibility& visibility) const;
+  uint64_t darkTents(const SupportVisibility& visibility) const;
 
   std::vector<uint64_t> tent_;  // by support point, in units of 2^-32: sums do not depend on their order
+  uint64_t all_tents_ = 0;
   Candidates inner_, outer_;
   LinkScratch scratch_;
 };

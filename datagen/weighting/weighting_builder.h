@@ -1,15 +1,15 @@
 // Computes the weighting function of a probe: the bare tent where the probe sees, carried round corners by diffusion.
 //
-// Method: the talk, "How do we generate the functions"; the formula is in docs/theory/math.md §1. A probe in solid sees nothing
-// from where it is: on demand it sees what its eye in air sees (solid_eye.h), weighted by its own tent all the same.
+// Method: the talk, "How do we generate the functions"; the formula is in docs/theory/math.md §1. What the probe sees, which links are open
+// and where is air it has from its lattice, whose probes share it. A probe in solid sees nothing from where it is: on demand it sees what
+// its eye in air sees (solid_eye.h), weighted by its own tent all the same.
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "datagen/visibility/solid_eye.h"
-#include "datagen/visibility/support_visibility.h"
-#include "datagen/weighting/blend_sum.h"
+#include "datagen/visibility/probe_lattice.h"
+#include "datagen/visibility/test_links.h"
 
 namespace nlg {
 
@@ -27,7 +27,7 @@ enum class ProbeOutcome {
   outside,     // generated, but nothing of its support lies within the level's hull: said by who makes a data set
 };
 
-// The result for one probe; arrays run over all points of the link table (P support points, then the test points).
+// The result for one probe; arrays run over the P support points, then over the test points.
 struct GeneratedFunction {
   std::vector<float> phi;      // [0, 1]; 0 at invalid points
   std::vector<uint8_t> valid;  // 0 or 1
@@ -44,62 +44,70 @@ enum class InSolid {
 
 class WeightingBuilder {
  public:
-  // All three must outlive this object.
-  WeightingBuilder(const RayScene& scene, const LinkTable& links, const DiffusionOptions& options);
+  // test   must outlive this object, as the scene; null: there are no test points
+  WeightingBuilder(const RayScene& scene, const DiffusionOptions& options, const TestLinks* test = nullptr);
 
   // position_m  relative to the scene's origin; spacing_m > 0
+  // lattice     on which the probe stands; null: one of its own. The same function either way
   // result      filled when the outcome is `function` or `empty`
   ProbeOutcome build(const glm::dvec3& position_m, float spacing_m, GeneratedFunction* result,
-                     InSolid in_solid = InSolid::left_out);
+                     InSolid in_solid = InSolid::left_out, ProbeLattice* lattice = nullptr);
 
   // build in two steps. see: visibility and validity alone; `function` when there is one to generate.
   // generate: the function of the probe that was seen last, whose outcome was `function`; returns `function` or `empty`
-  ProbeOutcome see(const glm::dvec3& position_m, float spacing_m, InSolid in_solid = InSolid::left_out);
+  ProbeOutcome see(const glm::dvec3& position_m, float spacing_m, InSolid in_solid = InSolid::left_out,
+                   ProbeLattice* lattice = nullptr);
   ProbeOutcome generate(GeneratedFunction* result);
+  // Of a probe that is seen and has a function: whether all that it does not see is solid, so that the function is the bare tent.
+  bool isBareTent() const;
 
-  // see in two steps. begin: the vote of the probe's own place and the triangles of its support; its outcome, where they settle it.
-  // look: the rest, where they do not
-  // eyes   of the scene's lattice, on which the probe stands; null: it looks for its own, and nobody sums blends
-  std::optional<ProbeOutcome> begin(const glm::dvec3& position_m, float spacing_m, InSolid in_solid, ProbeEyes* eyes = nullptr);
-  ProbeOutcome look();
-  const SolidVote& probeVote() const { return probe_vote_; }  // of the probe that was begun last
-
-  // The eyes of the probe that was begun and of those around it, where `begin` was given them and settled nothing.
-  const NeighbourEyes& neighbours() const { return neighbours_; }
-  // What they and the function that generate has made of it add up to.
-  // sums   P, overwritten: StoredFunction::blend_sum
-  void sumBlend(const GeneratedFunction& function, uint8_t* sums);
+  // What the tents of all probes of a cell add up to where these see a point, and this one's function where it does not.
+  // function   as generate gave it
+  // sums       P, overwritten: StoredFunction::blend_sum
+  void sumBlend(const GeneratedFunction& function, uint8_t* sums) const;
 
   // Of the probe that was seen last: whether it sees a place of its support, and what its function is there, by the rule that
-  // gives functions at the test points of a link table. The place must be in air: nobody votes about it.
-  // function   as generate gave it
-  bool sees(const LocalPoint& place) const { return visibility_.isOpen(visibility_.eye(), place); }
-  float valueAt(const LocalPoint& place, const GeneratedFunction& function) const;
+  // gives functions at test points. The place must be in air: nobody votes about it.
+  bool sees(const LocalPoint& place);
+  float valueAt(const LocalPoint& place, const GeneratedFunction& function);
 
-  // Whether that probe's own place lies in a cavity (cavity.h).
-  bool isInCavity() const { return probe_vote_.in_cavity; }
-
-  const SupportVisibility& visibility() const { return visibility_; }
+  // Of the probe that was seen last, whatever came of it.
+  const ProbeSight& sight() const { return *sight_; }
 
  private:
+  // What a point of a support reads from another one of it.
+  struct Reading {
+    uint16_t point, link;
+    uint8_t octant;  // whose cell has the link
+  };
+  static std::vector<Reading> readingsOf(uint32_t point, std::vector<float>* gaussian, double sigma);
+
   void lightSeenPoints(GeneratedFunction* result);
   void diffuse(int pass, GeneratedFunction* result);
+  void generateTestPoints(GeneratedFunction* result);
+  float gatherFrom(const NearestPoints& nearest, const std::array<bool, kLinkCount>& open,
+                   const GeneratedFunction& function) const;
   bool isLitBefore(int pass, uint32_t point) const { return lit_[point] != 0 && lit_[point] <= pass; }
+  // The triangles of the support: of who asks for more than support points.
+  const SupportVisibility& lookAround();
 
-  const LinkTable& table_;
+  const RayScene& scene_;
   DiffusionOptions options_;
-  SupportVisibility visibility_;
-  SolidEye solid_eye_;
-  EyeFinder eye_finder_;
-  BlendSum blend_sum_;
-  NeighbourEyes neighbours_;
-  bool has_neighbours_ = false;  // of the probe that was begun last
-  SolidVote probe_vote_;
-  bool open_shell_ = false;
-  std::vector<float> tent_;        // by point
-  std::vector<float> gaussian_;    // by entry of LinkTable::nearest
-  std::vector<uint8_t> lit_;       // 0: nothing received; otherwise 1 + the pass that lit it
-  std::vector<uint32_t> waiting_;  // valid points that have received nothing yet
+  const TestLinks* test_;
+  CellSampler sampler_;
+  SupportVisibility around_;
+  bool is_around_ = false;  // whether around_ is of the probe that was seen last
+  glm::dvec3 position_{0.0};
+  float spacing_m_ = 1.0f;
+  std::shared_ptr<const ProbeSight> sight_;
+  std::array<std::shared_ptr<const LatticeCell>, kCellCorners> cells_;  // by octant
+  std::vector<float> tent_;                                             // by support point
+  std::vector<uint32_t> first_reading_;                                 // by support point, into the two below; one more
+  std::vector<Reading> readings_;
+  std::vector<float> gaussian_;
+  std::vector<uint8_t> lit_;       // by support point: 0: nothing received; otherwise 1 + the pass that lit it
+  std::vector<uint16_t> waiting_;  // valid support points that have received nothing yet
+  LinkScratch scratch_;
 };
 
 }  // namespace nlg

@@ -209,8 +209,7 @@ void MethodSet::addTargetFunctions(const std::vector<glm::dvec3>& places, const 
   std::vector<glm::dvec3> all = places;
   all.insert(all.end(), scene_.air.places.begin(), scene_.air.places.end());
   const double start = processorSeconds();
-  auto functions =
-      std::make_unique<TargetFunctions>(all, probes_, scene_.transport.rays(), scene_.links, diffusion, options_.thread_count);
+  auto functions = std::make_unique<TargetFunctions>(all, probes_, scene_.transport.rays(), diffusion, options_.thread_count);
   const double seconds = processorSeconds() - start;
   // 8,192 samples in 8 bits each
   addBlends({"target functions", std::move(functions), probes_.count(), bytesOf(probes_.count() * kSupportPointCount), seconds,

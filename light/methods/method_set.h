@@ -5,7 +5,6 @@
 #include <memory>
 #include <vector>
 
-#include "datagen/visibility/link_table.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "light/air_places.h"
 #include "light/methods/apv.h"
@@ -29,7 +28,6 @@ struct MethodSetOptions {
 // What methods are made from; all of it must outlive them.
 struct MethodScene {
   const LightTransport& transport;
-  const LinkTable& links;
   const ProbeTree& tree;  // in the scene's coordinates
   const AirPlaces& air;   // places in cells of the tree
 };

@@ -33,13 +33,14 @@ std::vector<Reading> readingsByProbe(const std::vector<glm::dvec3>& positions_m,
 
 class ProbeReader {
  public:
-  ProbeReader(const ProbeTree& tree, const RayScene& rays, const LinkTable& links, const DiffusionOptions& diffusion)
-      : tree_(tree), builder_(rays, links, diffusion) {}
+  ProbeReader(const ProbeTree& tree, const RayScene& rays, const DiffusionOptions& diffusion, ProbeLattice* lattice)
+      : tree_(tree), lattice_(lattice), builder_(rays, diffusion) {}
 
   // Everything that places read of one probe.
   void read(const Reading* begin, const Reading* end, std::vector<TrueWeights>& weights) {
     const auto [x, y, z] = tree_.probePosition(begin->probe);
-    const ProbeOutcome outcome = builder_.build({x, y, z}, tree_.probeSpacing(begin->probe), &function_, InSolid::by_eye);
+    const ProbeOutcome outcome =
+        builder_.build({x, y, z}, tree_.probeSpacing(begin->probe), &function_, InSolid::by_eye, lattice_);
     for (const Reading* reading = begin; reading != end; ++reading) {
       const ProbeAround& around = reading->around;
       TrueWeights& place = weights[reading->place];
@@ -56,6 +57,7 @@ class ProbeReader {
 
  private:
   const ProbeTree& tree_;
+  ProbeLattice* lattice_;
   WeightingBuilder builder_;
   GeneratedFunction function_;
 };
@@ -70,15 +72,16 @@ Reach reachOf(LightStatus status) {
 }  // namespace
 
 std::vector<TrueWeights> trueWeights(const std::vector<glm::dvec3>& positions_m, const ProbeTree& tree, const RayScene& rays,
-                                     const LinkTable& links, const DiffusionOptions& diffusion, int thread_count) {
+                                     const DiffusionOptions& diffusion, int thread_count) {
   const std::vector<Reading> readings = readingsByProbe(positions_m, tree);
   std::vector<size_t> first;  // of each probe, into readings
   for (size_t i = 0; i < readings.size(); ++i) {
     if (i == 0 || readings[i].probe != readings[i - 1].probe) first.push_back(i);
   }
   first.push_back(readings.size());
+  ProbeLattice lattice(tree.frame());
   std::vector<std::unique_ptr<ProbeReader>> readers;
-  for (int t = 0; t < thread_count; ++t) readers.push_back(std::make_unique<ProbeReader>(tree, rays, links, diffusion));
+  for (int t = 0; t < thread_count; ++t) readers.push_back(std::make_unique<ProbeReader>(tree, rays, diffusion, &lattice));
   std::vector<TrueWeights> weights(positions_m.size());
   // probes of one place run on several threads: each writes corners of its own
   parallelFor(first.size() - 1, thread_count, [&](uint64_t p, int thread) {
@@ -116,8 +119,8 @@ size_t TargetFunctions::PlaceHash::operator()(const glm::dvec3& place) const {
 }
 
 TargetFunctions::TargetFunctions(const std::vector<glm::dvec3>& places, const ProbeSet& probes, const RayScene& rays,
-                                 const LinkTable& links, const DiffusionOptions& diffusion, int thread_count) {
-  const std::vector<TrueWeights> weights = trueWeights(places, probes.tree, rays, links, diffusion, thread_count);
+                                 const DiffusionOptions& diffusion, int thread_count) {
+  const std::vector<TrueWeights> weights = trueWeights(places, probes.tree, rays, diffusion, thread_count);
   for (size_t i = 0; i < places.size(); ++i) {
     ProbesAround around;
     ProbeBlend blend;

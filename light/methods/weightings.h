@@ -26,10 +26,10 @@ struct TrueWeights {
 };
 
 // The function of every probe that a place reads is generated once.
-// positions_m, rays, links, tree   in the scene's coordinates
-// returns                          by position
+// positions_m, rays, tree   in the scene's coordinates
+// returns                   by position
 std::vector<TrueWeights> trueWeights(const std::vector<glm::dvec3>& positions_m, const ProbeTree& tree, const RayScene& rays,
-                                     const LinkTable& links, const DiffusionOptions& diffusion, int thread_count);
+                                     const DiffusionOptions& diffusion, int thread_count);
 
 // Trilinear blends: of all probes, of those in air, of those that see the place.
 enum class TrilinearKind {
@@ -56,7 +56,7 @@ class TargetFunctions : public Weighting {
  public:
   // Makes the function of every probe that a place reads.
   // places   relative to the scene's origin; blendAt knows these and no others
-  TargetFunctions(const std::vector<glm::dvec3>& places, const ProbeSet& probes, const RayScene& rays, const LinkTable& links,
+  TargetFunctions(const std::vector<glm::dvec3>& places, const ProbeSet& probes, const RayScene& rays,
                   const DiffusionOptions& diffusion, int thread_count);
   ProbeBlend blendAt(const glm::dvec3& position_m, const glm::vec3& normal) const override;
 

@@ -165,8 +165,7 @@ TEST(LightBake, IsWhatMethodsOfTheSameWeightsAreSolvedFor) {
   LightGrid baked = grid;
   bakeLight(scene, options, &baked);
   const LightTransport transport(scene.source.scene, scene.rays);
-  MethodSet methods({transport, scene.links, scene.tree, scene.air},
-                    methodSetOptions(options, {64, 64}, scene.air.places.size(), 1));
+  MethodSet methods({transport, scene.tree, scene.air}, methodSetOptions(options, {64, 64}, scene.air.places.size(), 1));
   methods.addGrid("grid", std::move(grid), 0.0, {LightWay::solved});
   const std::vector<LightSh>& measured = *methods.methods().back().probe_light;
   ASSERT_EQ(measured.size() * kShFloats, baked.light.size());

@@ -42,7 +42,9 @@ void readOne(std::string_view bytes) {
 }
 
 Seeds seeds() {
-  return {{"none", keptBytes({}, origin())}, {"one", keptBytes(thetasOf(1), origin())}, {"several", keptBytes(thetasOf(3), origin())}};
+  return {{"none", keptBytes({}, origin())},
+          {"one", keptBytes(thetasOf(1), origin())},
+          {"several", keptBytes(thetasOf(3), origin())}};
 }
 
 std::string mutated(std::string bytes, size_t max_size, Random& random) {

@@ -135,7 +135,7 @@ class LightMeasurement {
     const LightTransport transport(scene.source.scene, scene.rays);
     MethodSetOptions method_options = methodSetOptions(options, request_.probe, scene.air.places.size(), threads_);
     if (!request_.thin_errors.empty()) method_options.thin_errors = request_.thin_errors;
-    MethodSet methods({transport, scene.links, scene.tree, scene.air}, method_options);
+    MethodSet methods({transport, scene.tree, scene.air}, method_options);
     if (!asked.grids_alone && !request_.grids_only) {
       methods.addTrilinear();
       methods.addApv();
@@ -174,7 +174,7 @@ class LightMeasurement {
       const bool is_drawn = asked.pictures && is_grid && method.light == "solved";
       json["methods"].push_back(measured(method, is_drawn ? Draws::pictures : Draws::nothing));
     }
-    if (asked.learned) addLearned({transport, scene.links, scene.tree, scene.air}, options, &methods, &json["methods"]);
+    if (asked.learned) addLearned({transport, scene.tree, scene.air}, options, &methods, &json["methods"]);
     if (asked.words) json["words"] = Json::array();
     for (size_t w = 0; w < words.size(); ++w) {
       json["words"].push_back({{"word", wordName(words[w])}});

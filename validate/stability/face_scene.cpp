@@ -41,9 +41,4 @@ Scene FaceScene::finish() const {
   return scene;
 }
 
-const LinkTable& stabilityLinks() {
-  static const LinkTable links = makeLinkTable({});
-  return links;
-}
-
 }  // namespace nlg

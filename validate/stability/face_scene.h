@@ -28,7 +28,4 @@ class FaceScene {
   std::vector<uint32_t> materials_;
 };
 
-// The links between support points, made once a process.
-const LinkTable& stabilityLinks();
-
 }  // namespace nlg

@@ -53,7 +53,7 @@ void countLight(const WallScene& scene, const GeneratedFunction& function, Built
 bool buildAtOrigin(const WallScene& scene, StabilityFigures* figures, GeneratedFunction* function, Built* built) {
   const Scene finished = scene.faces.finish();
   const RayScene rays(finished);
-  WeightingBuilder builder(rays, stabilityLinks(), scene.diffusion);
+  WeightingBuilder builder(rays, scene.diffusion);
   const bool is_function = builder.build(-finished.origin_m, 1.0f, function) == ProbeOutcome::function;
   figures->require(is_function, "a probe has no function");
   if (is_function) countLight(scene, *function, built);

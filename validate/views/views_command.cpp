@@ -96,7 +96,7 @@ class ViewsMeasurement {
   }
 
   Json measure(const GeneratorSets& sets) {
-    MethodSet methods({transport_, scene_.links, scene_.tree, scene_.air},
+    MethodSet methods({transport_, scene_.tree, scene_.air},
                       methodSetOptions(options_, {request_.probe_rays, 64}, scene_.air.places.size(), threads_));
     if (request_.target_functions) methods.addTargetFunctions(receivers(), options_.diffusion, {LightWay::solved});
     methods.addTrilinear(TrilinearKind::visible, {LightWay::solved});

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datagen/visibility/support_visibility.h"
+#include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/numbers/random.h"
 #include "tests/scene/windowed_room.h"
 #include "tool/parallel_for.h"
@@ -163,25 +163,19 @@ TEST(Cavity, IsNowhereWhereTheSceneSaysSo) {
 
 // The wall's twin in solid says what a probe beside it should see, and what of its support should count.
 TEST(Cavity, IsSolidToProbes) {
-  const LinkTable links = makeLinkTable({});
   const Scene hollow = windowedRoom(true), solid = windowedRoom(false);
   const RayScene hollow_rays(hollow), solid_rays(solid);
-  SupportVisibility of_hollow(hollow_rays, links), of_solid(solid_rays, links);
+  WeightingBuilder of_hollow(hollow_rays, {}), of_solid(solid_rays, {});
   for (const glm::dvec3& probe : {glm::dvec3(1.0, 1.3, 1.2), glm::dvec3(-1.7, 0.3, -1.3), glm::dvec3(0.9, 1.3, 2.0)}) {
-    for (SupportVisibility* visibility : {&of_hollow, &of_solid}) {
-      visibility->beginProbe(probe, 1.0f);
-      EXPECT_FALSE(visibility->probeVote().solid());
-      visibility->traceProbeRays();
-      visibility->testLinks();
-      visibility->findValidity();
-    }
-    for (uint32_t point = 0; point < links.points.size(); ++point)
-      ASSERT_EQ(of_hollow.valid(point), of_solid.valid(point)) << "point " << point << " around " << probe.x;
+    GeneratedFunction hollow_function, solid_function;
+    ASSERT_EQ(of_hollow.build(probe, 1.0f, &hollow_function), ProbeOutcome::function);
+    ASSERT_EQ(of_solid.build(probe, 1.0f, &solid_function), ProbeOutcome::function);
+    EXPECT_EQ(hollow_function.valid, solid_function.valid) << "around " << probe.x;
   }
-  const SolidVote vote = of_hollow.voteAt({1.2, 1.3, 1.6});
+  const SolidVote vote = voteAt(hollow_rays, {1.2, 1.3, 1.6});
   EXPECT_TRUE(vote.solid());
   EXPECT_TRUE(vote.in_cavity);
-  EXPECT_FALSE(of_solid.voteAt({1.2, 1.3, 1.6}).in_cavity) << "solid is no cavity";
+  EXPECT_FALSE(voteAt(solid_rays, {1.2, 1.3, 1.6}).in_cavity) << "solid is no cavity";
 }
 
 }  // namespace

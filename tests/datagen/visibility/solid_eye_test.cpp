@@ -7,20 +7,18 @@
 #include <iterator>
 #include <numeric>
 
+#include "datagen/visibility/solid_vote.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/runtime_eval/each_target.h"
 
 namespace nlg {
 namespace {
 
-const LinkTable& table() {
-  static const LinkTable links = makeLinkTable({});
-  return links;
-}
+const std::vector<LocalPoint>& points() { return supportPattern().points; }
 
 std::optional<LocalPoint> eyeAt(const Scene& scene, const glm::dvec3& position_m, float spacing_m = 1.0f) {
   const RayScene rays(scene);
-  SupportVisibility visibility(rays, table());
+  SupportVisibility visibility(rays);
   visibility.beginProbe(position_m, spacing_m);
   return SolidEye().open(&visibility);
 }
@@ -80,17 +78,17 @@ TEST(SolidEye, SeesAtLeastAsMuchAsTheCandidateThatSeesMostOthers) {
   // all that an eye sees of it sees each other, too
   for (const Scene& scene : {wallBetweenRooms()}) {
     const RayScene rays(scene);
-    SupportVisibility visibility(rays, table());
+    SupportVisibility visibility(rays);
     for (const glm::dvec3& position : {glm::dvec3(0.02, 0.03, 0.01), glm::dvec3(0.4, -0.3, 0.2), glm::dvec3(0.4, -0.6, -0.35)}) {
       visibility.beginProbe(position, 1.0f);
       const auto isAir = [&](uint32_t point) {
-        const LocalPoint& at = table().points[point];
-        return !visibility.voteAt(position + glm::dvec3(at[0], at[1], at[2])).solid();
+        const LocalPoint& at = points()[point];
+        return !voteAt(rays, position + glm::dvec3(at[0], at[1], at[2])).solid();
       };
-      const auto seenTents = [&](const LocalPoint& from, const auto& points) {
+      const auto seenTents = [&](const LocalPoint& from, const auto& of) {
         double sum = 0.0;
-        for (const uint32_t point : points) {
-          const LocalPoint& to = table().points[point];
+        for (const uint32_t point : of) {
+          const LocalPoint& to = points()[point];
           if (visibility.isOpen(from, to)) sum += double{tent(to)};
         }
         return sum;
@@ -99,11 +97,11 @@ TEST(SolidEye, SeesAtLeastAsMuchAsTheCandidateThatSeesMostOthers) {
       const std::vector<uint32_t>& inner = eyeCandidates(EyeRing::inner);
       std::copy_if(inner.begin(), inner.end(), std::back_inserter(air), isAir);
       const auto best = std::max_element(air.begin(), air.end(), [&](uint32_t a, uint32_t b) {
-        return seenTents(table().points[a], air) < seenTents(table().points[b], air);
+        return seenTents(points()[a], air) < seenTents(points()[b], air);
       });
       std::vector<uint32_t> all(kSupportPointCount);
       std::iota(all.begin(), all.end(), 0u);
-      const double most = best == air.end() ? 0.0 : seenTents(table().points[*best], all);
+      const double most = best == air.end() ? 0.0 : seenTents(points()[*best], all);
       forEachTarget([&] {
         const auto eye = SolidEye().open(&visibility);
         ASSERT_EQ(eye.has_value(), !air.empty());

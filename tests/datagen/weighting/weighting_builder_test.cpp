@@ -11,9 +11,19 @@
 namespace nlg {
 namespace {
 
-const LinkTable& table() {
-  static const LinkTable links = makeLinkTable(testPoints(512));
+const TestLinks& testLinks() {
+  static const TestLinks links = makeTestLinks(testPoints(512));
   return links;
+}
+
+// Support points, then test points.
+const std::vector<LocalPoint>& points() {
+  static const std::vector<LocalPoint> all = [] {
+    std::vector<LocalPoint> made = supportPattern().points;
+    made.insert(made.end(), testLinks().points.begin(), testLinks().points.end());
+    return made;
+  }();
+  return all;
 }
 
 struct Built {
@@ -24,7 +34,7 @@ struct Built {
 Built build(const Scene& scene, const DiffusionOptions& options = {}, const glm::vec3& position_m = glm::vec3(0),
             float spacing_m = 1.0f) {
   const RayScene rays(scene);
-  WeightingBuilder builder(rays, table(), options);
+  WeightingBuilder builder(rays, options, &testLinks());
   Built built;
   built.outcome = builder.build(position_m, spacing_m, &built.function);
   return built;
@@ -38,18 +48,61 @@ std::vector<Scene> scenes() {
           crossingBoxes(),      crateWithFin()};
 }
 
-// The definition, with every link tested beforehand and nothing left out: docs/theory/math.md §1.
+struct Read {
+  size_t point;
+  double distance;
+};
+
+// The support points among the 32 that are nearest to a place: for a support point of all lattice cells' points, for others of the support's.
+std::vector<Read> readBy(size_t p) {
+  std::vector<Read> reads;
+  const LocalPoint& at = points()[p];
+  const bool is_support = p < kSupportPointCount;
+  // a lattice of points goes on beyond the support; its octants repeat the positive one
+  const int reach = is_support ? 1 : 0;
+  for (int z = -reach - 1; z <= reach; ++z) {
+    for (int y = -reach - 1; y <= reach; ++y) {
+      for (int x = -reach - 1; x <= reach; ++x) {
+        for (size_t i = 0; i < kOctantPointCount; ++i) {
+          const LocalPoint& in_cell = points()[i];
+          const double dx = double{in_cell[0]} + x - at[0], dy = double{in_cell[1]} + y - at[1],
+                       dz = double{in_cell[2]} + z - at[2];
+          const double distance = std::sqrt(dx * dx + dy * dy + dz * dz);
+          if (distance == 0.0 || distance > 0.5) continue;
+          const bool is_inside = std::min({x, y, z}) >= -1 && std::max({x, y, z}) <= 0;
+          const size_t octant = (x < 0) | (y < 0) << 1 | (z < 0) << 2;
+          reads.push_back({is_inside ? octant * kOctantPointCount + cellLinks().point_of[octant][i] : points().size(), distance});
+        }
+      }
+    }
+  }
+  std::partial_sort(reads.begin(), reads.begin() + kLinkCount, reads.end(),
+                    [](const Read& a, const Read& b) { return a.distance < b.distance; });
+  reads.resize(kLinkCount);
+  std::erase_if(reads, [](const Read& read) { return read.point == points().size(); });
+  return reads;
+}
+
+const std::vector<std::vector<Read>>& allReads() {
+  static const std::vector<std::vector<Read>> reads = [] {
+    std::vector<std::vector<Read>> made;
+    for (size_t p = 0; p < points().size(); ++p) made.push_back(readBy(p));
+    return made;
+  }();
+  return reads;
+}
+
+// The definition, with every link tested and nothing left out: docs/theory/math.md §1.
 std::vector<double> diffusedNaively(const Scene& scene, const GeneratedFunction& function, const DiffusionOptions& options) {
   const RayScene rays(scene);
-  SupportVisibility visibility(rays, table());
+  SupportVisibility visibility(rays);
   visibility.beginProbe(glm::dvec3(0), 1.0f);
-  visibility.testLinks();
-  const size_t count = table().points.size();
+  const size_t count = points().size();
   std::vector<double> phi(count, 0.0);
   std::vector<bool> lit(count, false);
   for (size_t p = 0; p < count; ++p) {
     lit[p] = function.seen[p];
-    if (lit[p]) phi[p] = tent(table().points[p]);
+    if (lit[p]) phi[p] = tent(points()[p]);
   }
   for (int pass = 0; pass < options.passes; ++pass) {
     const std::vector<double> phi_before = phi;
@@ -57,13 +110,11 @@ std::vector<double> diffusedNaively(const Scene& scene, const GeneratedFunction&
     for (size_t p = 0; p < count; ++p) {
       if (!function.valid[p] || lit_before[p]) continue;
       double weighted = 0.0, lit_sum = 0.0, open_sum = 0.0;
-      for (int k = 0; k < kLinkCount; ++k) {
-        const LinkTable::Edge& edge = table().nearest[p * kLinkCount + k];
-        if (!function.valid[edge.point] || !visibility.linkOpen(edge.link)) continue;
-        const double distance = table().distance[p * kLinkCount + k];
-        const double gaussian = std::exp(-0.5 * distance * distance / (options.sigma * options.sigma));
+      for (const Read& read : allReads()[p]) {
+        if (!function.valid[read.point] || !visibility.isOpen(points()[p], points()[read.point])) continue;
+        const double gaussian = std::exp(-0.5 * read.distance * read.distance / (options.sigma * options.sigma));
         open_sum += gaussian;
-        if (lit_before[edge.point]) lit_sum += gaussian, weighted += gaussian * phi_before[edge.point];
+        if (lit_before[read.point]) lit_sum += gaussian, weighted += gaussian * phi_before[read.point];
       }
       if (lit_sum > 0) phi[p] = weighted / lit_sum * std::min(1.0, options.falloff * lit_sum / open_sum), lit[p] = true;
     }
@@ -91,13 +142,13 @@ TEST(WeightingBuilder, GivesAnyPlaceWhatItGivesTestPoints) {
   for (const Scene& scene : scenes()) {
     const RayScene rays(scene);
     for (const DiffusionOptions& options : {DiffusionOptions{}, DiffusionOptions{4, 0.05, 1.0}}) {
-      WeightingBuilder builder(rays, table(), options);
+      WeightingBuilder builder(rays, options, &testLinks());
       GeneratedFunction function;
       ASSERT_EQ(builder.build(glm::dvec3(0), 1.0f, &function), ProbeOutcome::function);
-      for (size_t p = kSupportPointCount; p < table().points.size(); ++p) {
+      for (size_t p = kSupportPointCount; p < points().size(); ++p) {
         if (!function.valid[p]) continue;
-        ASSERT_EQ(builder.sees(table().points[p]), function.seen[p] != 0) << "point " << p;
-        ASSERT_EQ(builder.valueAt(table().points[p], function), function.phi[p]) << "point " << p;
+        ASSERT_EQ(builder.sees(points()[p]), function.seen[p] != 0) << "point " << p;
+        ASSERT_EQ(builder.valueAt(points()[p], function), function.phi[p]) << "point " << p;
         in_shadow += !function.seen[p] && function.phi[p] > 0.0f;
       }
     }
@@ -108,7 +159,7 @@ TEST(WeightingBuilder, GivesAnyPlaceWhatItGivesTestPoints) {
 TEST(WeightingBuilder, KeepsItsPromisesInEveryScene) {
   for (const Scene& scene : scenes()) {
     const GeneratedFunction function = build(scene).function;
-    ASSERT_EQ(function.phi.size(), table().points.size());
+    ASSERT_EQ(function.phi.size(), points().size());
     for (size_t p = 0; p < function.phi.size(); ++p) {
       ASSERT_TRUE(function.phi[p] >= 0.0f && function.phi[p] <= 1.0f) << "point " << p << ": " << function.phi[p];
       ASSERT_TRUE(function.valid[p] <= 1 && function.seen[p] <= 1) << "point " << p;
@@ -117,25 +168,24 @@ TEST(WeightingBuilder, KeepsItsPromisesInEveryScene) {
       }
       if (function.seen[p]) {
         ASSERT_TRUE(function.valid[p]) << "point " << p << " is seen in solid";
-        ASSERT_EQ(function.phi[p], tent(table().points[p])) << "point " << p;
+        ASSERT_EQ(function.phi[p], tent(points()[p])) << "point " << p;
       }
     }
   }
 }
 
-TEST(WeightingBuilder, TellsFreeSpaceByNoRayButTheProbesOwn) {
+TEST(WeightingBuilder, TellsFreeSpace) {
   const RayScene rays(infiniteWall());
-  WeightingBuilder builder(rays, table(), {});
+  WeightingBuilder builder(rays, {}, &testLinks());
   GeneratedFunction function;
   EXPECT_EQ(builder.build({-3, 0, 0}, 2.0f, &function), ProbeOutcome::free_space);
-  EXPECT_LE(builder.visibility().rayCount(), 14u);
   EXPECT_EQ(builder.build({-3, 0, 0}, 3.5f, &function), ProbeOutcome::function);
 }
 
 // The function of a probe in solid.
 Built buildByEye(const Scene& scene, const glm::vec3& position_m) {
   const RayScene rays(scene);
-  WeightingBuilder builder(rays, table(), {});
+  WeightingBuilder builder(rays, {}, &testLinks());
   Built built;
   built.outcome = builder.build(position_m, 1.0f, &built.function, InSolid::by_eye);
   return built;
@@ -146,7 +196,7 @@ TEST(WeightingBuilder, LightsTheNearerSideOfAWallFromInsideIt) {
   ASSERT_EQ(built.outcome, ProbeOutcome::function);
   EXPECT_TRUE(built.function.in_solid);
   for (size_t p = 0; p < built.function.phi.size(); ++p) {
-    const LocalPoint& at = table().points[p];
+    const LocalPoint& at = points()[p];
     const float x = 0.36f + at[0];
     ASSERT_EQ(built.function.phi[p], x < 0.31f ? tent(at) : 0.0f) << "point " << p << " at x = " << x;
     ASSERT_EQ(built.function.valid[p], x < 0.31f || x > 0.47f) << "point " << p << " at x = " << x;
@@ -174,7 +224,7 @@ TEST(WeightingBuilder, MirrorsTheFunctionOfAProbeInSolidWithItsScene) {
 TEST(WeightingBuilder, StopsAtAnInfiniteWall) {
   const GeneratedFunction function = build(infiniteWall()).function;
   for (size_t p = 0; p < function.phi.size(); ++p) {
-    const LocalPoint& at = table().points[p];
+    const LocalPoint& at = points()[p];
     ASSERT_EQ(function.phi[p], at[0] < 0.31f ? tent(at) : 0.0f) << "point " << p << " at x = " << at[0];
     ASSERT_EQ(function.valid[p], at[0] < 0.31f || at[0] > 0.47f) << "point " << p << " at x = " << at[0];
   }
@@ -194,7 +244,7 @@ TEST(WeightingBuilder, CreepsRoundTheEdgeOfAHalfWallAndDecays) {
     if (two.phi[p] == 0) continue;
     // an average, times at most 1: never more than the most that a neighbour has
     float most = 0.0f;
-    for (int k = 0; k < kLinkCount; ++k) most = std::max(most, two.phi[table().nearest[p * kLinkCount + k].point]);
+    for (const Read& read : allReads()[p]) most = std::max(most, two.phi[read.point]);
     ASSERT_LE(two.phi[p], most) << "point " << p;
     // two passes of the longest link reach no farther from what the probe sees
     (one.phi[p] > 0 ? sum_one : sum_two) += two.phi[p];
@@ -207,13 +257,14 @@ TEST(WeightingBuilder, CreepsRoundTheEdgeOfAHalfWallAndDecays) {
 
 TEST(WeightingBuilder, ReachesTwoLinksIntoTheShadowAndNoFarther) {
   const GeneratedFunction function = build(halfWall()).function;
-  const float longest = *std::max_element(table().distance.begin(), table().distance.end());
+  double longest = 0.0;
+  for (const std::vector<Read>& reads : allReads()) longest = std::max(longest, reads.back().distance);
   for (size_t p = 0; p < function.phi.size(); ++p) {
     if (function.phi[p] == 0.0f || function.seen[p]) continue;
     float nearest = 4.0f;
     for (size_t q = 0; q < kSupportPointCount; ++q) {
       if (!function.seen[q]) continue;
-      const LocalPoint &a = table().points[p], &b = table().points[q];
+      const LocalPoint &a = points()[p], &b = points()[q];
       nearest = std::min(nearest, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
     }
     ASSERT_LE(nearest, 2 * longest) << "point " << p;

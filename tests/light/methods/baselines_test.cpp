@@ -70,8 +70,8 @@ TEST(Apv, TakesLightForProbesDeepInSolidFromThoseAround) {
 TEST_F(BaselinesTest, TargetFunctionsHandOverWhatTheirWeightsAddUpTo) {
   std::vector<glm::dvec3> places;
   for (const LightPlace& place : lit_->places().places) places.push_back(place.position_m);
-  const TargetFunctions functions(places, *probes_, lit_->rays, lit_->links, {}, 1);
-  const std::vector<TrueWeights> truth = trueWeights(places, lit_->tree, lit_->rays, lit_->links, {}, 1);
+  const TargetFunctions functions(places, *probes_, lit_->rays, {}, 1);
+  const std::vector<TrueWeights> truth = trueWeights(places, lit_->tree, lit_->rays, {}, 1);
   int below_one = 0;
   for (size_t i = 0; i < places.size(); ++i) {
     const ProbeWeights weights = functions.weightsAt(places[i], {0, 1, 0});

@@ -25,7 +25,7 @@ struct SolvedRoom {
   }
 
   WeightsAt weights(const std::vector<glm::dvec3>& places) const {
-    const auto all = std::make_shared<std::vector<TrueWeights>>(trueWeights(places, tree, lit.rays, lit.links, {}, 1));
+    const auto all = std::make_shared<std::vector<TrueWeights>>(trueWeights(places, tree, lit.rays, {}, 1));
     return [&places, all](const glm::dvec3& place, ProbeWeights* weights) {
       const size_t at = std::find(places.begin(), places.end(), place) - places.begin();
       weights->count = 0;

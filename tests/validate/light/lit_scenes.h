@@ -2,7 +2,6 @@
 #pragma once
 
 #include "datagen/probes/probe_placement.h"
-#include "datagen/visibility/link_table.h"
 #include "light/air.h"
 #include "light/air_places.h"
 #include "light/light_transport.h"
@@ -50,7 +49,6 @@ struct LitScene {
       : scene(std::move(made)),
         rays(scene),
         transport(scene, rays),
-        links(makeLinkTable({})),
         tree(placeProbes(scene, placement(spacing_m), 1)),
         air(findAirPlaces(rays, tree, {}, 1)) {}
 
@@ -70,13 +68,12 @@ struct LitScene {
   MethodSet methods() const {
     MethodSetOptions options;
     options.probe.rays = 256;
-    return MethodSet({transport, links, tree, air}, options);
+    return MethodSet({transport, tree, air}, options);
   }
 
   Scene scene;
   RayScene rays;
   LightTransport transport;
-  LinkTable links;
   ProbeTree tree;
   AirPlaces air;
 };

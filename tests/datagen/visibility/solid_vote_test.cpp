@@ -1,0 +1,74 @@
+#include "datagen/visibility/solid_vote.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/datagen/hand_built_scenes.h"
+
+namespace nlg {
+namespace {
+
+TEST(SolidVote, FindsAPlaceInAWallSolid) {
+  const RayScene scene(infiniteWall());
+  const auto at = [&](float x) { return voteAt(scene, {x, 0.013f, 0.027f}); };
+  EXPECT_TRUE(at(0.4f).solid());
+  EXPECT_EQ(at(0.4f).front, 0);
+  EXPECT_FALSE(at(0.2f).solid());
+  EXPECT_FALSE(at(0.6f).solid());
+  EXPECT_FALSE(at(0.4f).disputed());
+}
+
+TEST(SolidVote, AsksMoreMembersOfAGroupWhereTheFirstLeavesDoubt) {
+  const RayScene scene(terrainSheet(0.0f, Sides::one));
+  std::vector<size_t> asked;
+  const auto voteOf = [&](float y) {
+    asked.clear();
+    return groupVote(scene, 7, [&](size_t member) {
+      asked.push_back(member);
+      return glm::dvec3(0.1, y, 0.2);
+    });
+  };
+  // half of the rays meet the ground, in seven of fourteen directions
+  EXPECT_TRUE(voteOf(-0.3f).solid());
+  EXPECT_EQ(asked, (std::vector<size_t>{0}));
+  const RayScene sheets(terrainSheet(0.0f, Sides::two));
+  asked.clear();
+  EXPECT_FALSE(groupVote(sheets, 7,
+                         [&](size_t member) {
+                           asked.push_back(member);
+                           return glm::dvec3(0.1, -0.3, 0.2);
+                         })
+                   .solid())
+      << "no evidence is air";
+  EXPECT_EQ(asked, (std::vector<size_t>{0, 2, 4, 6}));
+}
+
+// A yard whose walls and lid are sky, between halls that look inward: from high in the yard, rays that pass the sky meet the backs
+// of the halls' walls.
+TEST(SolidVote, TakesNoEvidenceFromBeyondTheSky) {
+  SceneOfFaces faces;
+  faces.addBox({-2, 0, -2}, {2, 3, 2}, true);
+  const size_t yard_triangles = faces.finish().triangles.size();
+  for (const glm::vec3 shift : {glm::vec3(-10, 0, 0), glm::vec3(10, 0, 0), glm::vec3(0, 0, -10), glm::vec3(0, 0, 10)})
+    faces.addBox(shift + glm::vec3(-5, -3, -5), shift + glm::vec3(5, 12, 5), true);
+  Scene scene = faces.finish();
+  SkyFaces& sky = scene.light.sky_faces;
+  sky.positions = scene.positions;
+  std::vector<glm::uvec3> kept;
+  for (size_t t = 0; t < scene.triangles.size(); ++t) {
+    const glm::uvec3& corners = scene.triangles[t];
+    const bool is_floor =
+        scene.positions[corners.x].y == 0 && scene.positions[corners.y].y == 0 && scene.positions[corners.z].y == 0;
+    (t < yard_triangles && !is_floor ? sky.triangles : kept).push_back(corners);
+  }
+  scene.triangles = kept;
+  scene.triangle_material.resize(kept.size());
+  scene.objects[0].triangle_count = static_cast<uint32_t>(kept.size());
+  const RayScene rays(scene);
+  const glm::dvec3 high(0.3, 2.8, 0.1);
+  EXPECT_TRUE(solidVote(rays, high).solid()) << "the halls' backs are what geometry alone shows";
+  EXPECT_FALSE(voteAt(rays, high).solid());
+  EXPECT_TRUE(voteAt(rays, {0.3, -0.5, 0.1}).solid()) << "below the floor";
+}
+
+}  // namespace
+}  // namespace nlg
