@@ -1,6 +1,7 @@
 #include "validate/stability/face_scene.h"
 
 namespace nlg {
+
 void FaceScene::addTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, Sides sides) {
   positions_.insert(positions_.end(), {a, b, c});
   materials_.push_back(static_cast<uint32_t>(sides));
