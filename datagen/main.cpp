@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "datagen/commands.h"
+#include "datagen/dataset/shard_file.h"
 #include "scene/scene_file.h"
 #include "tool/command/file_info.h"
 #include "tool/command/tool_main.h"
@@ -46,6 +47,8 @@ int generateMain(int argc, char** argv) {
   app.add_option("--out", out, "shard to write (.h5)")->required();
   return runTool(argc, argv, app, table, [&] {
     refuseToReplaceInputs(out, {request.scene});
+    // among others what the scene's file names
+    refuseToReplaceOthers(out, kShardFiles);
     generate(request, out, options, table);
   });
 }

@@ -15,6 +15,7 @@
 
 #include "export/commands.h"
 #include "export/onnx_file/onnx_file.h"
+#include "export/shader/shader_export.h"
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/generator/generator_data.h"
@@ -51,6 +52,7 @@ void writeOnnx(const WeightsFile& file, const GeneratorData& data, const std::st
 void convertToOnnx(const std::string& weights, const std::string& out) {
   requireOnnxName(out);
   refuseToReplaceInputs(out, {weights});
+  refuseToReplaceOthers(out, kExportedFiles);
   WeightsFile file;
   GeneratorData data;
   requireRead(weights, readWeightsFile(weights, &file), "the weights of a generator");
@@ -229,9 +231,11 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   std::vector<std::string> inputs = request.shards;
   inputs.insert(inputs.end(), {request.checkpoint, request.basis});
   refuseToReplaceInputs(request.out, inputs);
+  refuseToReplaceOthers(request.out, kExportedFiles);
   if (!request.onnx.empty()) {
     requireOnnxName(request.onnx);
     refuseToReplaceInputs(request.onnx, inputs);
+    refuseToReplaceOthers(request.onnx, kExportedFiles, "--onnx");
   }
   computeOnCallingThreads();
   const BasisFile basis = readBasisFile(request.basis);

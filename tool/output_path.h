@@ -18,6 +18,9 @@ struct OwnFiles {
   bool (*are)(std::string_view bytes);  // of the file's first 16 MiB
 };
 
+// Whether a text is among the bytes: the name of their kind, or of their tool.
+inline bool hold(std::string_view bytes, std::string_view text) { return bytes.find(text) != std::string_view::npos; }
+
 // What somebody else wrote would be gone for good, too: an existing file is replaced only where the tool wrote it, in whatever version,
 // or where it is empty.
 bool mayReplace(const std::string& out, const OwnFiles& own);

@@ -16,6 +16,7 @@
 #include "tool/command/file_info.h"
 #include "tool/command/tool_main.h"
 #include "tool/input_file.h"
+#include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "train/basis/basis_file.h"
@@ -73,6 +74,11 @@ void takeBasis(const std::string& path, Basis* basis) {
 }
 
 void fitBasis(const Request& request, const PcaOptions& options, const OptionTable& table) {
+  std::vector<std::string> read = request.shards;
+  read.insert(read.end(), request.held_out.begin(), request.held_out.end());
+  read.push_back(request.from);
+  refuseToReplaceInputs(request.out, read);
+  refuseToReplaceOthers(request.out, kBasisFiles);
   BasisFit fit;
   MeanFunction mean;
   std::map<std::string, std::string> inputs;

@@ -83,6 +83,8 @@ void checkOwnPromises(const Shard& shard) {
 
 }  // namespace
 
+const OwnFiles kShardFiles = {"a shard", [](std::string_view bytes) { return hold(bytes, kShardKind); }};
+
 ShardReader::ShardReader(const std::string& path, uint64_t pattern_hash, int point_count)
     : file_(path), header_(readAttributes(path, file_, pattern_hash, point_count)) {
   forEachArray(

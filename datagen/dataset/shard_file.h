@@ -7,8 +7,11 @@
 
 #include "datagen/dataset/hdf5_file.h"
 #include "datagen/dataset/shard.h"
+#include "tool/output_path.h"
 
 namespace nlg {
+
+extern const OwnFiles kShardFiles;
 
 class ShardReader {
  public:

@@ -123,7 +123,10 @@ LightVolume readVolume(const LightGrid& grid, const EngineRequest& request, cons
 // A grid that is read must not be one of the files to come.
 void writeFiles(const std::vector<EngineFile>& files, const EngineRequest& request) {
   const auto pathOf = [&](const EngineFile& file) { return (std::filesystem::path(request.out) / file.name).string(); };
-  for (const EngineFile& file : files) refuseToReplaceInputs(pathOf(file), {request.grid});
+  for (const EngineFile& file : files) {
+    refuseToReplaceInputs(pathOf(file), {request.grid});
+    refuseToReplaceOthers(pathOf(file), kExportedFiles);
+  }
   for (const EngineFile& file : files) writeFileAtomically(pathOf(file), file.bytes);
 }
 

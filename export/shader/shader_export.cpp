@@ -1,6 +1,7 @@
 #include "export/shader/shader_export.h"
 
 #include <CLI/CLI.hpp>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
@@ -21,10 +22,24 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFiles[] = {"grid.bin", "look_up.glsl", "resample.comp", "resampled.glsl"};
 
+// By the head of grid.bin: axes of light, bits of a record's scale, groups (docs/reference/formats.md).
+bool isGrid(std::string_view bytes) {
+  const auto word = [&](size_t i) {
+    uint32_t value;
+    std::memcpy(&value, &bytes[kWord * i], kWord);
+    return value;
+  };
+  return bytes.size() >= 32 * kWord && bytes.size() % (4 * kWord) == 0 && word(16) <= 27 && word(17) <= 31 && word(19) <= 16;
+}
+
 void run(const std::string& grid_path, const std::string& folder, const std::vector<double>& origin_m) {
   // refusals before the grid is read
   requireOutputFolder(folder);
-  for (const char* name : kFiles) refuseToReplaceInputs((fs::path(folder) / name).string(), {grid_path});
+  for (const char* name : kFiles) {
+    const std::string out = (fs::path(folder) / name).string();
+    refuseToReplaceInputs(out, {grid_path});
+    refuseToReplaceOthers(out, kExportedFiles);
+  }
   LightGrid grid;
   GridMetadata metadata;
   requireRead(grid_path, readLightGridFile(grid_path, &grid, &metadata), "a light grid");
@@ -52,6 +67,9 @@ void run(const std::string& grid_path, const std::string& folder, const std::vec
 }
 
 }  // namespace
+
+const OwnFiles kExportedFiles = {
+    "a file of nlg-export", [](std::string_view bytes) { return hold(bytes, "nlg") || hold(bytes, "Nlg") || isGrid(bytes); }};
 
 std::string shaderText(const ShaderGrid& grid) {
   std::string text = "// Made by nlg-export shader for one grid: grid.bin, beside this file.\n";

@@ -11,12 +11,16 @@
 #include <vector>
 
 #include "nlg/shader_grid.h"
+#include "tool/output_path.h"
 
 namespace CLI {
 class App;
 }
 
 namespace nlg {
+
+// What nlg-export may overwrite: texts and files that name their tool, and grid.bin.
+extern const OwnFiles kExportedFiles;
 
 extern const std::string_view kLookUpText, kResampleText, kResampledText;  // of runtime_eval/shader_grid/
 

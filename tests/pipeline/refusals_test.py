@@ -157,6 +157,23 @@ def check_held_out_sets(tools):
     tools.refuses(INPUT_ERROR, ["training.h5", "house_1"], configured("nlg-train", by={"held_out.h5": "training.h5"}))
 
 
+def check_what_others_wrote(tools):
+    """A file that the tool did not write stays as it is; one that it wrote is replaced."""
+    os.mkdir("theirs")
+    calls = [(call(tool, by={words.split()[-1]: "theirs.bin"}), "theirs.bin") for tool, words in CALLS.items() if tool in ("nlg-datagen", "nlg-pca", "nlg-cache", "nlg-export")]
+    calls += [("nlg-export shader --grid grid.safetensors --out theirs", "theirs/grid.bin"), ("nlg-export shader --grid grid.safetensors --out theirs", "theirs/look_up.glsl"),
+              ("nlg-export engine --grid grid.safetensors --format ktx2-sh --out theirs", "theirs/light.ktx2"), ("nlg-export onnx --weights weights.safetensors --out theirs.onnx", "theirs.onnx")]
+    for command, out in calls:
+        write(out, "the level's own buffer")
+        tools.refuses(USAGE_ERROR, [out, "another kind of file"], command)
+        with open(out) as file:
+            tools.check(file.read() == "the level's own buffer", f"{command}: wrote over {out}")
+        os.remove(out)
+    for command, out in calls[4:]:
+        tools.must(command)
+        tools.must(command)
+
+
 if __name__ == "__main__":
-    checks = (make_good_files, check_command_lines, check_settings, check_inputs, check_files_that_do_not_belong_together, check_held_out_sets)
+    checks = (make_good_files, check_command_lines, check_what_others_wrote, check_settings, check_inputs, check_files_that_do_not_belong_together, check_held_out_sets)
     sys.exit(run_checks(Tools(sys.argv[1]), checks))

@@ -31,6 +31,8 @@ void readClassCounts(const std::string& path, const Hdf5Reader& reader, BasisDat
 
 }  // namespace
 
+const OwnFiles kBasisFiles = {"a basis", [](std::string_view bytes) { return hold(bytes, kKind); }};
+
 void writeBasisFile(const std::string& path, const BasisFile& file) {
   const BasisData& data = file.basis.data;
   const uint64_t count = static_cast<uint64_t>(data.coefficientCount());

@@ -3,9 +3,12 @@
 
 #include <string>
 
+#include "tool/output_path.h"
 #include "train/basis/basis_fit.h"
 
 namespace nlg {
+
+extern const OwnFiles kBasisFiles;
 
 struct BasisFile {
   Basis basis;
