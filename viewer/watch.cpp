@@ -26,6 +26,7 @@
 #include "tool/atomic_file.h"
 #include "tool/command/tool_main.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 #include "tool/output_path.h"
 #include "tool/printable.h"
 #include "viewer/child_process.h"
