@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "bake/blend_error.h"
 #include "runtime_eval/evaluator/generator/projection.h"
