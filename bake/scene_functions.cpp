@@ -38,7 +38,6 @@ SceneFunctions::SceneFunctions(const PreparedScene& scene, const BakeOptions& op
                                const std::string& spool_folder)
     : scene_(scene),
       options_(options),
-      lattice_(scene.tree.frame()),
       threads_(static_cast<size_t>(thread_count)),
       collector_(supportRows(), {options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)}, kBatchCount,
                  {}, spool_folder) {
@@ -70,7 +69,7 @@ struct SceneFunctions::PlacedProbe {
 ProbeOutcome SceneFunctions::see(const PlacedProbe& probe, ThreadState& state) {
   FunctionTimes& times = state.times;
   const Clock::time_point start = Clock::now();
-  const ProbeOutcome seen = state.builder.see(probe.position, probe.spacing_m, InSolid::by_eye, &lattice_);
+  const ProbeOutcome seen = state.builder.see(probe.position, probe.spacing_m, InSolid::by_eye, lattice_.get());
   const Clock::time_point after = Clock::now();
   times.visibility_s += secondsBetween(start, after);
   times.cavity_probes += state.builder.sight().vote.in_cavity;
@@ -134,6 +133,7 @@ void SceneFunctions::makeProbe(uint64_t number, ThreadState& state, ProbeBlock* 
 void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int thread)>& makeFinisher) {
   const uint64_t probe_count = scene_.tree.probeCount();
   Progress progress("probes", static_cast<int64_t>(probe_count));
+  lattice_ = std::make_unique<ProbeLattice>(scene_.tree.frame());
   FunctionPipeline pipeline;
   // blocks of probes in their order
   pipeline.nextProbes = [next = uint64_t{0}, probe_count]() mutable {
@@ -154,6 +154,7 @@ void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int th
     progress.update(static_cast<int64_t>(collector.counts().visited_probes));
   };
   pipeline.run(static_cast<int>(threads_.size()), collector_);
+  lattice_.reset();
   counts_ = collector_.counts();
   counts_.grid_probes = probe_count;
 }

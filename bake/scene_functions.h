@@ -57,7 +57,7 @@ class SceneFunctions {
 
   const PreparedScene& scene_;
   BakeOptions options_;
-  ProbeLattice lattice_;
+  std::unique_ptr<ProbeLattice> lattice_;  // while makeAll runs
   std::vector<std::unique_ptr<ThreadState>> threads_;
   FunctionCollector collector_;
   std::vector<uint32_t> probe_function_;

@@ -282,7 +282,7 @@ class Level {
   std::vector<uint64_t> probes_;
 };
 
-TEST(Sampling, IsTheSameForEveryOrderAndNumberOfThreadsAndAlone) {
+TEST(Sampling, IsTheSameForEveryOrderAndNumberOfThreads) {
   for (const char* request : {"house:3", "kitchen:7"}) {
     const Level level(request);
     std::vector<size_t> order(level.count());
