@@ -215,6 +215,10 @@ def install(workflow, persistence, io, folder, origins):
             super().started(job, external_jobid)
             # of a group its jobs are told one by one
             if origins and not job.is_group() and job.output:
+                gone = [path for path in job.input if not origins.folder_of(path) and not os.path.exists(path)]
+                if gone:
+                    # Snakemake would wait, and end in a traceback
+                    raise workflow.WorkflowError(f"{gone[0]}: is gone since the run began; the same command goes on with what is there")
                 origins.started(job)
 
         def finished(self, job, keep_metadata=True):

@@ -155,7 +155,9 @@ class RunProgress:
     def _take_warning(self, event):
         self._print(event["msg"])
 
-    _take_error = _take_warning
+    def _take_error(self, event):
+        # of an error that origins.py raises the line is enough
+        self._print("\n".join(line for line in event["msg"].splitlines() if not re.match(r"WorkflowError:$|  File .*origins\.py", line)))
 
     def _count(self):
         total = sum(self.planned.values())
