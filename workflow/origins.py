@@ -196,10 +196,10 @@ class Origins:
             print(f"{', '.join(job.output)}: what it was made of is not recorded: {error}", file=sys.stderr)
 
 
-def install(workflow, persistence, io, folder, origins):
+def install(workflow, persistence, io, jobs, folder, origins):
     """Makes Snakemake go by origins, and keep what it writes for itself in the run's folder.
 
-    workflow, persistence, io   its modules of these names; origins: None in the processes of single jobs, which judge nothing
+    workflow, persistence, io, jobs   its modules of these names; origins: None in the processes of single jobs, which judge nothing
     """
     class RunPersistence(persistence.Persistence):
         def __init__(self, *arguments, **options):
@@ -215,10 +215,6 @@ def install(workflow, persistence, io, folder, origins):
             super().started(job, external_jobid)
             # of a group its jobs are told one by one
             if origins and not job.is_group() and job.output:
-                gone = [path for path in job.input if not origins.folder_of(path) and not os.path.exists(path)]
-                if gone:
-                    # Snakemake would wait, and end in a traceback
-                    raise workflow.WorkflowError(f"{gone[0]}: is gone since the run began; the same command goes on with what is there")
                 origins.started(job)
 
         def finished(self, job, keep_metadata=True):
@@ -234,5 +230,15 @@ def install(workflow, persistence, io, folder, origins):
 
         params_changed = code_changed = conda_env_changed = container_changed = version_changed = _nothing
 
+    wait_for_files = jobs.wait_for_files
+
+    def wait(files, *arguments, **options):
+        try:
+            wait_for_files(files, *arguments, **options)
+        except OSError:
+            gone = [path for path in files if not os.path.exists(path)]
+            raise workflow.WorkflowError(f"{', '.join(gone)}: is gone since the run began; the same command goes on with what is there") from None
+
+    jobs.wait_for_files = wait
     workflow.Persistence = RunPersistence
     io._IOFile.is_newer = lambda self, time: False

@@ -156,7 +156,7 @@ class RunProgress:
         self._print(event["msg"])
 
     def _take_error(self, event):
-        # of an error that origins.py raises the line is enough
+        # of what origins.py says the line is enough
         self._print("\n".join(line for line in event["msg"].splitlines() if not re.match(r"WorkflowError:$|  File .*origins\.py", line)))
 
     def _count(self):

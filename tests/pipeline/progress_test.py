@@ -71,6 +71,11 @@ class Progress(unittest.TestCase):
         self.assertEqual(sum("were planned; it will be about" in line for line in lines), 1)
         self.assertEqual([line for line in lines if "train mlp; nlg-train: steps: 3 of 9" in line], [lines[-2], lines[-1]])
 
+    def test_a_level_that_is_gone_is_a_line(self):
+        run = Run()
+        run.progress.take({"level": "error", "msg": "WorkflowError:\nlevels/a.glb: is gone\n  File \"/checkout/workflow/origins.py\", line 3, in wait"})
+        self.assertEqual(run.text, "levels/a.glb: is gone\n")
+
     def test_what_fails_after_ctrl_c_says_nothing(self):
         run = Run()
         run.begins(3, "train", representation="mlp")

@@ -120,7 +120,6 @@ def check_ignored_stop(_):
     process = train("ignoring", steps=400, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
     while process.poll() is None and not os.path.exists("ignoring_run/latest"):
         time.sleep(0.01)
-    end(train("ignoring", steps=400), USAGE_ERROR)
     process.send_signal(signal.SIGINT)
     end(process)
     check(folder_of("ignoring") == folder_of("unstopped_plain"), "an ignored Ctrl-C changed the run")
@@ -200,6 +199,8 @@ def check_lost_process(_):
     deadline = time.time() + 60
     while not os.path.exists("lost_run/latest") and time.time() < deadline:
         time.sleep(0.01)
+    # one trainer a folder
+    end(train("lost", steps=1000000), USAGE_ERROR)
     pair[1].kill()
     pair[1].communicate()
     _, err = end(pair[0], INPUT_ERROR)
