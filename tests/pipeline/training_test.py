@@ -143,11 +143,11 @@ def check_copies(tools):
     for scene, out in (("room.obj", "--out room.h5"), ("copies/other.obj", "--held-out --out copy.h5")):
         tools.must(f"nlg-datagen --scene {scene} --max-functions 60 --spacing-min-m 0.5 --spacing-max-m 0.5 {out}")
     tools.must("nlg-pca --components 16 --shards room.h5 --out room_basis.h5")
-    room = ["--basis", "room_basis.h5"]
-    _, err = end(train("copied", *room, "--held-out", "copy.h5", data=["--shards", "room.h5"], steps=2), INPUT_ERROR)
+    basis = ["--basis", "room_basis.h5"]
+    _, err = end(train("copied", *basis, "--held-out", "copy.h5", data=["--shards", "room.h5"], steps=2), INPUT_ERROR)
     check("scene other" in err and "the training scene room" in err, f"a copy: {err!r}")
     # weights that saw the room, trained on another scene
-    end(train("seeing", *room, data=["--shards", "room.h5"], steps=2))
+    end(train("seeing", *basis, data=["--shards", "room.h5"], steps=2))
     tools.must("nlg-export --checkpoint seeing.ckpt --basis room_basis.h5 --shards held_out.h5 --parity-tolerance 1 --out seeing.safetensors")
     tools.must("nlg-pca --from seeing.safetensors --shards training.h5 --out seeing_basis.h5")
     _, err = end(train("tuned", "--init", "seeing.safetensors", "--basis", "seeing_basis.h5", "--held-out", "copy.h5", data=["--shards", "training.h5"], steps=2), INPUT_ERROR)
