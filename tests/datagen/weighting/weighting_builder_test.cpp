@@ -345,7 +345,7 @@ TEST(WeightingBuilder, MakesTheSameFunctionsOfARoomOfAnySize) {
       }
     }
     // rounding a position to float moves it by 6e-8 of its size: only points whose links graze an edge may change
-    EXPECT_LE(apart, 1e-4 * 8 * static_cast<double>(table().points.size())) << scale;
+    EXPECT_LE(apart, 1e-4 * 8 * kSupportPointCount) << scale;
   }
 }
 
