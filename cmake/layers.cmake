@@ -44,7 +44,7 @@ set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::shard_scene nlg::scene nlg::p
 set(NLG_MAY_LINK_nlg-pca       nlg::weights_file nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-cache     nlg::training_data nlg::basis nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch nlg::torch_threads nlg::training_data)
-set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::export_commands nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch nlg::torch_threads)
+set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::shader_export nlg::export_commands nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch nlg::torch_threads)
 set(NLG_MAY_LINK_nlg-export-plain nlg::export_commands nlg::tool)
 set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::scene nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_nlg-render    nlg::render nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
