@@ -13,10 +13,7 @@ namespace nlg {
 namespace {
 
 // A unit of work: long against what handing it on costs, short against a shard.
-constexpr size_t kWorkProbes = 64;
-
-// Probes are visited in blocks of so many lattice points a side, which share cells; blocks in random order.
-constexpr int32_t kBlockSide = 4;
+constexpr size_t kBlockProbes = 64;
 
 constexpr uint64_t kInSolidStream = 0x736f6c6964;  // of the shard's seed: which probes in solid have functions
 
@@ -59,20 +56,6 @@ std::vector<glm::vec3> placesOfPeople(const Scene& scene) {
   return places;
 }
 
-// The first probe of each block, and the count of all: along their curve those of a block follow one another.
-std::vector<uint64_t> firstOfBlocks(const ProbeTree& tree) {
-  std::vector<uint64_t> first;
-  LatticePoint last{-1, -1, -1};
-  for (uint64_t probe = 0; probe < tree.probeCount(); ++probe) {
-    LatticePoint block = tree.probeLattice(probe);
-    for (int32_t& coordinate : block) coordinate /= kBlockSide;
-    if (block != last) first.push_back(probe);
-    last = block;
-  }
-  first.push_back(tree.probeCount());
-  return first;
-}
-
 SceneSource loadChecked(const ShardRequest& request, const DatagenOptions& options) {
   if (options.test_points % 16 != 0) throw UsageError("test_points", "a multiple of 16", std::to_string(options.test_points));
   if (options.probes.spacing_max_m < options.probes.spacing_min_m) {
@@ -111,8 +94,8 @@ void describe(DatagenOptions& o, OptionTable& table) {
             "starts and "
             "lamps");
   table.group("Shard");
-  table.add("max_functions", &o.max_functions,
-            "maximum number of functions in a shard. Blocks of 4 x 4 x 4 probes are visited in random order", 1, 1 << 30);
+  table.add("max_functions", &o.max_functions, "maximum number of functions in a shard. Probes are visited in random order", 1,
+            1 << 30);
   table.add("max_visited_probes", &o.max_visited_probes,
             "maximum number of probes visited, most of which are empty in sparse scenes", 1, 2000000000);
   table.add("test_points", &o.test_points, "test points of a held-out shard, which no fit sees: a multiple of 16", 0,
@@ -197,13 +180,10 @@ void ShardJob::generate(WeightingBuilder& builder, const std::vector<uint64_t>& 
 
 FunctionPipeline ShardJob::pipeline() const {
   FunctionPipeline pipeline;
-  const std::vector<uint64_t> first = firstOfBlocks(tree_);
-  pipeline.nextProbes = [first, order = ShuffledOrder(first.size() - 1, seed_)]() mutable {
+  pipeline.nextProbes = [order = ShuffledOrder(probeCount(), seed_)]() mutable {
     std::vector<uint64_t> probes;
-    uint64_t block = 0;
-    while (probes.size() < kWorkProbes && order.next(&block)) {
-      for (uint64_t probe = first[block]; probe < first[block + 1]; ++probe) probes.push_back(probe);
-    }
+    uint64_t index = 0;
+    while (probes.size() < kBlockProbes && order.next(&index)) probes.push_back(index);
     return probes;
   };
   pipeline.makeGenerator = [this](int) {
