@@ -123,9 +123,12 @@ LightVolume readVolume(const LightGrid& grid, const EngineRequest& request, cons
 // A grid that is read must not be one of the files to come.
 void writeFiles(const std::vector<EngineFile>& files, const EngineRequest& request) {
   const auto pathOf = [&](const EngineFile& file) { return (std::filesystem::path(request.out) / file.name).string(); };
+  // texels alone bear no name; the text beside them that says where they lie does
+  const std::filesystem::path place = std::filesystem::path(request.out) / kPlace;
+  const bool is_own = std::filesystem::exists(place) && mayReplace(place.string(), kExportedFiles);
   for (const EngineFile& file : files) {
     refuseToReplaceInputs(pathOf(file), {request.grid});
-    refuseToReplaceOthers(pathOf(file), kExportedFiles);
+    if (!is_own) refuseToReplaceOthers(pathOf(file), kExportedFiles);
   }
   for (const EngineFile& file : files) writeFileAtomically(pathOf(file), file.bytes);
 }

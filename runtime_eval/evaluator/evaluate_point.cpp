@@ -67,10 +67,10 @@ float evaluatePoint(const Representation& representation, const LocalPoint& poin
 }
 
 float evaluateTentShare(const Representation& representation, const LocalPoint& point, float tent, const float* theta) {
-  float share = evaluateOutput(representation, point, theta);
-  if (!representation.tentFactor()) share /= tent;
-  // as the comparison is written, NaN has none
-  return share > 0.0f ? std::min(share, 1.0f) : 0.0f;
+  const float output = evaluateOutput(representation, point, theta);
+  const float most = representation.tentFactor() ? 1.0f : tent;
+  // as the comparisons are written, NaN has none, and nothing is divided by a tent of 0
+  return output > 0.0f ? (output < most ? output / most : 1.0f) : 0.0f;
 }
 
 }  // namespace nlg
