@@ -107,8 +107,8 @@ class ProbeLattice {
   friend class CellSampler;
 
   ProbeTreeFrame frame_;
-  LatticeMemo<ProbeSight> sights_{16384};  // of 1 kB, and
-  LatticeMemo<LatticeCell> cells_{8192};   // of 7 kB at most
+  LatticeMemo<ProbeSight> sights_{8192};  // of 1 kB, and
+  LatticeMemo<LatticeCell> cells_{4096};   // of 7 kB at most
 };
 
 // What one thread takes to look. Answers are the same for any number of threads and any order of questions.
