@@ -108,7 +108,7 @@ class ProbeLattice {
 
   ProbeTreeFrame frame_;
   LatticeMemo<ProbeSight> sights_{8192};  // of 1 kB, and
-  LatticeMemo<LatticeCell> cells_{4096};   // of 7 kB at most
+  LatticeMemo<LatticeCell> cells_{4096};  // of 7 kB at most
 };
 
 // What one thread takes to look. Answers are the same for any number of threads and any order of questions.
