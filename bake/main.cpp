@@ -108,8 +108,7 @@ bool isSameFile(const std::string& a, const std::string& b) {
 }
 
 void checkOutput(const std::string& path, const OwnFiles& own, const char* flag, const std::vector<std::string>& inputs) {
-  refuseToReplaceInputs(path, inputs, flag);
-  refuseToReplaceOthers(path, own, flag);
+  refuseToReplace(path, inputs, own, flag);
   requireOutputFile(path);
 }
 

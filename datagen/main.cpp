@@ -46,9 +46,8 @@ int generateMain(int argc, char** argv) {
   addRequest(app, request);
   app.add_option("--out", out, "shard to write (.h5)")->required();
   return runTool(argc, argv, app, table, [&] {
-    refuseToReplaceInputs(out, {request.scene});
-    // among others what the scene's file names
-    refuseToReplaceOthers(out, kShardFiles);
+    // what the scene's file names is among what others wrote
+    refuseToReplace(out, {request.scene}, kShardFiles);
     generate(request, out, options, table);
   });
 }

@@ -51,8 +51,7 @@ void writeOnnx(const WeightsFile& file, const GeneratorData& data, const std::st
 
 void convertToOnnx(const std::string& weights, const std::string& out) {
   requireOnnxName(out);
-  refuseToReplaceInputs(out, {weights});
-  refuseToReplaceOthers(out, kExportedFiles);
+  refuseToReplace(out, {weights}, kExportedFiles);
   WeightsFile file;
   GeneratorData data;
   requireRead(weights, readWeightsFile(weights, &file), "the weights of a generator");
@@ -230,12 +229,10 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   }
   std::vector<std::string> inputs = request.shards;
   inputs.insert(inputs.end(), {request.checkpoint, request.basis});
-  refuseToReplaceInputs(request.out, inputs);
-  refuseToReplaceOthers(request.out, kExportedFiles);
+  refuseToReplace(request.out, inputs, kExportedFiles);
   if (!request.onnx.empty()) {
     requireOnnxName(request.onnx);
-    refuseToReplaceInputs(request.onnx, inputs);
-    refuseToReplaceOthers(request.onnx, kExportedFiles, "--onnx");
+    refuseToReplace(request.onnx, inputs, kExportedFiles, "--onnx");
   }
   computeOnCallingThreads();
   const BasisFile basis = readBasisFile(request.basis);

@@ -59,6 +59,11 @@ void refuseToReplaceOthers(const std::string& out, const OwnFiles& own, const ch
     throw UsageError(flag, std::string("a new file, or ") + own.name + " to overwrite", out + ", which is another kind of file");
 }
 
+void refuseToReplace(const std::string& out, const std::vector<std::string>& inputs, const OwnFiles& own, const char* flag) {
+  refuseToReplaceInputs(out, inputs, flag);
+  refuseToReplaceOthers(out, own, flag);
+}
+
 void requireOutputFolder(const std::string& out, const char* flag) {
   if (out.empty()) throw UsageError(flag, "the name of a folder", "an empty text");
   if (const std::error_code error = whyNotWritable(out)) throw OutputError(out, error.message());

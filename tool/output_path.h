@@ -27,6 +27,10 @@ bool mayReplace(const std::string& out, const OwnFiles& own);
 // throws   UsageError naming the flag where it may not
 void refuseToReplaceOthers(const std::string& out, const OwnFiles& own, const char* flag = "--out");
 
+// Both: neither an input nor what somebody else wrote is replaced.
+void refuseToReplace(const std::string& out, const std::vector<std::string>& inputs, const OwnFiles& own,
+                     const char* flag = "--out");
+
 // Whether files can be written into a folder, before a long run begins: it is one that may be written to, or can be made.
 // throws        UsageError naming the flag when it is empty; OutputError with the system's reason
 void requireOutputFolder(const std::string& out, const char* flag = "--out");

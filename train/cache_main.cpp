@@ -24,10 +24,9 @@ struct Request {
 void run(const Request& request) {
   std::vector<std::string> inputs = request.shards;
   inputs.push_back(request.basis);
-  refuseToReplaceInputs(request.out, inputs);
-  refuseToReplaceOthers(request.out, {"a cache", [](std::string_view bytes) {
-                                        return bytes.starts_with(std::string_view(kCacheMagic, sizeof kCacheMagic));
-                                      }});
+  refuseToReplace(request.out, inputs, {"a cache", [](std::string_view bytes) {
+                                          return bytes.starts_with(std::string_view(kCacheMagic, sizeof kCacheMagic));
+                                        }});
   const BasisFile basis = readBasisFile(request.basis);
   const CacheReport report = writeFunctionCache(request.out, request.shards, basis.basis.data, fileSha256(request.basis));
   const nlohmann::ordered_json result = {

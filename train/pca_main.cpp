@@ -77,8 +77,7 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   std::vector<std::string> read = request.shards;
   read.insert(read.end(), request.held_out.begin(), request.held_out.end());
   read.push_back(request.from);
-  refuseToReplaceInputs(request.out, read);
-  refuseToReplaceOthers(request.out, kBasisFiles);
+  refuseToReplace(request.out, read, kBasisFiles);
   BasisFit fit;
   MeanFunction mean;
   std::map<std::string, std::string> inputs;

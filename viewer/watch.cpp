@@ -341,8 +341,7 @@ void watchScene(ViewRequest request, const BakeOptions& options, const OptionTab
   if (request.out.empty()) request.out = folderOfView(request.scene);
   requireOutputFolder(request.out);
   if (request.grid.empty()) request.grid = (fs::path(request.out) / "grid.safetensors").string();
-  refuseToReplaceInputs(request.grid, {request.scene}, "--grid");
-  refuseToReplaceOthers(request.grid, kGridFiles, "--grid");
+  refuseToReplace(request.grid, {request.scene}, kGridFiles, "--grid");
   refuseToReplaceOthersOf(request);
   ::setenv(kEndsWith, std::to_string(::getpid()).c_str(), 1);
   ::setenv("NLG_PROGRESS", "lines", 1);  // of the tools that it starts

@@ -142,9 +142,8 @@ std::string firstLine(const std::string& path, uint64_t probes, uint64_t file_by
 std::string placesSummary(const std::string& set, uint64_t places, const LightAtPlaces& light) {
   const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
   return fmt::format(
-      "light{}: error at {}, with the noise of measuring them: median {:.1f} %, 95th percentile {:.0f} %, largest at {:.1f}, "
-      "{:.1f}, "
-      "{:.1f}; mean radiance {:.3g}\n",
+      "light{}: error at {}, with the noise of measuring them: median {:.1f} %, 95th percentile {:.0f} %, largest at "
+      "{:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
       set.empty() ? "" : " set " + set, countText(places, "sample point"), 100.0 * light.median_error, 100.0 * light.p95_error,
       worst.x, worst.y, worst.z, light.mean);
 }

@@ -35,11 +35,7 @@ bool isGrid(std::string_view bytes) {
 void run(const std::string& grid_path, const std::string& folder, const std::vector<double>& origin_m) {
   // refusals before the grid is read
   requireOutputFolder(folder);
-  for (const char* name : kFiles) {
-    const std::string out = (fs::path(folder) / name).string();
-    refuseToReplaceInputs(out, {grid_path});
-    refuseToReplaceOthers(out, kExportedFiles);
-  }
+  for (const char* name : kFiles) refuseToReplace((fs::path(folder) / name).string(), {grid_path}, kExportedFiles);
   LightGrid grid;
   GridMetadata metadata;
   requireRead(grid_path, readLightGridFile(grid_path, &grid, &metadata), "a light grid");
