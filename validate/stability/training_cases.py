@@ -139,8 +139,8 @@ def exploding_rate(bin_folder):
         run = Training(bin_folder, f"rate_{rate}", ["--cache", "functions.cache"], 120, rate).end()
         errors = run.held_out() if run.has_checkpoint else []
         step = re.search(r"step (\d+)", run.line)
-        # a run that diverges before its first checkpoint has none to leave
-        gave_up = run.code == NUMERICAL_ERROR and step and (run.has_checkpoint or int(step[1]) < CHECKPOINT_STEPS)
+        # a run that diverges up to its first checkpoint has none to leave
+        gave_up = run.code == NUMERICAL_ERROR and step and (run.has_checkpoint or int(step[1]) <= CHECKPOINT_STEPS)
         holds = holds and all(map(math.isfinite, errors)) and (gave_up or (run.code == 0 and errors))
         measured.append(f"rate {rate}: " + (f"held-out blend RMSE {errors[-1]:.4f} after {run.result['rollbacks']} rollbacks" if run.code == 0
                                             else f"exit code {run.code}: {run.line}; {len(errors)} checkpoints' errors, all finite"))
