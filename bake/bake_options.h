@@ -26,6 +26,8 @@ struct BakeOptions {
   bool align_lattice = false;
   uint64_t max_probes = 1000000;  // a scene that would have more is refused: some 6 GB of memory
   bool air_only = true;           // cells in solid, and probes that only they read, are left out
+  // Functions are what probes see at 1,024 points, and their theta one pass of the network: no links, no diffusion, no fits, no check.
+  bool draft = false;
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;

@@ -241,6 +241,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   checkOutputs(request, inputs);
   if (!request.kept.empty() && options.refine_seconds > 0.0)
     throw UsageError("--keep cannot be combined with --refine-seconds: the result of a time limit cannot be reused");
+  if (!request.kept.empty() && options.draft) throw UsageError("--keep cannot be combined with --draft: a draft fits no theta");
   if (options.light == "none" && !options.light_set.empty()) throw UsageError("--light-set cannot be combined with --light none");
   if (options.light == "none" && (options.thin_error > 0.0 || options.max_bytes > 0.0))
     throw UsageError(std::string(options.thin_error > 0.0 ? "--thin-error" : "--max-bytes") +

@@ -16,7 +16,8 @@ using Clock = std::chrono::steady_clock;
 
 // Everything that one thread needs, for all stages.
 struct BakeThread {
-  BakeThread(const std::vector<const Generator*>& generators, const PolicyOptions& options) : policy(generators, options) {}
+  BakeThread(const std::vector<const Generator*>& generators, const BakeOptions& options)
+      : policy(generators, options.policy, options.draft ? ThetaStage::network : ThetaStage::rounding) {}
   ThetaPolicy policy;
   std::vector<uint8_t> samples;
 };
@@ -41,28 +42,33 @@ class Baking {
         metadata_(metadata),
         kept_(kept) {
     std::vector<const Generator*> pointers;
-    for (const Generator& generator : generators_) pointers.push_back(&generator);
-    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(pointers, options_.policy));
+    for (const Generator& generator : generators_) {
+      if (options.draft && !generator.readsSamples())
+        throw UsageError("--draft", "weights that read samples", std::string(representationName(generator.representation())) + ", which reads coefficients");
+      pointers.push_back(&generator);
+    }
+    for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(pointers, options_));
   }
 
   Bake run() {
     const Clock::time_point start = Clock::now();
     // targets of the blend are set while functions are made, when their samples are at hand
     BlendTargets targets(scene_, options_.seed, thread_count_);
-    functions_.tellTargets(&targets);
+    // a draft has no samples to set them by
+    if (!options_.draft) functions_.tellTargets(&targets);
     functions_.makeAll([this](int thread) {
       return [this, thread](const FunctionRows& chunk) { return makeTheta(chunk, threads_[thread]->policy); };
     });
     statistics_.functions_wall_s = secondsSince(start);
     const Clock::time_point refinement_start = Clock::now();
-    refineWorstFirst();
+    if (!options_.draft) refineWorstFirst();
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     roundAll();
     finishStatistics();
     if (kept_ != nullptr) keepAll();
     LightGrid grid = makeGrid();
     statistics_.light = bakeLight(scene_, options_, &grid, metadata_);
-    statistics_.blend = blendErrors(targets, grid);
+    if (!options_.draft) statistics_.blend = blendErrors(targets, grid);
     statistics_.wall_s = secondsSince(start);
     return {std::move(grid), std::move(statistics_)};
   }
@@ -122,7 +128,12 @@ class Baking {
     parallelFor(in_work_.size(), thread_count_, [&](uint64_t number, int thread_idx) {
       BakeThread& thread = *threads_[thread_idx];
       FunctionInWork& function = in_work_[number];
-      if (!function.is_final) thread.policy.round(functions_.read(number, &thread.samples), &function.made);
+      if (options_.draft) {
+        const Representation& representation = generators_[function.made.generator].representation();
+        roundTheta(representation, options_.policy.theta_precision, function.made.theta.data());
+      } else if (!function.is_final) {
+        thread.policy.round(functions_.read(number, &thread.samples), &function.made);
+      }
       progress.advance();
     });
   }

@@ -89,6 +89,8 @@ TrainOptions storedOptions(const std::string& path, const std::string& options_j
   try {
     const nlohmann::json json = nlohmann::json::parse(options_json);
     options.representation_slope = json.at("representation_slope").get<double>();
+    // checkpoints of 1.0 do not say what they read
+    options.input = json.value("input", "coefficients");
     options.coefficients = json.at("coefficients").get<int>();
     options.whitening = json.at("whitening").get<double>();
     options.shape.width = json.at("width").get<int>();
@@ -138,7 +140,7 @@ void roundMatrices(WeightsFile* file) {
 void roundMatrices(GeneratorNetwork& network) {
   const torch::NoGradGuard guard;
   for (torch::Tensor& parameter : network->parameters()) {
-    if (parameter.dim() == 2) parameter.copy_(parameter.to(torch::kHalf));
+    if (parameter.dim() >= 2) parameter.copy_(parameter.to(torch::kHalf));
   }
 }
 
@@ -153,14 +155,14 @@ double meanBlendRmse(const Generator& generator, const TrainingData& data, int l
   double sum = 0.0;
   for (int64_t i = 0; i < count; ++i) {
     const StoredFunction function = data.function(spread(data, i, count));
-    generator.generate(function.phi, 1, theta.data(), &scratch);
+    generator.generate(&function, 1, theta.data(), &scratch);
     sum += functionRmse(generator.representation(),
                         decodeFunction(function, pointOrder(generator.representation()), CheckOptions().loss()), theta.data());
   }
   return sum / static_cast<double>(count);
 }
 
-// Real functions through both: libtorch's network on the coefficients, the evaluator on the bytes.
+// Real functions through both: libtorch's network on what it was trained on, the evaluator on the bytes.
 Parity compare(const TrainingState& state, const Generator& generator, const TrainingData& data, int limit) {
   torch::NoGradGuard guard;
   Parity parity;
@@ -171,9 +173,10 @@ Parity compare(const TrainingState& state, const Generator& generator, const Tra
   AlignedFloats evaluator_values(points.padded_count), torch_values(points.padded_count);
   for (int64_t i = 0; i < parity.functions; ++i) {
     const int64_t index = spread(data, i, parity.functions);
-    const torch::Tensor torch_theta = network->forward(coefficientBatch(data, {{index}})).contiguous();
+    const torch::Tensor torch_theta = network->forward(inputBatch(data, {{index}})).contiguous();
     Theta theta(generator.representation().thetaCount());
-    generator.generate(data.function(index).phi, 1, theta.data(), &scratch);
+    const StoredFunction function = data.function(index);
+    generator.generate(&function, 1, theta.data(), &scratch);
     for (size_t k = 0; k < theta.size(); ++k) {
       const double torch_value = torch_theta.data_ptr<float>()[k];
       raise(parity.theta, std::fabs(theta[k] - torch_value) / std::max(1.0, std::fabs(torch_value)));
@@ -202,6 +205,7 @@ TrainingState readState(const Request& request, const CheckpointFile& checkpoint
   }
   TrainOptions options = storedOptions(request.checkpoint, identity.options_json);
   *used = usedBasis(options, basis.basis);
+  options.shape.input = used->input;
   options.shape.coefficient_count = used->coefficientCount();
   options.shape.code_count = representation->code_count;
   representation->slope = static_cast<float>(options.representation_slope);

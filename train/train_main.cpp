@@ -105,14 +105,16 @@ std::optional<GeneratorData> readInit(const Request& request, Representation* re
   options->shape = shapeOf(data, options->shape);
   options->representation_slope = representation->slope = data.representation.slope;
   options->whitening = 1.0;
+  options->input = data.basis.input == GeneratorInput::samples ? "samples" : "coefficients";
   options->coefficients = 0;
   options->begins_trained = true;
   return data;
 }
 
-// The first layer reads coefficients of its own basis alone.
+// The first layer reads coefficients of its own basis alone; components of samples travel with it.
 void requireBasisOf(const GeneratorData& init, const BasisData& used, const Request& request) {
   const BasisData& own = init.basis;
+  if (own.input == GeneratorInput::samples) return;
   if (own.class_count == used.class_count && own.mean == used.mean && own.components == used.components &&
       own.deviation == used.deviation)
     return;
@@ -252,6 +254,7 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
   }
   // the basis as the generator reads it: cut to the coefficients that are asked for, and whitened
   const BasisData used = usedBasis(options, basis.basis);
+  options.shape.input = used.input;
   options.shape.coefficient_count = used.coefficientCount();
   options.shape.code_count = representation.code_count;
   if (init) requireBasisOf(*init, used, request);

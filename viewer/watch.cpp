@@ -23,6 +23,7 @@
 
 #include "bake/again/own_files.h"
 #include "bake/again/relight.h"
+#include "bake/load_generators.h"
 #include "tool/atomic_file.h"
 #include "tool/command/tool_main.h"
 #include "tool/error.h"
@@ -224,6 +225,18 @@ class Watch {
     return words;
   }
 
+  // Weights that cannot be read are the bake's to name.
+  bool canDraft() const {
+    try {
+      const Words& given = request_.weights;
+      const LoadedGenerators loaded =
+          loadGenerators(given.empty() ? shippedWeights(options_.representation, weightsFolders()) : given);
+      return std::all_of(loaded.generators.begin(), loaded.generators.end(), [](const Generator& g) { return g.readsSamples(); });
+    } catch (const ToolError&) {
+      return false;
+    }
+  }
+
   // Nothing: nobody knows.
   Ran changesOf(std::optional<std::string>* changes) {
     std::error_code error;
@@ -259,16 +272,17 @@ class Watch {
     tellDoing("looking for what has changed");
     std::optional<std::string> changes;
     if (const Ran ran = changesOf(&changes); ran.end != End::done) return ran.end;
-    const std::vector<GridBake> bakes = bakesAgain(changes, request_.grid, preview_, options_);
+    const std::vector<GridBake> bakes = bakesAgain(changes, request_.grid, preview_, options_, canDraft());
     for (size_t i = 0; i < bakes.size(); ++i) {
       const GridBake& bake = bakes[i];
       tellDoing("baking: " + bake.name);
       Words words = bake.words;
+      const auto has = [&](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
       // functions that stay have theirs
-      if (std::find(words.begin(), words.end(), "--relight") == words.end()) {
+      if (!has("--relight")) {
         const Words given = weights();
         words.insert(words.end(), given.begin(), given.end());
-        if (options_.refine_seconds == 0.0) words.insert(words.end(), {"--keep", kept_});
+        if (options_.refine_seconds == 0.0 && !has("--draft")) words.insert(words.end(), {"--keep", kept_});
       }
       words.insert(words.end(), {"--out", bake.grid});
       Ran baked = runBake(words);
@@ -304,7 +318,7 @@ class Watch {
 }  // namespace
 
 std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, const std::string& grid, const std::string& preview,
-                                 const BakeOptions& options) {
+                                 const BakeOptions& options, bool can_draft) {
   if (changes == "") return {};
   const bool is_thinned = options.thin_error > 0.0 || options.max_bytes > 0.0;  // then only a grid that is not can be lit anew
   const auto isAll = [&](const char* change) { return changes == grid + ": " + change + '\n'; };
@@ -315,7 +329,9 @@ std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, cons
                              std::to_string(std::min(options.light_rays > 0 ? options.light_rays : kPreviewRays, kPreviewRays)),
                              "--light-samples", std::to_string(std::min(options.light_samples, kPreviewPlaces)),
                              "--light-probe-rays", std::to_string(std::min(options.light_probe_rays, kPreviewProbeRays))});
-  return {{quick, preview, "preview"}, {{"--relight", preview}, grid, "final"}};
+  const bool is_draft = !stay && can_draft;
+  if (is_draft) quick.push_back("--draft");
+  return {{quick, preview, is_draft ? "draft" : "preview"}, {is_draft ? Words{} : Words{"--relight", preview}, grid, "final"}};
 }
 
 std::optional<Stage> stageOf(const std::string& said) {

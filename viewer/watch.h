@@ -22,12 +22,14 @@ struct GridBake {
 };
 
 // How a grid is baked again, the last of the bakes the one that is kept; none where it is what would be baked. The one place that decides:
-// where light alone has changed functions stay, and a preview is a bake with few rays, whose functions are the last bake's too.
+// where light alone has changed functions stay; else the preview is a draft where the weights can draft. Where they cannot, its functions are
+// the last bake's too.
 //
+// can_draft whether the weights read samples
 // changes   what `nlg-bake --check` says has changed, a line each; nothing: of no grid, or of one that cannot be read
 // grid      the file that is kept; preview: one for the bakes before
 std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, const std::string& grid, const std::string& preview,
-                                 const BakeOptions& options);
+                                 const BakeOptions& options, bool can_draft);
 
 // The stage that a tool with NLG_PROGRESS=lines is at, by what it has said so far; nothing before it has said any.
 std::optional<Stage> stageOf(const std::string& said);

@@ -190,6 +190,10 @@ void CellPoints::operator|=(const CellPoints& other) {
   for (size_t w = 0; w < words.size(); ++w) words[w] |= other.words[w];
 }
 
+void CellPoints::operator&=(const CellPoints& other) {
+  for (size_t w = 0; w < words.size(); ++w) words[w] &= other.words[w];
+}
+
 const LocalPoint& cellPoint(size_t point) { return supportPattern().points[point]; }
 
 const CellLinks& cellLinks() {

@@ -30,6 +30,7 @@ struct CellPoints {
   void add(size_t point) { words[point / 64] |= uint64_t{1} << (point % 64); }
   void remove(size_t point) { words[point / 64] &= ~(uint64_t{1} << (point % 64)); }
   void operator|=(const CellPoints& other);
+  void operator&=(const CellPoints& other);
   bool operator==(const CellPoints&) const = default;
 
   // Calls visit(point) for every point outside the set, rising.

@@ -14,12 +14,23 @@ LatticePoint corneredAt(LatticePoint low, int corner, int32_t units) {
   return low;
 }
 
-// What rays through 64 packets left open.
-CellPoints openPoints(const std::array<uint16_t, kOctantPointCount / kPacketLanes>& blocked) {
-  CellPoints points;
-  for (size_t packet = 0; packet < blocked.size(); ++packet)
-    points.words[packet / 4] |= uint64_t{static_cast<uint16_t>(~blocked[packet])} << (16 * (packet % 4));
-  return points;
+// The sample points of a cell: closed under its symmetries, so that all its octants have the same.
+const CellPoints& samplesOfCell() {
+  static const CellPoints samples = [] {
+    CellPoints points;
+    for (const uint16_t point : octantSamples()) points.add(point);
+    return points;
+  }();
+  return samples;
+}
+
+// What a cell's probes in air see of it.
+CellPoints seenFromAir(const LatticeCell& cell) {
+  CellPoints seen;
+  for (int corner = 0; corner < kCellCorners; ++corner) {
+    if (!cell.corners[corner]->vote.solid()) seen |= cell.corners[corner]->seenIn(corner);
+  }
+  return seen;
 }
 
 }  // namespace
@@ -40,9 +51,9 @@ glm::dvec3 ProbeLattice::placeOf(const LatticePoint& point, int32_t units, const
   return place;
 }
 
-CellSampler::CellSampler(const RayScene& scene) : scene_(scene), visibility_(scene) {
+CellSampler::CellSampler(const RayScene& scene, PointChoice choice) : scene_(scene), choice_(choice), visibility_(scene) {
   for (int corner = 0; corner < kCellCorners; ++corner) {
-    corner_packets_[corner] = makeCornerPackets(corner);
+    corner_packets_[corner] = makeCornerPackets(corner, choice);
     for (size_t point = 0; point < kOctantPointCount; ++point) {
       float product = 1.0f;
       for (int axis = 0; axis < 3; ++axis) product *= corner >> axis & 1 ? cellPoint(point)[axis] : 1.0f - cellPoint(point)[axis];
@@ -72,8 +83,25 @@ ProbeSight CellSampler::look(const glm::dvec3& position_m, float spacing_m) {
       const uint32_t octant = point / kOctantPointCount;
       sight.seen[octant].remove(point_of[octant][point % kOctantPointCount]);
     });
+    if (choice_ == PointChoice::samples) {
+      for (CellPoints& seen : sight.seen) seen &= samplesOfCell();
+    }
   }
   return sight;
+}
+
+// What rays through packets left open.
+CellPoints CellSampler::openPoints(const uint16_t* blocked) const {
+  CellPoints points;
+  if (choice_ == PointChoice::samples) {
+    for (size_t i = 0; i < kOctantSampleCount; ++i) {
+      if (!(blocked[i / kPacketLanes] >> (i % kPacketLanes) & 1)) points.add(octantSamples()[i]);
+    }
+    return points;
+  }
+  for (size_t packet = 0; packet < kOctantPointCount / kPacketLanes; ++packet)
+    points.words[packet / 4] |= uint64_t{static_cast<uint16_t>(~blocked[packet])} << (16 * (packet % 4));
+  return points;
 }
 
 // From its own place a probe sees an octant through the triangles that touch it, and no others.
@@ -84,7 +112,7 @@ void CellSampler::traceOctants(ProbeSight* sight) {
     std::array<uint16_t, kOctantPointCount / kPacketLanes> blocked{};
     if (!near_[octant].empty())
       blockOctantRays(corner_packets_[octant], visibility_.triangles(), near_[octant], {}, blocked.data());
-    sight->seen.push_back(openPoints(blocked));
+    sight->seen.push_back(openPoints(blocked.data()));
   }
 }
 
@@ -93,6 +121,11 @@ std::shared_ptr<const LatticeCell> CellSampler::cellOf(const LatticePoint& low, 
     auto cell = std::make_shared<LatticeCell>();
     for (int corner = 0; corner < kCellCorners; ++corner)
       cell->corners[corner] = sightOf(corneredAt(low, corner, units), units, lattice);
+    if (choice_ == PointChoice::samples) {
+      cell->valid = seenFromAir(*cell);
+      cell->valid &= samplesOfCell();
+      return std::shared_ptr<const LatticeCell>(std::move(cell));
+    }
     const CellPlace place{*lattice, low, units};
     testLinks(place, cell.get());
     findValidity(place, cell.get());
@@ -113,10 +146,7 @@ void CellSampler::testLinks(const CellPlace& place, LatticeCell* cell) {
 }
 
 void CellSampler::findValidity(const CellPlace& place, LatticeCell* cell) {
-  CellPoints seen;
-  for (int corner = 0; corner < kCellCorners; ++corner) {
-    if (!cell->corners[corner]->vote.solid()) seen |= cell->corners[corner]->seenIn(corner);
-  }
+  const CellPoints seen = seenFromAir(*cell);
   cell->valid = seen;
   if (cell->blocked.empty()) {
     // all points are one group

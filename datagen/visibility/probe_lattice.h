@@ -115,7 +115,9 @@ class ProbeLattice {
 class CellSampler {
  public:
   // The scene must outlive this object.
-  explicit CellSampler(const RayScene& scene);
+  // choice   samples: nothing else is seen or valid; a point is air where a probe of its cell in air sees it, and no links are tested. For a
+  //          draft, which has no time for more
+  explicit CellSampler(const RayScene& scene, PointChoice choice = PointChoice::all);
 
   // Of the probe at a lattice point, inside or outside the tree, of a spacing of so many units.
   std::shared_ptr<const ProbeSight> sightOf(const LatticePoint& at, int32_t units, ProbeLattice* lattice);
@@ -137,7 +139,10 @@ class CellSampler {
   bool isGroupSolid(const CellPlace& place, bool is_linked_to_seen, LatticeCell* cell) const;
   void sumTents(LatticeCell* cell) const;
 
+  CellPoints openPoints(const uint16_t* blocked) const;
+
   const RayScene& scene_;
+  PointChoice choice_;
   SupportVisibility visibility_;
   SolidEye solid_eye_;
   std::array<CornerPackets, kCellCorners> corner_packets_;

@@ -288,15 +288,14 @@ void sortIntoOctantsVectors(const Boxes& boxes, const std::vector<LocalTriangle>
 
 void blockOctantVectors(const CornerPackets& points, const std::vector<LocalTriangle>& triangles,
                         const std::vector<uint32_t>& some, const LocalPoint& eye, uint16_t* HWY_RESTRICT blocked) {
-  constexpr uint32_t kPackets = kOctantPointCount / kPacketLanes;
   const Vectors from = broadcast(eye.data());
-  std::fill(blocked, blocked + kPackets, uint16_t{0});
+  std::fill(blocked, blocked + points.packets.center[0].size(), uint16_t{0});
   const auto lanes = static_cast<uint32_t>(hn::Lanes(Tag()));
   // as blockRaysVectors, but for the points of one octant: so few that their packets need no tree
   for (const uint32_t t : some) {
     const WideTriangle triangle(triangles[t]);
     const Shadow shadow(triangles[t], eye);
-    for (uint32_t first = 0; first < kPackets; first += lanes) {
+    for (uint32_t first = 0; first < points.packet_count; first += lanes) {
       uint32_t may, must;
       shadow.judge(points.packets, first, &may, &must);
       forEachBit(must, [&](uint32_t i) { blocked[first + i] = kAllLanes; });

@@ -51,14 +51,18 @@ const PointPackets& supportPackets() {
   return packets;
 }
 
-CornerPackets makeCornerPackets(int corner) {
+CornerPackets makeCornerPackets(int corner, PointChoice choice) {
+  const uint32_t point_count = choice == PointChoice::all ? kOctantPointCount : kOctantSampleCount;
   CornerPackets cell;
-  cell.packets.resize(kOctantPointCount / kPacketLanes);
-  for (size_t packet = 0; packet < kOctantPointCount / kPacketLanes; ++packet) {
+  cell.packet_count = point_count / kPacketLanes;
+  const uint32_t filled = std::max<uint32_t>(cell.packet_count, kPacketLanes);
+  cell.packets.resize(filled);
+  for (uint32_t packet = 0; packet < filled; ++packet) {
     LocalPoint low{1, 1, 1}, high{-1, -1, -1};
-    for (size_t i = packet * kPacketLanes; i < (packet + 1) * kPacketLanes; ++i) {
+    for (uint32_t i = packet * kPacketLanes; i < (packet + 1) * kPacketLanes; ++i) {
+      const uint32_t point = choice == PointChoice::all ? i : octantSamples()[i % point_count];
       for (int axis = 0; axis < 3; ++axis) {
-        const float x = supportPattern().points[i][axis] - static_cast<float>(corner >> axis & 1);
+        const float x = supportPattern().points[point][axis] - static_cast<float>(corner >> axis & 1);
         low[axis] = std::min(low[axis], x);
         high[axis] = std::max(high[axis], x);
         cell.at[axis].push_back(x);

@@ -27,12 +27,19 @@ PointPackets makePointPackets(const std::vector<LocalPoint>& points);
 // Of the support points; made once a process.
 const PointPackets& supportPackets();
 
-// The points of a lattice cell in the coordinates of the probe at one of its corners, in the cell's order (cell_links.h).
+// Which points of a support are looked at.
+enum class PointChoice {
+  all,
+  samples,  // octantSamples() of every octant: an eighth of the rays
+};
+
+// Points of a lattice cell in the coordinates of the probe at one of its corners, in the cell's order (cell_links.h).
 struct CornerPackets {
-  Boxes packets;  // kOctantPointCount / kPacketLanes
+  Boxes packets;  // at least packet_count, and 16
   std::array<AlignedFloats, 3> at;
+  uint32_t packet_count = 0;  // with more points than these have, they begin anew, so that whole vectors may be read
 };
 // corner   bits as in SupportPattern
-CornerPackets makeCornerPackets(int corner);
+CornerPackets makeCornerPackets(int corner, PointChoice choice = PointChoice::all);
 
 }  // namespace nlg

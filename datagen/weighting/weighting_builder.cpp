@@ -57,8 +57,11 @@ std::vector<WeightingBuilder::Reading> WeightingBuilder::readingsOf(uint32_t poi
   return readings;
 }
 
-WeightingBuilder::WeightingBuilder(const RayScene& scene, const DiffusionOptions& options, const TestLinks* test)
-    : scene_(scene), options_(options), test_(test), sampler_(scene), around_(scene), lit_(kSupportPointCount) {
+WeightingBuilder::WeightingBuilder(const RayScene& scene, const DiffusionOptions& options, const TestLinks* test,
+                                   PointChoice choice)
+    : scene_(scene), options_(options), test_(test), sampler_(scene, choice), around_(scene), lit_(kSupportPointCount) {
+  // without links there is nothing to diffuse along
+  if (choice == PointChoice::samples) options_.passes = 0;
   for (const LocalPoint& point : supportPattern().points) tent_.push_back(tent(point));
   first_reading_.push_back(0);
   for (uint32_t point = 0; point < kSupportPointCount; ++point) {

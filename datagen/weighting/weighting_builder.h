@@ -45,7 +45,9 @@ enum class InSolid {
 class WeightingBuilder {
  public:
   // test   must outlive this object, as the scene; null: there are no test points
-  WeightingBuilder(const RayScene& scene, const DiffusionOptions& options, const TestLinks* test = nullptr);
+  // choice samples: functions without diffusion, valid and other than 0 at sample points alone
+  WeightingBuilder(const RayScene& scene, const DiffusionOptions& options, const TestLinks* test = nullptr,
+                   PointChoice choice = PointChoice::all);
 
   // position_m  relative to the scene's origin; spacing_m > 0
   // lattice     on which the probe stands; null: one of its own. The same function either way

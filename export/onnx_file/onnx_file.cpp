@@ -76,8 +76,8 @@ class ModelBuilder {
   void split(const std::string& from, const Names& parts) {
     attribute(node("Split", {from}, parts), "axis", onnx::AttributeProto::INT)->set_i(1);
   }
-  std::string join(const Names& parts, const std::string& to) {
-    attribute(node("Concat", parts, {to}), "axis", onnx::AttributeProto::INT)->set_i(1);
+  std::string join(const Names& parts, const std::string& to, int64_t axis = 1) {
+    attribute(node("Concat", parts, {to}), "axis", onnx::AttributeProto::INT)->set_i(axis);
     return to;
   }
   // values * transposed matrix (+ bias)
@@ -134,22 +134,44 @@ class ModelBuilder {
   onnx::ModelProto model_;
 };
 
-// Coefficients of phi, divided as the basis says: the formulas of docs/theory/math.md §3, class by class.
-std::string addProjection(ModelBuilder& model, const BasisData& basis, const std::string& phi) {
-  constexpr int64_t kClasses = kParityClassCount, kPoints = kOctantPointCount;
+// The channels of samples, N x 8 x 384: the formulas of docs/theory/math.md §6.
+std::string addChannels(ModelBuilder& model, const std::string& phi, const std::string& valid) {
+  std::vector<float> inverse_tents;
+  for (int j = 0; j < kSamplePointCount; ++j)
+    inverse_tents.push_back(1.0f / std::max(kLeastTent, tent(supportPattern().points[supportPointOf(j)])));
+  const auto number = [&](const std::string& name, float value) { return model.numbers(name, {1}, {value}); };
+  const std::string factor = number("channel.factor", 0.3f);
+  const std::string ratio = model.apply("Mul", {phi, model.numbers("tents.inverse", {kSamplePointCount}, inverse_tents)}, "ratio");
+  const std::string visibility = model.apply("Min", {ratio, number("one", 1.0f)}, "visibility");
+  const std::string centred = model.apply("Sub", {visibility, number("visibility.offset", 0.7f)}, "visibility.centred");
+  const std::string masked = model.apply("Mul", {centred, valid}, "visibility.masked");
+  const std::string validity = model.apply("Sub", {valid, number("valid.offset", 0.9f)}, "valid.centred");
+  Names channels = {phi, model.apply("Mul", {masked, factor}, "visibility.channel"),
+                    model.apply("Mul", {validity, factor}, "valid.channel")};
+  for (std::string& channel : channels)
+    channel = model.reshape(channel, {-1, kMirrorCount, kOctantSampleCount}, channel + ".octants");
+  return model.join(channels, "octants", 2);
+}
+
+// Coefficients, divided as the basis says: the formulas of docs/theory/math.md §3, class by class.
+// octants   N x 8 x inputCount(basis.input): what components weigh, by mirror
+std::string addProjection(ModelBuilder& model, const BasisData& basis, const std::string& octants) {
+  constexpr int64_t kClasses = kParityClassCount;
+  const int64_t length = inputCount(basis.input);
   std::vector<float> signs;
   for (int c = 0; c < kClasses; ++c) {
     for (int m = 0; m < kMirrorCount; ++m) signs.push_back(static_cast<float>(mirrorSign(c, m) / std::sqrt(8.0)));
   }
   // the parity transform as one product with signs (docs/theory/math.md §2)
-  const std::string octants = model.reshape(phi, {-1, kMirrorCount, kPoints}, "octants");
   const std::string transformed =
       model.apply("MatMul", {model.numbers("parity.signs", {kClasses, kMirrorCount}, signs), octants}, "parity");
-  const std::string mean = model.numbers("basis.mean", {kClasses, kPoints}, basis.mean);
-  const std::string centred = model.apply("Sub", {transformed, mean}, "parity.centred");
+  const std::string centred =
+      basis.mean.empty()
+          ? transformed
+          : model.apply("Sub", {transformed, model.numbers("basis.mean", {kClasses, length}, basis.mean)}, "parity.centred");
   Names classes;
   for (int c = 0; c < kClasses; ++c) classes.push_back("parity.class." + std::to_string(c));
-  model.split(model.reshape(centred, {-1, kClasses * kPoints}, "parity.flat"), classes);
+  model.split(model.reshape(centred, {-1, kClasses * length}, "parity.flat"), classes);
 
   // class by class, since a component has numbers in one class alone
   Names coefficients;
@@ -157,9 +179,9 @@ std::string addProjection(ModelBuilder& model, const BasisData& basis, const std
   for (int c = 0; c < kClasses; ++c) {
     const int count = basis.class_count[c];
     if (count == 0) continue;
-    const auto last = first + int64_t{count} * kPoints;
+    const auto last = first + int64_t{count} * length;
     const std::string name = std::to_string(c);
-    const std::string components = model.matrix("basis.components." + name, {count, kPoints}, {first, last});
+    const std::string components = model.matrix("basis.components." + name, {count, length}, {first, last});
     coefficients.push_back(model.product({classes[c], components}, "coefficients.class." + name));
     first = last;
   }
@@ -191,7 +213,11 @@ std::string addLayers(ModelBuilder& model, const GeneratorData& data, std::strin
 std::string onnxFromGenerator(const GeneratorData& data, const std::map<std::string, std::string>& metadata) {
   ModelBuilder model("generator", metadata);
   const auto theta_count = static_cast<int64_t>(data.theta0.size());
-  const std::string coefficients = addProjection(model, data.basis, model.input("phi", kSupportPointCount));
+  const bool reads_samples = data.basis.input == GeneratorInput::samples;
+  const std::string phi = model.input("phi", reads_samples ? kSamplePointCount : kSupportPointCount);
+  const std::string octants = reads_samples ? addChannels(model, phi, model.input("valid", kSamplePointCount))
+                                            : model.reshape(phi, {-1, kMirrorCount, kOctantPointCount}, "octants");
+  const std::string coefficients = addProjection(model, data.basis, octants);
   const std::string change = addLayers(model, data, coefficients, "theta.change");
   model.apply("Add", {change, model.numbers("theta0", {theta_count}, data.theta0)}, "theta");
   model.output("theta", theta_count);

@@ -14,7 +14,7 @@ namespace nlg {
 
 // The generator from samples to theta, N functions at a time (N is free).
 //
-// input     `phi` N x 8192, float in [0, 1], pattern order
+// inputs    `phi` N x 8192, float in [0, 1], pattern order; of samples `phi` and `valid` N x 1024, by sample point
 // outputs   `theta` N x D; `coefficients` N x K, divided as the basis says
 // metadata  texts that travel with the model
 // returns   the file's bytes; the same arguments give the same bytes

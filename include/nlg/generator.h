@@ -13,6 +13,7 @@
 
 #include "nlg/representation.h"
 #include "nlg/result.h"
+#include "nlg/support.h"
 
 namespace nlg {
 
@@ -42,20 +43,24 @@ class Generator {
   // Returns whether the weights are for a last layer that is solved exactly for each function.
   bool exactLastLayer() const;
 
+  // Returns whether the network reads samples, so that generate takes VisibilitySamples.
+  bool readsSamples() const;
+
   // Predicts theta of `count` functions. The theta of a function depends on the function, the weights and the SIMD target, not on
   // the other functions of the call. It is neither checked nor fitted: ThetaPolicy (policy.h) does both.
   //
-  // phi       count x P, in the order of supportPattern(): bytes round(255 phi), or floats in [0, 1]; 0 at points in solid
-  // theta     count x D, overwritten
-  // scratch   made for this generator
-  void generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const;
-  void generate(const float* phi, int count, float* theta, GeneratorScratch* scratch) const;
+  // functions   phi and validity are read, nothing else
+  // theta       count x D, overwritten
+  // scratch     made for this generator
+  void generate(const StoredFunction* functions, int count, float* theta, GeneratorScratch* scratch) const;
+  // The same of what a probe sees at the sample points, without phi: 1,024 rays take the place of a function. Only if readsSamples().
+  void generate(const VisibilitySamples* functions, int count, float* theta, GeneratorScratch* scratch) const;
 
  private:
   friend class GeneratorScratch;
   struct Network;
-  template <class Sample>
-  void generateAll(const Sample* phi, int count, float* theta, GeneratorScratch* scratch) const;
+  template <class Function>
+  void generateAll(const Function* functions, int count, float* theta, GeneratorScratch* scratch) const;
 
   std::shared_ptr<const Network> network_;
 };

@@ -79,6 +79,8 @@ const char* nlg_representation_name(const nlg_generator* generator);
 float nlg_representation_slope(const nlg_generator* generator);
 /* Returns D, the number of floats of one theta, as 21. */
 size_t nlg_theta_count(const nlg_generator* generator);
+/* Returns 1 if the network reads samples, so that nlg_generate_from_samples serves; 0 if it reads coefficients of whole functions. */
+int nlg_reads_samples(const nlg_generator* generator);
 /* Returns D floats, valid as long as the generator: the start of fits that use no prediction. */
 const float* nlg_theta0(const nlg_generator* generator);
 
@@ -88,6 +90,8 @@ const float* nlg_theta0(const nlg_generator* generator);
  * pattern_hash  receives the hash that files for these points contain
  * returns       NLG_OK or NLG_OUT_OF_MEMORY; after a generator was loaded always NLG_OK */
 nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash);
+/* Returns which support point a sample point is, 0 to 1023: nlg_generate_from_samples reads no others. */
+size_t nlg_sample_point(size_t sample);
 
 /* The number format that nlg_make_theta rounds theta to. It returns the rounded numbers as floats. */
 typedef enum nlg_theta_precision NLG_OF_INT {
@@ -124,10 +128,21 @@ void nlg_scratch_free(nlg_scratch* scratch);
 /* Predicts theta of `count` functions. The theta of a function does not depend on the other functions of the call. It is neither
  * checked nor fitted: nlg_make_theta does both.
  *
- * phi      count x P bytes, round(255 phi) at the support points in their order; 0 at points in solid
- * theta    count x D floats, overwritten
- * scratch  made for this generator */
-void nlg_generate(const nlg_generator* generator, const uint8_t* phi, size_t count, float* theta, nlg_scratch* scratch);
+ * phi       count x P bytes, round(255 phi) at the support points in their order; 0 at points in solid
+ * validity  count x P / 8 bytes: bit i of byte b is point 8 b + i, 1 where it lies in air
+ * theta     count x D floats, overwritten
+ * scratch   made for this generator */
+void nlg_generate(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
+                  nlg_scratch* scratch);
+
+/* The same of what a probe sees at the sample points, without phi: 1024 rays, as when a door has moved. nlg_sample_point
+ * says where they are.
+ *
+ * seen      count x 128 bytes: bit i of byte b is sample point 8 b + i, 1 where the segment from the probe meets no triangle
+ * validity  likewise: 1 where the point lies in air; every seen point does
+ * theta     count x D floats, overwritten; left as they were by a generator of coefficients (nlg_reads_samples is 0) */
+void nlg_generate_from_samples(const nlg_generator* generator, const uint8_t* seen, const uint8_t* validity, size_t count,
+                               float* theta, nlg_scratch* scratch);
 
 /* Evaluates the function of one theta at `count` points.
  *

@@ -57,6 +57,25 @@ struct StoredFunction {
   uint8_t blendSum(size_t point) const { return blend_sum == nullptr ? 255 : blend_sum[point]; }
 };
 
+// The sample points: an eighth of the support points, two in each quarter cell. They are what a generator of samples reads of a function,
+// and all that has to be traced where no function is wanted. They are closed under x → 1 − x, too: the eight probes of a lattice cell share
+// them.
+inline constexpr int kSamplePointCount = 1024;
+inline constexpr int kOctantSampleCount = kSamplePointCount / kMirrorCount;
+
+// Returns the points of the first octant, rising: sample point m * 128 + t is support point m * 1024 + octantSamples()[t].
+const std::array<uint16_t, kOctantSampleCount>& octantSamples();
+// Returns the support point of a sample point.
+inline size_t supportPointOf(int sample) {
+  return static_cast<size_t>(sample / kOctantSampleCount) * kOctantPointCount + octantSamples()[sample % kOctantSampleCount];
+}
+
+// A view of what a probe sees at the sample points: bit i of byte b is sample point 8 b + i.
+struct VisibilitySamples {
+  const uint8_t* seen = nullptr;      // kSamplePointCount / 8: the segment from the probe to the point meets no triangle
+  const uint8_t* validity = nullptr;  // likewise: the point lies in air; every seen point does
+};
+
 // Weights of residuals in the loss (docs/theory/math.md §4). CheckOptions (check.h) holds the defaults.
 struct LossOptions {
   double dark_weight;  // >= 1: weight of points whose phi is 0 inside the tent, where a residual is a leak

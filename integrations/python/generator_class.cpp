@@ -36,14 +36,16 @@ void inPieces(py::ssize_t function_count, const Work& work) {
   }
 }
 
-Rows<float> generate(const Generator& generator, const py::object& phi) {
+Rows<float> generate(const Generator& generator, const py::object& phi, const py::object& validity) {
   const Rows<uint8_t> samples = rowsOf<uint8_t>("phi", phi, {kAnyLength, kSupportPointCount});
-  const uint8_t* const from = samples.data();
+  const Rows<uint8_t> valid = rowsOf<uint8_t>("validity", validity, {samples.shape(0), kValidityByteCount});
   Rows<float> theta({samples.shape(0), thetaCount(generator)});
   float* const to = theta.mutable_data();
   GeneratorScratch scratch(generator);
   inPieces(samples.shape(0), [&](py::ssize_t first, int count) {
-    generator.generate(from + first * kSupportPointCount, count, to + first * generator.representation().thetaCount(), &scratch);
+    std::vector<StoredFunction> functions;
+    for (py::ssize_t i = first; i < first + count; ++i) functions.push_back({samples.data(i), valid.data(i)});
+    generator.generate(functions.data(), count, to + first * generator.representation().thetaCount(), &scratch);
   });
   return theta;
 }

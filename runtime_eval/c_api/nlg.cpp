@@ -50,7 +50,7 @@ static_assert(NLG_SUPPORT_POINT_COUNT == nlg::kSupportPointCount);
 static_assert(sizeof(nlg::LocalPoint) == 3 * sizeof(float));
 
 // Functions of one generate() call and points of one evaluate() call: what the caller gives is cut into such pieces.
-constexpr size_t kFunctionsAtOnce = 4096;
+constexpr size_t kFunctionsAtOnce = nlg::kBatchCount;
 constexpr size_t kPointsAtOnce = 512;
 
 // Memory is the only thing that runtime_eval may throw about; anything else would be our bug, and noexcept ends it here.
@@ -100,12 +100,15 @@ struct nlg_scratch {
 
 namespace {
 
-void generateAll(const nlg::Generator& generator, const uint8_t* phi, size_t count, float* theta,
-                 nlg::GeneratorScratch* scratch) noexcept {
-  const auto theta_count = static_cast<size_t>(generator.representation().thetaCount());
+// functionAt   (index) → StoredFunction or VisibilitySamples
+template <class FunctionAt>
+void generateAll(const FunctionAt& functionAt, size_t count, float* theta, nlg_scratch* scratch) noexcept {
+  const auto theta_count = static_cast<size_t>(scratch->of->representation().thetaCount());
   for (size_t first = 0; first < count; first += kFunctionsAtOnce) {
-    const int piece = static_cast<int>(std::min(kFunctionsAtOnce, count - first));
-    generator.generate(phi + first * nlg::kSupportPointCount, piece, theta + first * theta_count, scratch);
+    const size_t piece = std::min(kFunctionsAtOnce, count - first);
+    decltype(functionAt(0)) functions[kFunctionsAtOnce];
+    for (size_t i = 0; i < piece; ++i) functions[i] = functionAt(first + i);
+    scratch->of->generate(functions, static_cast<int>(piece), theta + first * theta_count, &scratch->generator);
   }
 }
 
@@ -239,6 +242,8 @@ nlg_status nlg_support_pattern(const float** points_xyz, uint64_t* pattern_hash)
   });
 }
 
+size_t nlg_sample_point(size_t sample) { return nlg::supportPointOf(static_cast<int>(sample)); }
+
 nlg_policy_options nlg_default_policy(void) {
   nlg_policy_options options;
 #define NLG_CHOICE_OPTION(type, name, value, low, high, help)
@@ -267,9 +272,25 @@ nlg_status nlg_scratch_create(const nlg_generator* generator, const nlg_policy_o
 
 void nlg_scratch_free(nlg_scratch* scratch) { delete scratch; }
 
-void nlg_generate(const nlg_generator* generator, const uint8_t* phi, size_t count, float* theta, nlg_scratch* scratch) {
-  if (isAnyNull(generator, phi, theta, scratch)) return;
-  generateAll(generator->generator, phi, count, theta, &scratch->generator);
+int nlg_reads_samples(const nlg_generator* generator) {
+  return generator != nullptr && generator->generator.readsSamples() ? 1 : 0;
+}
+
+void nlg_generate(const nlg_generator* generator, const uint8_t* phi, const uint8_t* validity, size_t count, float* theta,
+                  nlg_scratch* scratch) {
+  if (isAnyNull(generator, phi, validity, theta, scratch)) return;
+  generateAll(
+      [&](size_t i) {
+        return nlg::StoredFunction{phi + i * nlg::kSupportPointCount, validity + i * nlg::kValidityByteCount};
+      },
+      count, theta, scratch);
+}
+
+void nlg_generate_from_samples(const nlg_generator* generator, const uint8_t* seen, const uint8_t* validity, size_t count,
+                               float* theta, nlg_scratch* scratch) {
+  if (isAnyNull(generator, seen, validity, theta, scratch) || !generator->generator.readsSamples()) return;
+  constexpr size_t kBytes = nlg::kSamplePointCount / 8;
+  generateAll([&](size_t i) { return nlg::VisibilitySamples{seen + i * kBytes, validity + i * kBytes}; }, count, theta, scratch);
 }
 
 void nlg_evaluate(const nlg_generator* generator, const float* theta, size_t count, const float* x, const float* y,

@@ -98,9 +98,11 @@ StageFacts stageFacts(const Generator& generator) {
   for (int p = 0; p < kSupportPointCount; ++p) {
     phi[p] = static_cast<uint8_t>(std::lround(255.0f * tent(supportPattern().points[p])));
   }
+  const std::vector<uint8_t> validity(kValidityByteCount, 0xff);
   GeneratorScratch scratch(generator);
   Theta theta(representation.thetaCount());
-  generator.generate(phi.data(), 1, theta.data(), &scratch);
+  const StoredFunction tent_function{phi.data(), validity.data()};
+  generator.generate(&tent_function, 1, theta.data(), &scratch);
   const WeightingFunction function = tentFunction(pointOrder(representation));
   if (generator.exactLastLayer()) solveLastLayer(representation, function, theta.data());
   return {representation, generator.exactLastLayer(), functionRmse(representation, function, theta.data())};

@@ -31,7 +31,6 @@ ThetaBatch::ThetaBatch(const Generator& generator, const LossOptions& loss)
       theta_count_(static_cast<size_t>(generator.representation().thetaCount())),
       loss_(loss),
       scratch_(generator),
-      phi_(static_cast<size_t>(kBatchCount) * kSupportPointCount),
       mean_square_(kBatchCount) {
   const PointOrder& order = pointOrder(generator.representation());
   function_.phi.resize(order.placeCount());
@@ -50,9 +49,7 @@ void ThetaBatch::generate(const StoredFunction* functions, int count, float* the
       std::copy_n(generator_->theta0(), theta_count_, theta + static_cast<size_t>(i) * theta_count_);
     return;
   }
-  // the generator reads functions without gaps
-  for (int i = 0; i < count; ++i) std::memcpy(&phi_[size_t(i) * kSupportPointCount], functions[i].phi, kSupportPointCount);
-  generator_->generate(phi_.data(), count, theta, &scratch_);
+  generator_->generate(functions, count, theta, &scratch_);
 }
 
 const WeightingFunction& ThetaBatch::function(int i) {

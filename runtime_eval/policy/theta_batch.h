@@ -52,7 +52,6 @@ class ThetaBatch {
   const StoredFunction* functions_ = nullptr;
   int count_ = 0;
   float* theta_ = nullptr;
-  std::vector<uint8_t> phi_;         // one batch
   std::vector<double> mean_square_;  // by function; below 0: not measured yet
   WeightingFunction function_;       // the one asked for last …
   int function_idx_ = -1;

@@ -66,6 +66,26 @@ constexpr PointRun kOctantOrder[kOctantPointCount / kRunPoints] = {
 };
 // clang-format on
 
+// Which two points of each cell of [0, 1/2]³ are sample points, with all their images: found by annealing, for repulsion and for even ranks.
+constexpr int kSamplesOfBase[kMirrorCount][2] = {{1, 10}, {0, 1}, {1, 12}, {3, 14}, {4, 11}, {10, 13}, {4, 6}, {0, 6}};
+
+// A cell in the outer half of an axis is the mirror image of one in the inner half.
+struct CellImage {
+  int base_cell = 0;
+  bool is_image[3];
+};
+CellImage cellImage(const PointRun& run) {
+  CellImage image;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int outer = run.cell >> (5 - axis) & 1, inner = run.cell >> (2 - axis) & 1;
+    image.is_image[axis] = outer == 1;
+    image.base_cell |= (outer ^ inner) << axis;
+  }
+  return image;
+}
+// Which of its cell's points the k-th of a run is.
+int basePoint(const PointRun& run, int k) { return static_cast<int>(run.points >> (4 * k) & 15); }
+
 using LatticePoint = std::array<int, 3>;
 
 std::vector<LatticePoint> basePoints() {
@@ -86,18 +106,11 @@ std::vector<LatticePoint> octantPoints() {
   const std::vector<LatticePoint> base = basePoints();
   std::vector<LatticePoint> octant;
   for (const PointRun& run : kOctantOrder) {
-    int base_cell = 0;
-    bool image[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      // a cell in the outer half of an axis is the mirror image of one in the inner half
-      const int outer = run.cell >> (5 - axis) & 1, inner = run.cell >> (2 - axis) & 1;
-      image[axis] = outer == 1;
-      base_cell |= (outer ^ inner) << axis;
-    }
+    const CellImage image = cellImage(run);
     for (int k = 0; k < kRunPoints; ++k) {
-      LatticePoint point = base[base_cell * kRunPoints + static_cast<int>(run.points >> (4 * k) & 15)];
+      LatticePoint point = base[image.base_cell * kRunPoints + basePoint(run, k)];
       for (int axis = 0; axis < 3; ++axis) {
-        if (image[axis]) point[axis] = kLattice - point[axis];
+        if (image.is_image[axis]) point[axis] = kLattice - point[axis];
       }
       octant.push_back(point);
     }
@@ -134,6 +147,22 @@ float tent(const LocalPoint& point) {
 const SupportPattern& supportPattern() {
   static const SupportPattern pattern = makePattern();
   return pattern;
+}
+
+const std::array<uint16_t, kOctantSampleCount>& octantSamples() {
+  static const std::array<uint16_t, kOctantSampleCount> samples = [] {
+    std::array<uint16_t, kOctantSampleCount> points{};
+    size_t count = 0;
+    for (size_t run = 0; run < std::size(kOctantOrder); ++run) {
+      const int* chosen = kSamplesOfBase[cellImage(kOctantOrder[run]).base_cell];
+      for (int k = 0; k < kRunPoints; ++k) {
+        const int point = basePoint(kOctantOrder[run], k);
+        if (point == chosen[0] || point == chosen[1]) points[count++] = static_cast<uint16_t>(run * kRunPoints + k);
+      }
+    }
+    return points;
+  }();
+  return samples;
 }
 
 std::vector<LocalPoint> testPoints(int count) {

@@ -57,6 +57,9 @@ StoredFunction storedFunction(const Functions& functions, size_t index) {
   if constexpr (requires { functions.blend_sum; }) {
     if (!functions.blend_sum.empty()) function.blend_sum = &functions.blend_sum[index * kSupportPointCount];
   }
+  if constexpr (requires { functions.seen; }) {
+    if (!functions.seen.empty()) function.seen = &functions.seen[index * kValidityByteCount];
+  }
   return function;
 }
 

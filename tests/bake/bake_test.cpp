@@ -138,6 +138,42 @@ TEST_F(SceneBakeTest, WeightsSumToOneInFreeSpaceAndKeepToTheirSideOfAWall) {
   EXPECT_NEAR(weight_sum, bare_weight_sum, 0.16 * bare_weight_sum);
 }
 
+// A probe beside the wall sees the sample points on its own side, and the wall's other side is air: θ is what the network says of that.
+TEST_F(SceneBakeTest, ADraftIsTheNetworksWordOnWhatProbesSee) {
+  BakeOptions options = wallOptions();
+  options.draft = true;
+  const Generator generator(sampleGenerator(Representation::tentMlp(), 24, 3, 1, GeneratorInput::samples));
+  const Bake draft = bakeScene(PreparedScene(writeWall(), options), {generator}, options, folder_.string());
+  EXPECT_EQ(draft.statistics.tookFit(), 0u);
+  GeneratorScratch scratch(generator);
+  int checked = 0;
+  for (size_t probe = 0; probe < draft.grid.tree.probeCount(); ++probe) {
+    const uint32_t function = draft.grid.probe_function[probe];
+    if (function == kFreeSpace || function == kNoWeight) continue;
+    const double side = draft.grid.tree.probePosition(probe)[0] - kWallX;
+    std::vector<uint8_t> seen(kSamplePointCount / 8, 0);
+    const std::vector<uint8_t> valid(seen.size(), 0xff);
+    for (int j = 0; j < kSamplePointCount; ++j) {
+      if ((side + supportPattern().points[supportPointOf(j)][0] > 0.0) == (side > 0.0)) seen[j / 8] |= 1 << j % 8;
+    }
+    const VisibilitySamples samples{seen.data(), valid.data()};
+    Theta expected(static_cast<size_t>(generator.representation().thetaCount()));
+    generator.generate(&samples, 1, expected.data(), &scratch);
+    roundTheta(generator.representation(), options.policy.theta_precision, expected.data());
+    const float* theta = draft.grid.functionTheta(function);
+    // phi is a byte in a bake: a last bit of θ may differ by a step
+    for (size_t k = 0; k < expected.size(); ++k) ASSERT_NEAR(theta[k], expected[k], 0.02 * std::max(1.0f, std::fabs(expected[k])));
+    ++checked;
+  }
+  EXPECT_GT(checked, 20);
+}
+
+TEST_F(SceneBakeTest, ADraftNeedsAGeneratorOfSamples) {
+  BakeOptions options = wallOptions();
+  options.draft = true;
+  EXPECT_THROW(bake(writeWall(), only(plainData()), options), UsageError);
+}
+
 TEST_F(SceneBakeTest, CorrectionsLowerErrorsOfAllThatTheyAreAskedFor) {
   BakeOptions options = correctedHouseOptions();
   const Bake plain = bake("house:3", only(plainData()), options);

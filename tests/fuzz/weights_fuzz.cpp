@@ -114,7 +114,9 @@ void load(std::string_view bytes, bool laid_out) {
   const Generator generator(data);
   GeneratorScratch scratch(generator);
   std::vector<float> theta(data.theta0.size());
-  generator.generate(reinterpret_cast<const uint8_t*>(phi.data()), 1, theta.data(), &scratch);
+  const auto* bytes = reinterpret_cast<const uint8_t*>(phi.data());
+  const StoredFunction function{bytes, bytes};
+  generator.generate(&function, 1, theta.data(), &scratch);
 }
 
 }  // namespace

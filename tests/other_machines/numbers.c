@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "nlg/nlg.h"
 
@@ -19,7 +20,8 @@ static void print(const char* name, const float* numbers, size_t count) {
 }
 
 static int printTheta(const char* path) {
-  static uint8_t phi[NLG_SUPPORT_POINT_COUNT];
+  static uint8_t phi[NLG_SUPPORT_POINT_COUNT], validity[NLG_SUPPORT_POINT_COUNT / 8];
+  memset(validity, 255, sizeof validity);
   static float x[NLG_SUPPORT_POINT_COUNT], y[NLG_SUPPORT_POINT_COUNT], z[NLG_SUPPORT_POINT_COUNT], values[NLG_SUPPORT_POINT_COUNT];
   nlg_generator* generator;
   nlg_scratch* scratch;
@@ -36,7 +38,7 @@ static int printTheta(const char* path) {
       const float tent = (1.0f - fabsf(x[p])) * (1.0f - fabsf(y[p])) * (1.0f - fabsf(z[p]));
       phi[p] = x[p] + 0.1f * (float)wall * y[p] < 0.05f * (float)wall ? (uint8_t)lroundf(255.0f * tent) : 0;
     }
-    nlg_generate(generator, phi, 1, theta, scratch);
+    nlg_generate(generator, phi, validity, 1, theta, scratch);
     print("theta", theta, nlg_theta_count(generator));
     nlg_evaluate(generator, theta, NLG_SUPPORT_POINT_COUNT, x, y, z, values, scratch);
     print("value", values, NLG_SUPPORT_POINT_COUNT);

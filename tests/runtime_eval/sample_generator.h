@@ -7,20 +7,25 @@
 namespace nlg {
 
 // Orthonormal rows: within a class, component k is non-zero only at octant points i with i % class_count == k.
-inline BasisData sampleBasis(const std::array<int, kParityClassCount>& class_count, uint64_t seed) {
+inline BasisData sampleBasis(const std::array<int, kParityClassCount>& class_count, uint64_t seed,
+                             GeneratorInput input = GeneratorInput::coefficients) {
   Random random(seed);
-  BasisData basis;
-  basis.class_count = class_count;
-  basis.mean.assign(size_t{kParityClassCount} * kOctantPointCount, 0.0f);
-  // only even functions have a mean over all mirror images
-  for (int i = 0; i < kOctantPointCount; ++i) basis.mean[i] = static_cast<float>(random.uniform(0.0, 2.0));
+  const bool reads_samples = input == GeneratorInput::samples;
+  const int length = inputCount(input);
+  BasisData basis{.input = input, .class_count = class_count};
+  // only even functions have a mean over all mirror images; of samples there is none
+  if (!reads_samples) {
+    basis.mean.assign(size_t{kParityClassCount} * kOctantPointCount, 0.0f);
+    for (int i = 0; i < kOctantPointCount; ++i) basis.mean[i] = static_cast<float>(random.uniform(0.0, 2.0));
+  }
   for (const int count : class_count) {
     for (int k = 0; k < count; ++k) {
-      std::vector<double> row(kOctantPointCount, 0.0);
-      double length = 0.0;
-      for (int i = k; i < kOctantPointCount; i += count) row[i] = random.normal(), length += row[i] * row[i];
-      for (const double value : row) basis.components.push_back(static_cast<float>(value / std::sqrt(length)));
-      basis.deviation.push_back(static_cast<float>(random.uniform(0.2, 2.0)));
+      std::vector<double> row(length, 0.0);
+      double square = 0.0;
+      for (int i = k; i < length; i += count) row[i] = random.normal(), square += row[i] * row[i];
+      for (const double value : row) basis.components.push_back(static_cast<float>(value / std::sqrt(square)));
+      const double deviation = random.uniform(0.2, 2.0);
+      basis.deviation.push_back(reads_samples ? 1.0f : static_cast<float>(deviation));
     }
   }
   return basis;
@@ -29,12 +34,13 @@ inline BasisData sampleBasis(const std::array<int, kParityClassCount>& class_cou
 // Class 4 is empty, as a class of a real basis may be.
 inline constexpr std::array<int, kParityClassCount> kSampleClasses = {9, 5, 4, 3, 0, 2, 1, 1};
 
-inline GeneratorData sampleGenerator(const Representation& representation, int width, int layer_count, uint64_t seed) {
+inline GeneratorData sampleGenerator(const Representation& representation, int width, int layer_count, uint64_t seed,
+                                     GeneratorInput input = GeneratorInput::coefficients) {
   Random random(seed);
   GeneratorData data;
   data.representation = representation;
   data.slope = 0.05f;
-  data.basis = sampleBasis(kSampleClasses, seed + 1);
+  data.basis = sampleBasis(kSampleClasses, seed + 1, input);
   int inputs = data.basis.coefficientCount();
   for (int l = 0; l < layer_count; ++l) {
     GeneratorLayer layer{inputs, l + 1 == layer_count ? representation.thetaCount() : width, {}, {}};
@@ -52,13 +58,23 @@ inline GeneratorData sampleGenerator(const Representation& representation, int w
 }
 
 // Stored functions one after another, every third of noise.
-inline std::vector<uint8_t> sampleFunctions(int count) {
-  std::vector<uint8_t> phi;
+struct SampleFunctions {
+  std::vector<uint8_t> phi, validity;
+  std::vector<StoredFunction> views() const {
+    std::vector<StoredFunction> functions;
+    for (size_t n = 0; n < phi.size() / kSupportPointCount; ++n)
+      functions.push_back({&phi[n * kSupportPointCount], &validity[n * kValidityByteCount]});
+    return functions;
+  }
+};
+inline SampleFunctions sampleFunctions(int count) {
+  SampleFunctions functions;
   for (int n = 0; n < count; ++n) {
     const StoredSample sample = n % 3 == 2 ? noiseSample(n) : wallSample(n);
-    phi.insert(phi.end(), sample.phi.begin(), sample.phi.end());
+    functions.phi.insert(functions.phi.end(), sample.phi.begin(), sample.phi.end());
+    functions.validity.insert(functions.validity.end(), sample.validity.begin(), sample.validity.end());
   }
-  return phi;
+  return functions;
 }
 
 inline std::vector<double> unquantised(const uint8_t* phi) {

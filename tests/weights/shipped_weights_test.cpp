@@ -78,7 +78,8 @@ TEST_F(ShippedWeights, PredictTheirOwnFunction) {
     std::vector<WeightingFunction> functions;
     double constant = 0.0;
     for (const StoredSample& wall : walls.samples) {
-      generator.generate(wall.phi.data(), 1, predicted.emplace_back(representation.thetaCount()).data(), &scratch);
+      const StoredFunction function = wall.view();
+      generator.generate(&function, 1, predicted.emplace_back(representation.thetaCount()).data(), &scratch);
       functions.push_back(decoded(wall.view(), pointOrder(representation)));
       constant += functionRmse(representation, functions.back(), generator.theta0());
     }

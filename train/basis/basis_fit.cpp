@@ -135,7 +135,7 @@ Basis truncateBasis(const Basis& basis, int component_count) {
   std::vector<int> kept = componentsByVariance(basis.data);
   kept.resize(std::min<size_t>(kept.size(), component_count));
   std::sort(kept.begin(), kept.end());
-  Basis result{{{}, basis.data.mean, {}, {}}, basis.spectrum, basis.function_count};
+  Basis result{{.mean = basis.data.mean}, basis.spectrum, basis.function_count};
   int parity_class = 0, class_end = basis.data.class_count[0];
   for (const int k : kept) {
     while (k >= class_end) class_end += basis.data.class_count[++parity_class];

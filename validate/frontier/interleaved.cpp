@@ -113,7 +113,6 @@ std::vector<FunctionBlock> makeBlocks(const FunctionSet& set, const std::vector<
       const StoredFunction stored = storedFunction(set, functions[i]);
       block.functions.push_back(functions[i]);
       block.stored.push_back(stored);
-      block.phi.insert(block.phi.end(), stored.phi, stored.phi + kSupportPointCount);
     }
   }
   return blocks;

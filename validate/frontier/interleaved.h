@@ -24,7 +24,6 @@ namespace nlg {
 struct FunctionBlock {
   std::vector<uint64_t> functions;     // of the set
   std::vector<StoredFunction> stored;  // the same
-  std::vector<uint8_t> phi;            // count x P, one after another: what a generator reads
 
   int count() const { return static_cast<int>(functions.size()); }
 };

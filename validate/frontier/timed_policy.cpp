@@ -232,7 +232,7 @@ TimedNetwork::TimedNetwork(std::shared_ptr<const Generator> generator)
 
 std::vector<FittedFunction> TimedNetwork::run(const FunctionBlock& block) {
   const Stopwatch watch;
-  generator_->generate(block.phi.data(), block.count(), theta_.data(), &scratch_);
+  generator_->generate(block.stored.data(), block.count(), theta_.data(), &scratch_);
   const double elapsed_us = watch.elapsedUs() / block.count();
   const Representation& representation = generator_->representation();
   const auto D = static_cast<size_t>(representation.thetaCount());

@@ -69,7 +69,7 @@ std::vector<const NamedGenerator*> codesOf(const StabilityInputs& inputs) {
 Theta networkCode(const Generator& generator, const StoredFunction& stored) {
   GeneratorScratch scratch(generator);
   Theta z(static_cast<size_t>(generator.representation().thetaCount()));
-  generator.generate(stored.phi, 1, z.data(), &scratch);
+  generator.generate(&stored, 1, z.data(), &scratch);
   return z;
 }
 

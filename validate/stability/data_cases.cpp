@@ -21,35 +21,37 @@ constexpr double kRelativeBound = 4.3e-4;
 // Of a generator with so many, in standard deviations.
 using Coefficient = std::function<double(int k, int count)>;
 
-// The samples that have these coefficients, pattern order; they leave [0, 1] where the coefficients are absurd.
-std::vector<float> samplesOf(const BasisData& basis, const Coefficient& coefficient) {
+// The nearest function that can be stored to the one that has these coefficients, valid everywhere. Of components of samples, whose
+// channels are not independent, what they weigh of phi says at which sample points it is high.
+SampledFunction functionOf(const BasisData& basis, const Coefficient& coefficient) {
+  const bool is_stored = basis.input == GeneratorInput::coefficients;
+  const int length = inputCount(basis.input);
   std::vector<double> classes(basis.mean.begin(), basis.mean.end());
+  classes.resize(size_t{kParityClassCount} * kOctantPointCount);
   int k = 0;
   for (int c = 0; c < kParityClassCount; ++c) {
     for (const int end = k + basis.class_count[c]; k < end; ++k) {
       const double amount = coefficient(k, basis.coefficientCount()) * basis.deviation[k];
-      for (int i = 0; i < kOctantPointCount; ++i)
-        classes[c * kOctantPointCount + i] += amount * basis.components[size_t(k) * kOctantPointCount + i];
+      for (int i = 0; i < (is_stored ? kOctantPointCount : kOctantSampleCount); ++i)
+        classes[c * kOctantPointCount + (is_stored ? i : octantSamples()[i])] += amount * basis.components[size_t(k) * length + i];
     }
   }
-  std::vector<float> phi(kSupportPointCount);
-  for (int p = 0; p < kSupportPointCount; ++p) {
+  return sampleFunction([&](int p) {
     double sum = 0.0;
     for (int c = 0; c < kParityClassCount; ++c)
       sum += mirrorSign(c, p / kOctantPointCount) * classes[c * kOctantPointCount + p % kOctantPointCount];
-    phi[p] = static_cast<float>(sum / std::sqrt(8.0));
-  }
-  return phi;
+    return sum / std::sqrt(8.0);
+  });
 }
 
 // Largest |theta - reference| over the largest |reference| on the SIMD target in force; *output: of what theta stands for, absolute.
-double relativeError(const NamedGenerator& named, const std::vector<float>& phi, double* output) {
+double relativeError(const NamedGenerator& named, const StoredFunction& function, double* output) {
   const Representation& representation = named.generator.representation();
   // the reference in double, of the same float weights
-  const std::vector<double> reference = generateReference(named.data, std::vector<double>(phi.begin(), phi.end()).data());
+  const std::vector<double> reference = generateReference(named.data, function);
   GeneratorScratch scratch(named.generator);
   Theta theta(reference.size());
-  named.generator.generate(phi.data(), 1, theta.data(), &scratch);
+  named.generator.generate(&function, 1, theta.data(), &scratch);
   if (!allFinite(theta)) return std::numeric_limits<double>::infinity();
   double largest = 0.0, error = 0.0;
   for (size_t k = 0; k < theta.size(); ++k) {
@@ -74,16 +76,15 @@ void measureCoefficients(const StabilityInputs& inputs, const Coefficient& coeff
     forceSimdTarget(target);
     double worst = 0.0;
     for (const NamedGenerator& named : inputs.generators)
-      worst = std::max(worst, relativeError(named, samplesOf(named.data.basis, coefficient), &output));
+      worst = std::max(worst, relativeError(named, functionOf(named.data.basis, coefficient).view(), &output));
     figures->atMost("relative_error_" + std::string(target), worst, kRelativeBound);
   }
   forceSimdTarget(before);
   figures->show("output_error", output);
-  // what a bake makes of the nearest function that can be stored
+  // what a bake makes of it
   WorstBake bakes;
   for (const NamedGenerator& named : inputs.generators) {
-    const std::vector<float> phi = samplesOf(named.data.basis, coefficient);
-    bakes.add(inputs, named, sampleFunction([&](int p) { return phi[p]; }).view(), ErrorBound::constant);
+    bakes.add(inputs, named, functionOf(named.data.basis, coefficient).view(), ErrorBound::constant);
   }
   bakes.report(figures);
 }

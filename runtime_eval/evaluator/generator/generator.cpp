@@ -12,22 +12,31 @@
 namespace nlg {
 namespace {
 
-std::vector<double> coefficientsReference(const BasisData& basis, const double* phi) {
+// What components weigh at the points of mirror m, of a class's numbers i (docs/theory/math.md §2, §6).
+double inputReference(GeneratorInput input, const StoredFunction& function, int m, int i) {
+  if (input == GeneratorInput::coefficients) return function.phi[m * kOctantPointCount + i] / 255.0;
+  const size_t point = supportPointOf(m * kOctantSampleCount + i % kOctantSampleCount);
+  const double phi = function.phi[point] / 255.0, valid = function.isValid(point) ? 1.0 : 0.0;
+  if (i < kOctantSampleCount) return phi;
+  if (i >= 2 * kOctantSampleCount) return 0.3 * (valid - 0.9);
+  return 0.3 * (std::min(1.0, phi / std::max(double{kLeastTent}, double{tent(supportPattern().points[point])})) - 0.7) * valid;
+}
+
+std::vector<double> coefficientsReference(const BasisData& basis, const StoredFunction& function) {
+  const int length = inputCount(basis.input);
   std::vector<double> coefficients;
   for (int c = 0; c < kParityClassCount; ++c) {
-    // parity class c (docs/theory/math.md §2)
-    std::vector<double> parity(kOctantPointCount, 0.0);
+    std::vector<double> parity(length, 0.0);
     for (int m = 0; m < kMirrorCount; ++m) {
-      for (int i = 0; i < kOctantPointCount; ++i) {
-        parity[i] += mirrorSign(c, m) * phi[m * kOctantPointCount + i] / std::sqrt(8.0);
-      }
+      for (int i = 0; i < length; ++i) parity[i] += mirrorSign(c, m) * inputReference(basis.input, function, m, i) / std::sqrt(8.0);
     }
     // standardised coefficients of the class (docs/theory/math.md §3)
     for (int k = 0; k < basis.class_count[c]; ++k) {
       const size_t row = coefficients.size();
       double sum = 0.0;
-      for (int i = 0; i < kOctantPointCount; ++i) {
-        sum += (parity[i] - basis.mean[c * kOctantPointCount + i]) * basis.components[row * kOctantPointCount + i];
+      for (int i = 0; i < length; ++i) {
+        const double mean = basis.mean.empty() ? 0.0 : basis.mean[c * length + i];
+        sum += (parity[i] - mean) * basis.components[row * length + i];
       }
       coefficients.push_back(sum / basis.deviation[row]);
     }
@@ -115,6 +124,7 @@ Generator::Generator(const GeneratorData& data) {
 const Representation& Generator::representation() const { return network_->representation; }
 const float* Generator::theta0() const { return network_->theta0.data(); }
 bool Generator::exactLastLayer() const { return network_->exact_last_layer; }
+bool Generator::readsSamples() const { return network_->projection.input() == GeneratorInput::samples; }
 
 namespace {
 
@@ -147,22 +157,22 @@ FileResult Generator::parse(std::string_view bytes, Generator* generator) {
   return prepare(std::move(result), file, generator);
 }
 
-template <class Sample>
-void Generator::generateAll(const Sample* phi, int count, float* theta, GeneratorScratch* scratch) const {
+template <class Function>
+void Generator::generateAll(const Function* functions, int count, float* theta, GeneratorScratch* scratch) const {
   GeneratorScratch::Buffers& buffers = *scratch->buffers_;
   for (int begin = 0; begin < count; begin += kBatchCount) {
     const int batch = std::min(kBatchCount, count - begin);
-    network_->projection.project(phi + size_t(begin) * kSupportPointCount, batch, buffers.layers.input(), &buffers.projection);
+    network_->projection.project(functions + begin, batch, buffers.layers.input(), &buffers.projection);
     network_->layers.run(batch, theta + size_t(begin) * network_->representation.thetaCount(), &buffers.layers);
   }
 }
 
-void Generator::generate(const uint8_t* phi, int count, float* theta, GeneratorScratch* scratch) const {
-  generateAll(phi, count, theta, scratch);
+void Generator::generate(const StoredFunction* functions, int count, float* theta, GeneratorScratch* scratch) const {
+  generateAll(functions, count, theta, scratch);
 }
 
-void Generator::generate(const float* phi, int count, float* theta, GeneratorScratch* scratch) const {
-  generateAll(phi, count, theta, scratch);
+void Generator::generate(const VisibilitySamples* functions, int count, float* theta, GeneratorScratch* scratch) const {
+  generateAll(functions, count, theta, scratch);
 }
 
 GeneratorScratch::GeneratorScratch(const Generator& generator)
@@ -171,8 +181,8 @@ GeneratorScratch::~GeneratorScratch() = default;
 GeneratorScratch::GeneratorScratch(GeneratorScratch&&) noexcept = default;
 GeneratorScratch& GeneratorScratch::operator=(GeneratorScratch&&) noexcept = default;
 
-std::vector<double> generateReference(const GeneratorData& data, const double* phi) {
-  std::vector<double> theta = runLayersReference(data.layers, data.slope, coefficientsReference(data.basis, phi));
+std::vector<double> generateReference(const GeneratorData& data, const StoredFunction& function) {
+  std::vector<double> theta = runLayersReference(data.layers, data.slope, coefficientsReference(data.basis, function));
   for (size_t i = 0; i < theta.size(); ++i) theta[i] = data.theta0[i] + data.output_scale[i] * theta[i];
   return theta;
 }

@@ -57,8 +57,8 @@ class LayerScratch {
   AlignedFloats activations_[2];
 };
 
-// The version of the tensors' meaning, which the reader demands.
-inline constexpr int kWeightsVersion = 1;
+// The newest version of the tensors' meaning. Generators of samples are of version 2, all others of 1, which older readers take, too.
+inline constexpr int kWeightsVersion = 2;
 
 // The generator's numbers, unfolded. Hidden layer: h' = leaky(W h + b), plus h where input and output have the same width;
 // last layer: theta = theta0 + output_scale * (W h + b).
@@ -77,7 +77,7 @@ struct GeneratorData {
 FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data);
 WeightsFile weightsFromGenerator(const GeneratorData& data);
 
-// theta of one function in double, straight from the formulas: what the vector code is tested against. phi: P, in [0, 1].
-std::vector<double> generateReference(const GeneratorData& data, const double* phi);
+// theta of one function in double, straight from the formulas: what the vector code is tested against.
+std::vector<double> generateReference(const GeneratorData& data, const StoredFunction& function);
 
 }  // namespace nlg

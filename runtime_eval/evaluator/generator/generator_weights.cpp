@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kLargestWidth = 8192;
 constexpr int kLargestLayerCount = 32;
+constexpr const char* kSamples = "samples";
 
 std::string hexadecimal(uint64_t value) {
   char text[17];
@@ -102,9 +103,13 @@ void readBasis(TensorReader& reader, BasisData* basis) {
     coefficient_count += basis->class_count[c];
   }
   if (coefficient_count == 0) reader.fail(FileStatus::value_out_of_range, "the basis has no component");
-  const uint64_t octant = kOctantPointCount, count = static_cast<uint64_t>(coefficient_count);
-  basis->mean = reader.tensor("basis.mean", {uint64_t{kParityClassCount}, octant});
-  basis->components = reader.tensor("basis.components", {count, octant});
+  const uint64_t length = static_cast<uint64_t>(inputCount(basis->input)), count = static_cast<uint64_t>(coefficient_count);
+  basis->components = reader.tensor("basis.components", {count, length});
+  if (basis->input == GeneratorInput::samples) {
+    basis->deviation.assign(count, 1.0f);
+    return;
+  }
+  basis->mean = reader.tensor("basis.mean", {uint64_t{kParityClassCount}, length});
   basis->deviation = reader.tensor("basis.deviation", {count});
   for (const float deviation : basis->deviation) {
     // its inverse is folded into the components: far below any real deviation that would no longer be finite
@@ -204,6 +209,12 @@ FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
   if (reader.ok() && data->representation.isCode()) readDictionary(reader, &data->representation);
   data->representation.slope = static_cast<float>(reader.number("representation_slope", 1e-6, 0.999));
   data->slope = static_cast<float>(reader.number("generator_slope", 1e-6, 0.999));
+  // files of version 1 have coefficients, and do not say so
+  if (version > 1) {
+    const std::string input = reader.text("input");
+    if (input != kSamples) reader.fail(FileStatus::value_out_of_range, "metadata input: expected samples, got " + shown(input));
+    data->basis.input = GeneratorInput::samples;
+  }
   readBasis(reader, &data->basis);
   const int theta_count = data->representation.thetaCount();
   // the shapes of the layers follow from the basis and D
@@ -220,14 +231,17 @@ FileResult generatorFromWeights(const WeightsFile& file, GeneratorData* data) {
 
 WeightsFile weightsFromGenerator(const GeneratorData& data) {
   WeightsFile file;
-  const uint64_t octant = kOctantPointCount, count = static_cast<uint64_t>(data.basis.coefficientCount());
+  const bool reads_samples = data.basis.input == GeneratorInput::samples;
+  const uint64_t length = static_cast<uint64_t>(inputCount(data.basis.input)),
+                 count = static_cast<uint64_t>(data.basis.coefficientCount());
   // nine digits give back every float
   const auto number = [](double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.9g", value);
     return std::string(text);
   };
-  file.metadata["version"] = std::to_string(kWeightsVersion);
+  file.metadata["version"] = reads_samples ? "2" : "1";
+  if (reads_samples) file.metadata["input"] = kSamples;
   file.metadata["pattern_hash"] = hexadecimal(supportPattern().hash);
   file.metadata["representation"] = representationName(data.representation);
   file.metadata["representation_slope"] = number(data.representation.slope);
@@ -236,9 +250,11 @@ WeightsFile weightsFromGenerator(const GeneratorData& data) {
   for (int c = 0; c < kParityClassCount; ++c) {
     file.metadata["class_count." + std::to_string(c)] = std::to_string(data.basis.class_count[c]);
   }
-  file.tensors["basis.mean"] = {{uint64_t{kParityClassCount}, octant}, data.basis.mean};
-  file.tensors["basis.components"] = {{count, octant}, data.basis.components};
-  file.tensors["basis.deviation"] = {{count}, data.basis.deviation};
+  file.tensors["basis.components"] = {{count, length}, data.basis.components};
+  if (!reads_samples) {
+    file.tensors["basis.mean"] = {{uint64_t{kParityClassCount}, length}, data.basis.mean};
+    file.tensors["basis.deviation"] = {{count}, data.basis.deviation};
+  }
   writeLayers(data.layers, &file);
   if (data.representation.isCode()) writeDictionary(data.representation.dictionary->data(), &file);
   const std::vector<uint64_t> theta_shape = {data.theta0.size()};

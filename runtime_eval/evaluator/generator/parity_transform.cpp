@@ -44,25 +44,8 @@ void bytesToFloats(const uint8_t* HWY_RESTRICT phi, float* HWY_RESTRICT classes)
   }
 }
 
-void floatsToFloats(const float* HWY_RESTRICT phi, float* HWY_RESTRICT classes) {
-  const hn::CappedTag<float, 16> d;
-  const auto scale = hn::Set(d, 255.0f);
-  for (int i = 0; i < kOctantPointCount; i += static_cast<int>(hn::Lanes(d))) {
-    hn::Vec<decltype(d)> value[kMirrorCount];
-#pragma GCC unroll 8
-    for (int m = 0; m < kMirrorCount; ++m) value[m] = hn::Mul(scale, hn::LoadU(d, phi + m * kOctantPointCount + i));
-    butterflies(value);
-#pragma GCC unroll 8
-    for (int c = 0; c < kParityClassCount; ++c) hn::StoreU(value[c], d, classes + c * kOctantPointCount + i);
-  }
-}
-
 void bytesToFloatsAll(const uint8_t* phi, int count, float* classes) {
   for (size_t n = 0; n < static_cast<size_t>(count); ++n) bytesToFloats(phi + n * kSupportPointCount, classes + n * kClassStride);
-}
-void floatsToFloatsAll(const float* phi, int count, float* classes) {
-  for (size_t n = 0; n < static_cast<size_t>(count); ++n)
-    floatsToFloats(phi + n * kSupportPointCount, classes + n * kClassStride);
 }
 }  // namespace HWY_NAMESPACE
 }  // namespace nlg
@@ -72,13 +55,9 @@ HWY_AFTER_NAMESPACE();
 namespace nlg {
 
 HWY_EXPORT(bytesToFloatsAll);
-HWY_EXPORT(floatsToFloatsAll);
 
 void parityTransform(const uint8_t* phi, int count, float* classes) {
   HWY_DYNAMIC_DISPATCH(bytesToFloatsAll)(phi, count, classes);
-}
-void parityTransform(const float* phi, int count, float* classes) {
-  HWY_DYNAMIC_DISPATCH(floatsToFloatsAll)(phi, count, classes);
 }
 }  // namespace nlg
 #endif  // HWY_ONCE

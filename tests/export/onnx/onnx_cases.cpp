@@ -1,7 +1,7 @@
 // Writes what a runtime for ONNX must come to: onnx_cases FOLDER FUNCTION_COUNT [WEIGHTS ...].
 //
 // For small generators of random numbers and for every file of WEIGHTS: NAME.safetensors, and raw floats of the evaluator, one file a
-// value of the model: NAME.phi.f32, NAME.theta.f32, NAME.coefficients.f32.
+// value of the model: NAME.phi.f32, NAME.theta.f32, NAME.coefficients.f32; of a generator of samples NAME.valid.f32, too.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -31,21 +31,28 @@ void writeCase(const std::string& stem, const std::string& bytes, int count) {
     std::fprintf(stderr, "onnx_cases: %s: %s\n", stem.c_str(), result.detail.c_str());
     std::exit(1);
   }
-  const std::vector<uint8_t> stored = sampleFunctions(count);
+  const SampleFunctions samples = sampleFunctions(count);
+  const std::vector<StoredFunction> functions = samples.views();
   const Generator generator(data);
   GeneratorScratch scratch(generator);
   std::vector<float> theta(size_t(count) * data.representation.thetaCount());
-  generator.generate(stored.data(), count, theta.data(), &scratch);
+  generator.generate(functions.data(), count, theta.data(), &scratch);
   const Projection projection(data.basis);
   ProjectionScratch projection_scratch;
-  std::vector<float> phi, coefficients(size_t(count) * data.basis.coefficientCount());
-  for (const uint8_t byte : stored) phi.push_back(static_cast<float>(byte) / 255.0f);
+  std::vector<float> phi, valid, coefficients(size_t(count) * data.basis.coefficientCount());
+  const bool reads_samples = generator.readsSamples();
   for (int n = 0; n < count; ++n) {
-    projection.project(&stored[size_t(n) * kSupportPointCount], 1, &coefficients[size_t(n) * data.basis.coefficientCount()],
+    for (int i = 0; i < (reads_samples ? kSamplePointCount : kSupportPointCount); ++i) {
+      const size_t p = reads_samples ? supportPointOf(i) : static_cast<size_t>(i);
+      phi.push_back(static_cast<float>(functions[n].phi[p]) / 255.0f);
+      valid.push_back(functions[n].isValid(p) ? 1.0f : 0.0f);
+    }
+    projection.project(&functions[n], 1, &coefficients[size_t(n) * data.basis.coefficientCount()],
                        &projection_scratch);
   }
   write(stem + ".safetensors", bytes.data(), bytes.size());
   write(stem + ".phi.f32", phi);
+  if (reads_samples) write(stem + ".valid.f32", valid);
   write(stem + ".theta.f32", theta);
   write(stem + ".coefficients.f32", coefficients);
 }
@@ -59,6 +66,8 @@ void writeCases(const std::string& folder, int count, const std::vector<std::str
   // layers 25 → 25 → 25 → 113: a skip beside each hidden layer
   const GeneratorData skipping = sampleGenerator(Representation::tentMlp(), 25, 3, 1);
   writeCase(folder + "/skipping", serializeWeights(weightsFromGenerator(skipping)), count);
+  const GeneratorData of_samples = sampleGenerator(Representation::tentMlp(), 24, 3, 4, GeneratorInput::samples);
+  writeCase(folder + "/samples", serializeWeights(weightsFromGenerator(of_samples)), count);
   WeightsFile halves = weightsFromGenerator(sampleGenerator(Representation::productField(5), 24, 4, 2));
   for (const char* name : {"basis.components", "layer.0.weight", "layer.1.weight", "layer.3.weight"}) {
     if (!roundToFloat16(name, &halves.tensors[name]).ok()) std::exit(1);

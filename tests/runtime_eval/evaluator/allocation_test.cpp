@@ -11,24 +11,24 @@ namespace {
 
 TEST(Generator, AllocatesNothingAfterLoad) {
   constexpr int kCount = 37;
-  const std::vector<uint8_t> bytes = sampleFunctions(kCount);
-  const std::vector<float> floats(bytes.size(), 0.5f);
-  for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
-    const Generator generator(sampleGenerator(representation, 48, 3, 1));
+  const SampleFunctions samples = sampleFunctions(kCount);
+  const std::vector<StoredFunction> functions = samples.views();
+  for (const GeneratorInput input : {GeneratorInput::coefficients, GeneratorInput::samples}) {
+    const Representation representation = input == GeneratorInput::samples ? Representation::mlp() : Representation::productField(5);
+    const Generator generator(sampleGenerator(representation, 48, 3, 1, input));
     GeneratorScratch scratch(generator);
     std::vector<float> theta(size_t(kCount) * representation.thetaCount());
     // the very first calls, as an engine makes them
     const long before = allocationCount();
-    generator.generate(bytes.data(), kCount, theta.data(), &scratch);
-    generator.generate(floats.data(), kCount, theta.data(), &scratch);
-    generator.generate(bytes.data(), 1, theta.data(), &scratch);
+    generator.generate(functions.data(), kCount, theta.data(), &scratch);
+    generator.generate(functions.data(), 1, theta.data(), &scratch);
     EXPECT_EQ(allocationCount(), before) << representationName(representation);
   }
 }
 
 TEST(StageRunner, AllocatesNothingOnceMade) {
   constexpr int kCount = 37;
-  const std::vector<uint8_t> phi = sampleFunctions(kCount), validity(kValidityByteCount, 255);
+  const std::vector<uint8_t> phi = sampleFunctions(kCount).phi, validity(kValidityByteCount, 255);
   for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
     GeneratorData data = sampleGenerator(representation, 48, 3, 1);
     data.exact_last_layer = !representation.isField();

@@ -17,17 +17,12 @@
 namespace nlg {
 namespace {
 
-template <class Sample>
-std::vector<float> generateAll(const GeneratorData& data, const std::vector<Sample>& phi, int count) {
+std::vector<float> generateAll(const GeneratorData& data, const std::vector<StoredFunction>& functions, int count) {
   const Generator generator(data);
   GeneratorScratch scratch(generator);
   std::vector<float> theta(size_t(count) * data.representation.thetaCount());
-  generator.generate(phi.data(), count, theta.data(), &scratch);
+  generator.generate(functions.data(), count, theta.data(), &scratch);
   return theta;
-}
-
-std::vector<double> referenceOf(const GeneratorData& data, const uint8_t* phi) {
-  return generateReference(data, unquantised(phi).data());
 }
 
 // Coefficients: 1028 roundings of terms whose magnitudes add up to at most |class| |row| / deviation <= 32 * 3 / 0.2;
@@ -39,6 +34,7 @@ constexpr double kFloatBound = 1028 * kFloatRounding * (32 * 3 / 0.2) * 0.2;
 struct RaggedCase {
   int width, layers, count;
   Representation representation = Representation::mlp();
+  GeneratorInput input = GeneratorInput::coefficients;
 };
 const RaggedCase kRaggedCases[] = {{48, 4, 1},
                                    {25, 3, 2},
@@ -53,7 +49,9 @@ const RaggedCase kRaggedCases[] = {{48, 4, 1},
                                    {48, 3, 1, Representation::productField(5)},
                                    {25, 3, 9, Representation::productField(5)},
                                    {16, 2, 97, Representation::productField(5)},
-                                   {25, 3, 9, Representation::code(sampleDictionary(5, 64, 1))}};
+                                   {25, 3, 9, Representation::code(sampleDictionary(5, 64, 1))},
+                                   {25, 4, 9, Representation::mlp(), GeneratorInput::samples},
+                                   {48, 3, 97, Representation::productField(5), GeneratorInput::samples}};
 
 std::string describe(const RaggedCase& c) {
   return std::string(representationName(c.representation)) + ", width " + std::to_string(c.width) + ", layers " +
@@ -76,14 +74,15 @@ FileStatus statusAfter(const Change& change) {
 }
 
 TEST(Generator, EqualsTheReferenceOnRaggedCountsAndEveryTarget) {
-  const std::vector<uint8_t> phi = sampleFunctions(257);
+  const SampleFunctions samples = sampleFunctions(257);
+  const std::vector<StoredFunction> functions = samples.views();
   for (const RaggedCase& c : kRaggedCases) {
-    const GeneratorData data = sampleGenerator(c.representation, c.width, c.layers, 5);
+    const GeneratorData data = sampleGenerator(c.representation, c.width, c.layers, 5, c.input);
     const int theta_count = data.representation.thetaCount();
     std::vector<std::vector<double>> expected;
-    for (int n = 0; n < c.count; ++n) expected.push_back(referenceOf(data, &phi[size_t(n) * kSupportPointCount]));
+    for (int n = 0; n < c.count; ++n) expected.push_back(generateReference(data, functions[n]));
     forEachTarget([&] {
-      const std::vector<float> theta = generateAll(data, phi, c.count);
+      const std::vector<float> theta = generateAll(data, functions, c.count);
       for (int n = 0; n < c.count; ++n) {
         for (int k = 0; k < theta_count; ++k) {
           ASSERT_NEAR(theta[size_t(n) * theta_count + k], expected[n][k], kFloatBound)
@@ -96,22 +95,24 @@ TEST(Generator, EqualsTheReferenceOnRaggedCountsAndEveryTarget) {
 
 TEST(Generator, GivesAFunctionTheSameBitsInEveryBatch) {
   constexpr int kCount = 257;
-  const std::vector<uint8_t> phi = sampleFunctions(kCount);
-  for (const Representation& representation : {Representation::mlp(), Representation::productField(5)}) {
+  const SampleFunctions samples = sampleFunctions(kCount);
+  const std::vector<StoredFunction> functions = samples.views();
+  for (const GeneratorInput input : {GeneratorInput::coefficients, GeneratorInput::samples}) {
+    const Representation representation = input == GeneratorInput::samples ? Representation::mlp() : Representation::productField(5);
     // 600 inputs are more than one block of either product
-    GeneratorData data = sampleGenerator(representation, 600, 3, 6);
+    GeneratorData data = sampleGenerator(representation, 600, 3, 6, input);
     const int theta_count = data.representation.thetaCount();
     const Generator generator(data);
     GeneratorScratch scratch(generator);
     forEachTarget([&] {
       if (chosenSimdTarget() == "scalar" && representation.isField()) return;  // slow, and the same path
       std::vector<float> together(size_t(kCount) * theta_count), apart(together.size());
-      generator.generate(phi.data(), kCount, together.data(), &scratch);
+      generator.generate(functions.data(), kCount, together.data(), &scratch);
       // batches that end in the rows left over from tiles of every size
       const int batches[] = {1, 2, 3, 5, 6, 7, 11, 12, 13, 23, 31, 96};
       for (int n = 0, b = 0; n < kCount; ++b) {
         const int batch = std::min(batches[b % 12], kCount - n);
-        generator.generate(&phi[size_t(n) * kSupportPointCount], batch, &apart[size_t(n) * theta_count], &scratch);
+        generator.generate(&functions[n], batch, &apart[size_t(n) * theta_count], &scratch);
         n += batch;
       }
       EXPECT_EQ(together, apart);
@@ -121,17 +122,18 @@ TEST(Generator, GivesAFunctionTheSameBitsInEveryBatch) {
 
 TEST(Generator, GivesTheSameBitsOnSeveralThreads) {
   constexpr int kCount = 100, kThreads = 4;
-  const std::vector<uint8_t> phi = sampleFunctions(kCount);
+  const SampleFunctions samples = sampleFunctions(kCount);
+  const std::vector<StoredFunction> functions = samples.views();
   const GeneratorData data = sampleGenerator({}, 40, 3, 16);
   const Generator generator(data);
-  const std::vector<float> expected = generateAll(data, phi, kCount);
+  const std::vector<float> expected = generateAll(data, functions, kCount);
   std::vector<float> theta(expected.size());
   std::vector<std::thread> threads;
   for (int t = 0; t < kThreads; ++t) {
     threads.emplace_back([&, t] {
       GeneratorScratch scratch(generator);
       for (int n = t; n < kCount; n += kThreads) {
-        generator.generate(&phi[size_t(n) * kSupportPointCount], 1, &theta[size_t(n) * ThetaLayout::count], &scratch);
+        generator.generate(&functions[n], 1, &theta[size_t(n) * ThetaLayout::count], &scratch);
       }
     });
   }
@@ -163,11 +165,12 @@ TEST(Generator, LoadsWhatWasSaved) {
   ASSERT_TRUE(result.ok()) << result.detail;
   EXPECT_TRUE(generator.representation().tentFactor());
   EXPECT_EQ(generator.representation().slope, 0.02f);
-  const std::vector<uint8_t> phi = sampleFunctions(1);
+  const SampleFunctions samples = sampleFunctions(1);
+  const std::vector<StoredFunction> functions = samples.views();
   GeneratorScratch scratch(generator);
   std::vector<float> theta(ThetaLayout::count);
-  generator.generate(phi.data(), 1, theta.data(), &scratch);
-  EXPECT_EQ(theta, generateAll(data, phi, 1));
+  generator.generate(functions.data(), 1, theta.data(), &scratch);
+  EXPECT_EQ(theta, generateAll(data, functions, 1));
 
   // the same from its bytes
   Generator parsed;
@@ -175,7 +178,7 @@ TEST(Generator, LoadsWhatWasSaved) {
   ASSERT_TRUE(of_bytes.ok()) << of_bytes.detail;
   GeneratorScratch parsed_scratch(parsed);
   std::vector<float> parsed_theta(ThetaLayout::count);
-  parsed.generate(phi.data(), 1, parsed_theta.data(), &parsed_scratch);
+  parsed.generate(functions.data(), 1, parsed_theta.data(), &parsed_scratch);
   EXPECT_EQ(parsed_theta, theta);
 
   // a failing load leaves the generator as it was
@@ -184,7 +187,7 @@ TEST(Generator, LoadsWhatWasSaved) {
   std::filesystem::remove(path);
   EXPECT_EQ(Generator::load(path, &generator).status, FileStatus::cannot_open);
   std::vector<float> again(ThetaLayout::count);
-  generator.generate(phi.data(), 1, again.data(), &scratch);
+  generator.generate(functions.data(), 1, again.data(), &scratch);
   EXPECT_EQ(again, theta);
 }
 
@@ -231,6 +234,24 @@ TEST(GeneratorWeights, RoundTripWithTheirDictionary) {
   }
 }
 
+// A reader of version 1 would take components of samples for principal ones: it is told to refuse them.
+TEST(GeneratorWeights, OfSamplesAreOfVersionTwo) {
+  const GeneratorData data = sampleGenerator(Representation::mlp(), 24, 2, 9, GeneratorInput::samples);
+  WeightsFile file = weightsFromGenerator(data);
+  EXPECT_EQ(file.metadata["version"], "2");
+  GeneratorData read;
+  const FileResult result = generatorFromWeights(file, &read);
+  ASSERT_TRUE(result.ok()) << result.detail;
+  EXPECT_EQ(read.basis.input, GeneratorInput::samples);
+  EXPECT_EQ(read.basis.class_count, data.basis.class_count);
+  EXPECT_EQ(read.basis.components, data.basis.components);
+  EXPECT_TRUE(Generator(read).readsSamples());
+  file.metadata["input"] = "moments";
+  EXPECT_EQ(statusOf(file), FileStatus::value_out_of_range);
+  file.metadata.erase("input");
+  EXPECT_EQ(statusOf(file), FileStatus::tensor_missing);
+}
+
 TEST(GeneratorWeights, AreTakenUnchanged) {
   EXPECT_EQ(statusAfter([](WeightsFile&) {}), FileStatus::ok);
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["a note"] = "for people"; }), FileStatus::ok);
@@ -239,7 +260,7 @@ TEST(GeneratorWeights, AreTakenUnchanged) {
 TEST(GeneratorWeights, RefuseForeignPatternsAndNewerVersions) {
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = "0123456789abcdef"; }), FileStatus::pattern_unknown);
   EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["pattern_hash"] = ""; }), FileStatus::pattern_unknown);
-  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["version"] = "2"; }), FileStatus::version_unknown);
+  EXPECT_EQ(statusAfter([](WeightsFile& f) { f.metadata["version"] = "3"; }), FileStatus::version_unknown);
   for (const char* version : {"0", "-1", "1.5", "", "one", "nan"}) {
     EXPECT_EQ(statusAfter([&](WeightsFile& f) { f.metadata["version"] = version; }), FileStatus::value_out_of_range) << version;
   }

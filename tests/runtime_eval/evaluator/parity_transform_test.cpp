@@ -28,7 +28,7 @@ std::vector<double> classesNaively(const std::vector<double>& phi) {
 constexpr int kCount = 3;
 
 TEST(ParityTransform, EqualsTheDefinitionOnEveryTarget) {
-  const std::vector<uint8_t> phi = sampleFunctions(kCount);
+  const std::vector<uint8_t> phi = sampleFunctions(kCount).phi;
   forEachTarget([&] {
     std::vector<float> floats(size_t(kCount) * kClassStride);
     parityTransform(phi.data(), kCount, floats.data());

@@ -34,17 +34,18 @@ std::vector<double> projectNaively(const BasisData& basis, const std::vector<dou
 TEST(Projection, EqualsTheDefinitionOnRaggedCountsAndEveryTarget) {
   const BasisData basis = sampleBasis(kSampleClasses, 7);
   const int K = basis.coefficientCount(), largest = kBatchCount;
-  const std::vector<uint8_t> phi = sampleFunctions(largest);
+  const SampleFunctions samples = sampleFunctions(largest);
+  const std::vector<StoredFunction> functions = samples.views();
   std::vector<std::vector<double>> expected, magnitude(largest);
   for (int n = 0; n < largest; ++n) {
-    expected.push_back(projectNaively(basis, unquantised(&phi[size_t(n) * kSupportPointCount]), &magnitude[n]));
+    expected.push_back(projectNaively(basis, unquantised(functions[n].phi), &magnitude[n]));
   }
   ProjectionScratch scratch;
   forEachTarget([&] {
     const Projection projection(basis);
     for (const int count : {0, 1, 2, 7, 8, 9, 31, 95, 96}) {
       std::vector<float> coefficients(size_t(largest) * K, 99.0f);
-      projection.project(phi.data(), count, coefficients.data(), &scratch);
+      projection.project(functions.data(), count, coefficients.data(), &scratch);
       for (int n = 0; n < largest; ++n) {
         for (int k = 0; k < K; ++k) {
           const float got = coefficients[size_t(n) * K + k];
@@ -60,17 +61,45 @@ TEST(Projection, EqualsTheDefinitionOnRaggedCountsAndEveryTarget) {
   });
 }
 
+// Visibility without phi: what is seen has the tent, all else nothing. A diffused function of the same points differs only there.
+TEST(Projection, ReadsVisibilityAsTheUndiffusedFunction) {
+  const BasisData basis = sampleBasis(kSampleClasses, 8, GeneratorInput::samples);
+  const Projection projection(basis);
+  const StoredSample wall = wallSample(4);
+  std::vector<uint8_t> seen(kSamplePointCount / 8, 0), valid = seen;
+  for (int j = 0; j < kSamplePointCount; ++j) {
+    if (wall.phi[supportPointOf(j)] > 0) seen[j / 8] |= 1 << j % 8;
+    if (wall.valid(static_cast<int>(supportPointOf(j)))) valid[j / 8] |= 1 << j % 8;
+  }
+  ProjectionScratch scratch;
+  std::vector<float> of_bits(basis.coefficientCount()), of_bytes(of_bits.size()), of_blind(of_bits.size());
+  const VisibilitySamples samples{seen.data(), valid.data()};
+  projection.project(&samples, 1, of_bits.data(), &scratch);
+  const StoredFunction stored = wall.view();
+  projection.project(&stored, 1, of_bytes.data(), &scratch);
+  // phi is a byte, and so is its share of the tent
+  for (size_t k = 0; k < of_bits.size(); ++k) EXPECT_NEAR(of_bits[k], of_bytes[k], 0.1) << k;
+  // where all is dark, solid and dark are told apart
+  std::vector<uint8_t> none(seen.size(), 0), all(seen.size(), 0xff);
+  const VisibilitySamples solid{none.data(), none.data()}, dark{none.data(), all.data()};
+  projection.project(&solid, 1, of_bits.data(), &scratch);
+  projection.project(&dark, 1, of_blind.data(), &scratch);
+  EXPECT_NE(of_bits, of_blind);
+}
+
 TEST(Projection, FlipsSignsForAMirroredFunction) {
   BasisData basis = sampleBasis(kSampleClasses, 9);
   const Projection projection(basis);
-  const std::vector<uint8_t> phi = sampleFunctions(1);
+  const SampleFunctions samples = sampleFunctions(1);
+  const std::vector<StoredFunction> functions = samples.views();
   ProjectionScratch scratch;
   std::vector<float> plain(basis.coefficientCount()), mirrored(basis.coefficientCount());
-  projection.project(phi.data(), 1, plain.data(), &scratch);
+  projection.project(functions.data(), 1, plain.data(), &scratch);
   for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
     std::vector<uint8_t> image(kSupportPointCount);
-    for (int p = 0; p < kSupportPointCount; ++p) image[p] = phi[p ^ (mirror * kOctantPointCount)];
-    projection.project(image.data(), 1, mirrored.data(), &scratch);
+    for (int p = 0; p < kSupportPointCount; ++p) image[p] = samples.phi[p ^ (mirror * kOctantPointCount)];
+    const StoredFunction mirror_image{image.data(), samples.validity.data()};
+    projection.project(&mirror_image, 1, mirrored.data(), &scratch);
     int k = 0;
     for (int c = 0; c < kParityClassCount; ++c) {
       // classes are whole numbers that only change sign, and so do all products: exactly, where there is no mean to subtract

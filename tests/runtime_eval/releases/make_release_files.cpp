@@ -49,7 +49,7 @@ bool writeGrid(const std::string& folder) {
 }
 
 bool writeGenerators(const std::string& folder) {
-  const std::vector<uint8_t> functions = sampleFunctions(kFunctions);
+  const std::vector<uint8_t> functions = sampleFunctions(kFunctions).phi;
   opened(folder + "/functions.bin").write(reinterpret_cast<const char*>(functions.data()), functions.size());
   for (const auto& [name, representation] : {std::pair("tent_mlp", Representation::tentMlp(0.01f)),
                                              std::pair("code16", Representation::code(sampleDictionary(5, 16, 1)))}) {

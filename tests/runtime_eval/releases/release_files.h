@@ -18,9 +18,11 @@ inline std::vector<std::vector<float>> thetasOf(const std::string& path, const s
   std::vector<std::vector<float>> thetas;
   if (!Generator::load(path, &generator).ok()) return thetas;
   GeneratorScratch scratch(generator);
+  const std::vector<uint8_t> validity(kValidityByteCount, 0xff);
   for (size_t begin = 0; begin < functions.size(); begin += kSupportPointCount) {
     thetas.emplace_back(static_cast<size_t>(generator.representation().thetaCount()));
-    generator.generate(&functions[begin], 1, thetas.back().data(), &scratch);
+    const StoredFunction function{&functions[begin], validity.data()};
+    generator.generate(&function, 1, thetas.back().data(), &scratch);
   }
   return thetas;
 }

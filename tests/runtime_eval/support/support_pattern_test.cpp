@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 namespace nlg {
@@ -53,6 +54,26 @@ TEST(Strata, PartitionTheSupport) {
     }
   }
   EXPECT_EQ(seen.size(), size_t{kSupportPointCount});
+}
+
+TEST(SamplePoints, AreSharedByTheProbesOfACell) {
+  const std::vector<LocalPoint>& points = supportPattern().points;
+  std::set<LocalPoint> octant;
+  for (const uint16_t point : octantSamples()) octant.insert(points[point]);
+  ASSERT_EQ(octant.size(), size_t{kOctantSampleCount});
+  std::map<std::array<int, 3>, int> in_cell;
+  for (const LocalPoint& point : octant) {
+    ++in_cell[{static_cast<int>(4 * point[0]), static_cast<int>(4 * point[1]), static_cast<int>(4 * point[2])}];
+    for (int axis = 0; axis < 3; ++axis) {
+      LocalPoint image = point;
+      image[axis] = 1.0f - point[axis];
+      EXPECT_TRUE(octant.contains(image)) << "axis " << axis;
+    }
+  }
+  EXPECT_EQ(in_cell.size(), 64u);
+  for (const auto& [cell, count] : in_cell) EXPECT_EQ(count, 2);
+  // the same in every mirror
+  EXPECT_EQ(supportPointOf(5 * kOctantSampleCount + 7), size_t{5 * kOctantPointCount} + octantSamples()[7]);
 }
 
 TEST(TestPoints, ExtendShorterSets) {

@@ -25,7 +25,7 @@ torch::Tensor codesOf(GeneratorNetwork& network) {
   std::vector<Sample> samples;
   for (int n = 0; n < kFunctions; ++n) samples.push_back({n});
   const torch::NoGradGuard guard;
-  return network->forward(coefficientBatch(data(), samples)).contiguous();
+  return network->forward(inputBatch(data(), samples)).contiguous();
 }
 
 Representation representationOf(GeneratorNetwork& network) {

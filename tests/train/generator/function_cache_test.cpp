@@ -108,13 +108,13 @@ TEST_F(Cache, HoldsWhatTrainingInMemoryHolds) {
   ASSERT_LT(disk.functionCount(), 400 + kCount - 360) << "functions that both shards hold come once";
   EXPECT_EQ(disk.sha256(), memory.sha256());
   EXPECT_EQ(disk.scenes(), memory.scenes());
-  std::vector<float> a(static_cast<size_t>(disk.coefficientCount())), b = a;
+  std::vector<float> a(static_cast<size_t>(disk.inputCount())), b = a;
   for (int64_t i = 0; i < disk.functionCount(); ++i) {
     const StoredFunction x = disk.function(i), y = memory.function(i);
     ASSERT_TRUE(std::equal(x.phi, x.phi + kSupportPointCount, y.phi)) << "function " << i;
     ASSERT_TRUE(std::equal(x.validity, x.validity + kSupportPointCount / 8, y.validity)) << "function " << i;
-    disk.copyCoefficients(i, 5, a.data());
-    memory.copyCoefficients(i, 5, b.data());
+    disk.copyInput({.function = i, .mirror = 5}, a.data());
+    memory.copyInput({.function = i, .mirror = 5}, b.data());
     // batches of another size may sum in another order
     for (size_t k = 0; k < a.size(); ++k) ASSERT_NEAR(a[k], b[k], 1e-5 * (1 + std::fabs(b[k]))) << "function " << i;
   }
@@ -137,12 +137,12 @@ TEST_F(Cache, GivesTheCoefficientsOfATruncatedBasis) {
     ASSERT_EQ(used.coefficientCount(), K);
     const TrainingData projected(set(), used, used, FunctionOrder::cache);
     const TrainingData read(std::make_unique<FunctionCache>(file), whole.data, used);
-    ASSERT_EQ(read.coefficientCount(), K);
+    ASSERT_EQ(read.inputCount(), K);
     std::vector<float> a(static_cast<size_t>(K)), b = a;
     for (int64_t i = 0; i < read.functionCount(); i += 7) {
       const int mirror = static_cast<int>(i % kMirrorCount);
-      read.copyCoefficients(i, mirror, a.data());
-      projected.copyCoefficients(i, mirror, b.data());
+      read.copyInput({.function = i, .mirror = mirror}, a.data());
+      projected.copyInput({.function = i, .mirror = mirror}, b.data());
       // bases of another size may sum in another order
       for (int k = 0; k < K; ++k) ASSERT_NEAR(a[k], b[k], 1e-5 * (1 + std::fabs(b[k]))) << K << " coefficients, function " << i;
     }

@@ -135,7 +135,7 @@ TEST(SolveLastLayers, IsAConstantToTheGradientInTheLastLayerAlone) {
 }
 
 TEST(TrainingData, FlipsTheSignsOfMirroredFunctions) {
-  const int K = data().coefficientCount();
+  const int K = data().inputCount();
   std::vector<float> plain(K), mirrored(K), expected(K);
   const Projection projection(sampleBasis(kSampleClasses, 1));
   ProjectionScratch scratch;
@@ -144,7 +144,7 @@ TEST(TrainingData, FlipsTheSignsOfMirroredFunctions) {
       std::vector<uint8_t> image(kSupportPointCount);
       for (int p = 0; p < kSupportPointCount; ++p) image[p] = data().function(n).phi[p ^ (mirror * kOctantPointCount)];
       projection.project(image.data(), 1, expected.data(), &scratch);
-      data().copyCoefficients(n, mirror, mirrored.data());
+      data().copyInput({.function = n, .mirror = mirror}, mirrored.data());
       // the mean lies in class 0 alone, which no mirror changes
       for (int k = 0; k < K; ++k) ASSERT_EQ(mirrored[k], expected[k]) << "function " << n << ", mirror " << mirror << ", " << k;
     }

@@ -55,7 +55,7 @@ TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
       std::vector<Sample> samples;
       for (int64_t n = 0; n < data.functionCount(); ++n) samples.push_back({n});
       torch::NoGradGuard guard;
-      const torch::Tensor expected = network->forward(coefficientBatch(data, samples)).contiguous();
+      const torch::Tensor expected = network->forward(inputBatch(data, samples)).contiguous();
       std::vector<float> theta(samples.size() * ThetaLayout::count);
       generator.generate(sampleSet(40, 50).phi.data(), static_cast<int>(samples.size()), theta.data(), &scratch);
       for (size_t i = 0; i < theta.size(); ++i) {

@@ -29,7 +29,7 @@ struct Run {
     options.batch = 16;
     options.learning_rate = 3e-3;
     options.checkpoint_steps = 20;
-    options.shape.coefficient_count = training.coefficientCount();
+    options.shape.coefficient_count = training.inputCount();
     options.shape.width = 32;
     options.shape.layer_count = 3;
     theta0[ThetaLayout::b3] = 1.0f;  // the bare tent, and hidden units that can learn

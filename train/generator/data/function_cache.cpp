@@ -139,7 +139,8 @@ void FunctionCache::readFooter(const std::string& footer) {
 
 StoredFunction FunctionCache::function(int64_t index) const {
   const uint8_t* record = mapped_ + kFirstRecord + recordBytes(coefficient_count_) * static_cast<size_t>(index);
-  return {record, record + kSupportPointCount, nullptr, record + kSupportPointCount + kValidityByteCount};
+  const uint8_t* validity = record + kSupportPointCount;
+  return {record, validity, validity + kValidityByteCount, validity + 2 * kValidityByteCount};
 }
 
 const float* FunctionCache::coefficients(int64_t index) const {

@@ -80,7 +80,7 @@ std::vector<uint32_t> cacheOrder(int64_t count);
 
 // Layout of a function cache, shared by its reader and writer (docs/reference/formats.md, "Function cache").
 inline constexpr char kCacheMagic[8] = {'n', 'l', 'g', 'c', 'a', 'c', 'h', 'e'};
-inline constexpr uint64_t kCacheVersion = 3;
+inline constexpr uint64_t kCacheVersion = 4;
 inline constexpr size_t kFirstRecord = 4096;  // a page: records begin on one
 
 // The first bytes of the file; zeros up to kFirstRecord. Little-endian, as everything in the file.
@@ -91,9 +91,9 @@ struct CacheHead {
   char footer_sha256[64];  // hexadecimal
 };
 
-// phi, validity, sums of the blend, coefficients
+// phi, validity, seen, sums of the blend, coefficients
 inline constexpr size_t recordBytes(int coefficient_count) {
-  return 2 * kSupportPointCount + kValidityByteCount + sizeof(float) * static_cast<size_t>(coefficient_count);
+  return 2 * kSupportPointCount + 2 * kValidityByteCount + sizeof(float) * static_cast<size_t>(coefficient_count);
 }
 
 // From now on SIGBUS, by which the system says that a mapped page is no longer there, ends the process with input_error and the one

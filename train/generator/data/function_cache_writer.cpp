@@ -78,10 +78,10 @@ class CacheWriter {
 
   // The samples of the id-th function; good until the next call.
   StoredFunction samples(uint64_t id) {
-    fetched_.resize(2 * kSupportPointCount + kValidityByteCount);
+    fetched_.resize(recordBytes(0));
     file_.read(placeOf(places_[id]), fetched_.data(), fetched_.size());
-    return {fetched_.data(), fetched_.data() + kSupportPointCount, nullptr,
-            fetched_.data() + kSupportPointCount + kValidityByteCount};
+    const uint8_t* validity = fetched_.data() + kSupportPointCount;
+    return {fetched_.data(), validity, validity + kValidityByteCount, validity + 2 * kValidityByteCount};
   }
 
   void add(const Shard& shard) {
@@ -95,15 +95,17 @@ class CacheWriter {
     for (int64_t begin = 0; begin < count; begin += kBatchCount) {
       const int batch = static_cast<int>(std::min<int64_t>(kBatchCount, count - begin));
       // projected once, so that training only reads coefficients
-      projection_.project(&shard.phi[static_cast<size_t>(begin) * kSupportPointCount], batch, coefficients.data(), &scratch_);
+      std::vector<StoredFunction> functions;
+      for (int b = 0; b < batch; ++b) functions.push_back(storedFunction(shard, static_cast<size_t>(begin + b)));
+      projection_.project(functions.data(), batch, coefficients.data(), &scratch_);
       for (int b = 0; b < batch; ++b) {
-        const size_t n = static_cast<size_t>(begin + b), place = places_[static_cast<size_t>(count_++)];
-        const StoredFunction function = storedFunction(shard, n);
-        std::memcpy(record.data(), function.phi, kSupportPointCount);
-        std::memcpy(&record[kSupportPointCount], function.validity, kValidityByteCount);
-        const size_t sums = kSupportPointCount + kValidityByteCount;
-        std::memcpy(&record[sums], function.blend_sum, kSupportPointCount);
-        std::memcpy(&record[sums + kSupportPointCount], &coefficients[K * static_cast<size_t>(b)], K * sizeof(float));
+        const size_t place = places_[static_cast<size_t>(count_++)];
+        const StoredFunction& function = functions[static_cast<size_t>(b)];
+        uint8_t* part = std::copy_n(function.phi, kSupportPointCount, record.data());
+        part = std::copy_n(function.validity, kValidityByteCount, part);
+        part = std::copy_n(function.seen, kValidityByteCount, part);
+        part = std::copy_n(function.blend_sum, kSupportPointCount, part);
+        std::memcpy(part, &coefficients[K * static_cast<size_t>(b)], K * sizeof(float));
         file_.write(placeOf(place), record.data(), record.size());
         tent_rmse_[place] = tentRmse(function);
         filled_[place] = true;

@@ -78,6 +78,8 @@ std::vector<Sample> SampleOrder::samples(int64_t draw) {
            options_.point_batches * static_cast<int>(random.below(static_cast<uint32_t>(group_count))), options_.point_batches});
     }
   }
+  Random visibility(mixSeed(options_.seed, 4, static_cast<uint64_t>(draw)));
+  for (Sample& sample : samples) sample.visibility_only = visibility.uniform(0.0, 1.0) < options_.visibility_share;
   return samples;
 }
 

@@ -1,6 +1,7 @@
 #include "train/generator/data/training_data.h"
 
 #include <algorithm>
+#include <functional>
 
 namespace nlg {
 namespace {
@@ -22,30 +23,35 @@ std::vector<float> factors(const BasisData& basis, const BasisData& used) {
 TrainingData::TrainingData(FunctionSet set, const BasisData& basis, const BasisData& used, FunctionOrder order)
     : set_(std::move(set)),
       function_count_(static_cast<int64_t>(set_.functionCount())),
+      input_(used.input),
       coefficient_count_(used.coefficientCount()),
       stored_count_(basis.coefficientCount()),
       class_count_(used.class_count),
-      stored_class_count_(basis.class_count),
-      factor_(factors(basis, used)) {
+      stored_class_count_(basis.class_count) {
   if (order == FunctionOrder::cache) order_ = cacheOrder(function_count_);
+  if (input_ == GeneratorInput::samples) return;
+  factor_ = factors(basis, used);
   const Projection projection(basis);
   ProjectionScratch scratch;
   coefficients_.resize(size_t(function_count_) * stored_count_);
   for (int64_t begin = 0; begin < function_count_; begin += kBatchCount) {
     const int batch = static_cast<int>(std::min<int64_t>(kBatchCount, function_count_ - begin));
-    projection.project(&set_.phi[size_t(begin) * kSupportPointCount], batch, &coefficients_[size_t(begin) * stored_count_],
-                       &scratch);
+    std::vector<StoredFunction> functions;
+    for (int i = 0; i < batch; ++i) functions.push_back(storedFunction(set_, static_cast<size_t>(begin + i)));
+    projection.project(functions.data(), batch, &coefficients_[size_t(begin) * stored_count_], &scratch);
   }
 }
 
 TrainingData::TrainingData(std::unique_ptr<FunctionCache> cache, const BasisData& basis, const BasisData& used)
     : cache_(std::move(cache)),
       function_count_(cache_->functionCount()),
+      input_(used.input),
       coefficient_count_(used.coefficientCount()),
       stored_count_(cache_->coefficientCount()),
       class_count_(used.class_count),
-      stored_class_count_(basis.class_count),
-      factor_(factors(basis, used)) {}
+      stored_class_count_(basis.class_count) {
+  if (input_ == GeneratorInput::coefficients) factor_ = factors(basis, used);
+}
 
 StoredFunction TrainingData::function(int64_t index) const {
   if (cache_) return cache_->function(index);
@@ -55,6 +61,19 @@ StoredFunction TrainingData::function(int64_t index) const {
 const float* TrainingData::coefficients(int64_t index) const {
   if (cache_) return cache_->coefficients(index);
   return &coefficients_[static_cast<size_t>(placeInSet(index)) * stored_count_];
+}
+
+void TrainingData::copyInput(const Sample& sample, float* input) const {
+  if (input_ == GeneratorInput::coefficients) return copyCoefficients(sample.function, sample.mirror, input);
+  const StoredFunction function = this->function(sample.function);
+  if (sample.visibility_only)
+    visibilityClasses(function, input);
+  else
+    sampleClasses(function, input);
+  const int length = nlg::inputCount(input_);
+  for (int c = 0; c < kParityClassCount; ++c, input += length) {
+    if (mirrorSign(c, sample.mirror) < 0.0f) std::transform(input, input + length, input, std::negate<>());
+  }
 }
 
 void TrainingData::copyCoefficients(int64_t index, int mirror, float* coefficients) const {

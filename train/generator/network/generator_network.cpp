@@ -11,14 +11,16 @@
 namespace nlg {
 namespace {
 
-// He-normal weights from our own generator: the same start with every version of libtorch.
-void initialise(torch::nn::Linear& layer, double deviation, uint64_t seed) {
+// Normal numbers from our own generator: the same start with every version of libtorch.
+void initialise(torch::Tensor& matrix, double deviation, uint64_t seed) {
   torch::NoGradGuard guard;
   Random random(seed);
-  float* weights = layer->weight.data_ptr<float>();
-  for (int64_t i = 0; i < layer->weight.numel(); ++i) weights[i] = static_cast<float>(deviation * random.normal());
-  layer->bias.zero_();
+  float* numbers = matrix.data_ptr<float>();
+  for (int64_t i = 0; i < matrix.numel(); ++i) numbers[i] = static_cast<float>(deviation * random.normal());
 }
+
+// Of components of samples at the start, times √384: what they yield then is about as large as standardised coefficients.
+constexpr double kComponentGain = 3.0;
 
 std::vector<float> toVector(const torch::Tensor& tensor) {
   const torch::Tensor flat = tensor.detach().contiguous();
@@ -75,6 +77,7 @@ torch::Tensor toTensor(const std::vector<float>& values, at::IntArrayRef sizes) 
 }  // namespace
 
 GeneratorShape shapeOf(const GeneratorData& data, GeneratorShape shape) {
+  shape.input = data.basis.input;
   shape.coefficient_count = data.basis.coefficientCount();
   shape.layer_count = static_cast<int>(data.layers.size());
   shape.width = data.layers.back().input_count;
@@ -88,13 +91,23 @@ GeneratorShape shapeOf(const GeneratorData& data, GeneratorShape shape) {
 GeneratorNetworkImpl::GeneratorNetworkImpl(const GeneratorShape& shape, const Theta& theta0, uint64_t seed) : shape_(shape) {
   const int theta_count = static_cast<int>(theta0.size());
   int input_count = shape.coefficient_count;
+  if (shape.input == GeneratorInput::samples) {
+    const int length = inputCount(shape.input);
+    components_ = register_parameter(
+        "components", torch::empty({kParityClassCount, shape.coefficient_count / kParityClassCount, length}));
+    initialise(components_, kComponentGain / std::sqrt(length), mixSeed(seed, 6));
+  }
   for (int l = 0; l < shape.layer_count; ++l) {
     const bool last = l + 1 == shape.layer_count;
     const int output_count = last ? theta_count : shape.width;
     torch::nn::Linear layer(input_count, output_count);
     // layers beside a skip start small, so that the sum of all of them stays near the scale of the input
     const double gain = last ? 0.0 : input_count == output_count ? 0.5 : 1.0;
-    initialise(layer, gain * std::sqrt(2.0 / input_count), mixSeed(seed, 3, l));
+    initialise(layer->weight, gain * std::sqrt(2.0 / input_count), mixSeed(seed, 3, l));
+    {
+      const torch::NoGradGuard guard;
+      layer->bias.zero_();
+    }
     layers_.push_back(register_module("layer" + std::to_string(l), layer));
     input_count = output_count;
   }
@@ -136,8 +149,13 @@ double GeneratorNetworkImpl::rateFactor(size_t parameter) const {
   return shape_.code_count > 0 && parameter == dictionary_parameter_ ? kDictionaryRate : 1.0;
 }
 
-torch::Tensor GeneratorNetworkImpl::forward(torch::Tensor coefficients) {
-  torch::Tensor values = std::move(coefficients);
+torch::Tensor GeneratorNetworkImpl::forward(torch::Tensor input) {
+  torch::Tensor values = std::move(input);
+  if (components_.defined()) {
+    // a product for each parity class
+    const torch::Tensor classes = values.view({-1, kParityClassCount, inputCount(shape_.input)}).transpose(0, 1);
+    values = torch::bmm(classes, components_.transpose(1, 2)).transpose(0, 1).reshape({-1, shape_.coefficient_count});
+  }
   for (size_t l = 0; l + 1 < layers_.size(); ++l) {
     const torch::Tensor hidden = torch::leaky_relu(layers_[l]->forward(values), shape_.slope);
     values = hidden.size(1) == values.size(1) ? hidden + values : hidden;
@@ -150,6 +168,7 @@ GeneratorData GeneratorNetworkImpl::toData(const Representation& representation,
   data.representation = representation;
   data.slope = static_cast<float>(shape_.slope);
   data.basis = basis;
+  if (components_.defined()) data.basis.components = toVector(components_);
   for (const torch::nn::Linear& layer : layers_) {
     data.layers.push_back({static_cast<int>(layer->weight.size(1)), static_cast<int>(layer->weight.size(0)),
                            toVector(layer->weight), toVector(layer->bias)});
@@ -166,6 +185,7 @@ GeneratorData GeneratorNetworkImpl::toData(const Representation& representation,
 
 void GeneratorNetworkImpl::takeNumbers(const GeneratorData& data) {
   const torch::NoGradGuard guard;
+  if (components_.defined()) components_.copy_(toTensor(data.basis.components, components_.sizes()));
   for (size_t l = 0; l < layers_.size(); ++l) {
     const GeneratorLayer& layer = data.layers[l];
     torch::Tensor weight = toTensor(layer.weight, {layer.output_count, layer.input_count}), bias = toTensor(layer.bias, {-1});

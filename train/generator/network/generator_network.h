@@ -1,4 +1,4 @@
-// The generator network in libtorch: coefficients → theta.
+// The generator network in libtorch: coefficients, or samples, → theta.
 #pragma once
 
 #include <torch/nn.h>
@@ -11,7 +11,8 @@
 namespace nlg {
 
 struct GeneratorShape {
-  int coefficient_count = 512;
+  GeneratorInput input = GeneratorInput::coefficients;
+  int coefficient_count = 512;    // of samples a multiple of 8: as many components in each parity class
   int width = 512;
   int layer_count = 6;            // the last one yields theta
   double slope = 0.01;            // LeakyReLU
@@ -30,8 +31,9 @@ class GeneratorNetworkImpl : public torch::nn::Module {
  public:
   GeneratorNetworkImpl(const GeneratorShape& shape, const Theta& theta0, uint64_t seed);
 
-  // coefficients B x K → theta B x D
-  torch::Tensor forward(torch::Tensor coefficients);
+  // input   B x TrainingData::inputCount(): coefficients, or parity classes of samples
+  // returns B x D
+  torch::Tensor forward(torch::Tensor input);
 
   const GeneratorShape& shape() const { return shape_; }
   bool solvesLastLayer(const Representation& representation) const {
@@ -50,6 +52,7 @@ class GeneratorNetworkImpl : public torch::nn::Module {
   double rateFactor(size_t parameter) const;
 
   // Its present numbers for the evaluator. Of codes, the dictionary is rounded to what a file holds.
+  // basis   of coefficients; of samples the network's own components take its place
   GeneratorData toData(const Representation& representation, const BasisData& basis) const;
   // The other way: a generator of this very shape goes on being trained. Its basis and representation are for the caller.
   void takeNumbers(const GeneratorData& data);
@@ -57,6 +60,7 @@ class GeneratorNetworkImpl : public torch::nn::Module {
  private:
   GeneratorShape shape_;
   std::vector<torch::nn::Linear> layers_;
+  torch::Tensor components_;  // of samples: 8 x K / 8 x 384, by parity class
   torch::Tensor theta0_, dictionary_, deviations_;
   size_t dictionary_parameter_ = 0;  // its place among parameters()
 };

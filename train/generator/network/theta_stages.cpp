@@ -142,7 +142,7 @@ torch::Tensor solveLastLayers(const torch::Tensor& theta, const SampleTargets& t
 ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
                       const std::vector<Sample>& samples, const LossOptions& loss) {
   const torch::Device device = network->parameters().front().device();
-  torch::Tensor theta = network->forward(coefficientBatch(data, samples).to(device)).cpu();
+  torch::Tensor theta = network->forward(inputBatch(data, samples).to(device)).cpu();
   if (representation.isCode()) return {{codeMeanSquares(network, theta, data, samples, -1, {.loss = loss})}};
   const SampleTargets targets(representation, data, samples, loss);
   ThetaStages stages;
@@ -183,12 +183,12 @@ HeldOutError heldOutError(GeneratorNetwork& network, const Representation& repre
   return error;
 }
 
-torch::Tensor coefficientBatch(const TrainingData& data, const std::vector<Sample>& samples) {
-  torch::Tensor batch = torch::empty({static_cast<int64_t>(samples.size()), data.coefficientCount()});
+torch::Tensor inputBatch(const TrainingData& data, const std::vector<Sample>& samples) {
+  torch::Tensor batch = torch::empty({static_cast<int64_t>(samples.size()), data.inputCount()});
   float* row = batch.data_ptr<float>();
   for (const Sample& sample : samples) {
-    data.copyCoefficients(sample.function, sample.mirror, row);
-    row += data.coefficientCount();
+    data.copyInput(sample, row);
+    row += data.inputCount();
   }
   return batch;
 }

@@ -98,7 +98,7 @@ struct HeldOutError {
 HeldOutError heldOutError(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
                           const LossOptions& loss, int limit, double tent_rmse = -1.0, int thread_count = 1);
 
-// Coefficients of the samples' functions, mirrored: B x K.
-torch::Tensor coefficientBatch(const TrainingData& data, const std::vector<Sample>& samples);
+// What the network reads of the samples' functions, mirrored: B x inputCount().
+torch::Tensor inputBatch(const TrainingData& data, const std::vector<Sample>& samples);
 
 }  // namespace nlg

@@ -69,7 +69,7 @@ constexpr double kStartLeak = 0.25, kLeakEnd = 0.8;
 torch::Tensor codeLosses(const TrainOptions& options, const TrainingData& data, const std::vector<Sample>& samples,
                          TrainingState& state) {
   const torch::Device device = state.network->parameters().front().device();
-  const torch::Tensor z = state.network->forward(coefficientBatch(data, samples).to(device)).cpu();
+  const torch::Tensor z = state.network->forward(inputBatch(data, samples).to(device)).cpu();
   const double phase = options.begins_trained ? 1.0 : static_cast<double>(state.step) / options.steps;
   const DictionaryLossOptions loss{kStartLeak * std::max(0.0, 1.0 - phase / kLeakEnd), lossAt(options, state.step)};
   const torch::Tensor mean_squares = codeMeanSquares(state.network, z, data, samples, samples.front().batch, loss);
@@ -139,6 +139,7 @@ SampleOrder sampleOrder(const TrainOptions& options, const Representation& repre
                      {.batch = options.batch,
                       .point_batch_count = batch_count,
                       .point_batches = std::min(options.point_batches, batch_count),
+                      .visibility_share = options.input == "samples" ? options.visibility_share : 0.0,
                       .part_share = options.theta_share,
                       .seed = options.seed});
 }
@@ -158,8 +159,15 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
             "exponent of each function's loss: 0.5 trains on blend RMSE; 1 weighs large errors more", 0.1, 4.0);
   table.add("point_batches", &o.point_batches,
             "eighths of the support points on which a sample's loss is computed, for networks: 1, 2, 4 or 8", 1, 8);
-  table.add("coefficients", &o.coefficients, "number of coefficients used, those of largest variance. 0: all of the basis", 0,
-            kSupportPointCount);
+  table.add("input", &o.input,
+            "what the generator reads of a function: samples, its values, visibility and validity at 1,024 points; or coefficients, "
+            "on the principal components of its values at all points");
+  table.add("coefficients", &o.coefficients,
+            "number of coefficients used, those of largest variance; of samples, number of trained components, an eighth in each "
+            "parity class. 0: as many as the basis has",
+            0, kSupportPointCount);
+  table.add("visibility_share", &o.visibility_share,
+            "samples: share of each batch whose input is what the probe sees, as in a draft, in place of the function", 0.0, 1.0);
   table.add("whitening", &o.whitening,
             "exponent of whitening: 1 scales every coefficient to standard deviation 1; 0 scales all by one factor", 0.0, 1.0);
   table.add("theta_share", &o.theta_share,
@@ -195,6 +203,15 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
 }
 
 BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
+  if (options.input == "samples") {
+    const int most = basis.data.coefficientCount(), asked = options.coefficients == 0 ? most : std::min(options.coefficients, most);
+    const int in_class = std::max(1, asked / kParityClassCount);
+    BasisData trained{.input = GeneratorInput::samples};
+    trained.class_count.fill(in_class);
+    trained.deviation.assign(size_t(in_class) * kParityClassCount, 1.0f);
+    return trained;
+  }
+  if (options.input != "coefficients") throw UsageError("input", "samples or coefficients", "'" + options.input + "'");
   return whitened(options.coefficients == 0 ? basis.data : truncateBasis(basis, options.coefficients).data, options.whitening);
 }
 
