@@ -41,22 +41,16 @@ void measure(benchmark::State& state, const char* simd, double functions, const 
   forceSimdTarget("");
 }
 
-template <class Sample>
-void generateSamples(benchmark::State& state, const char* simd) {
+void generate(benchmark::State& state, const char* simd) {
   const Generator generator(randomGenerator());
   GeneratorScratch scratch(generator);
   const int count = static_cast<int>(state.range(0));
-  const std::vector<uint8_t> bytes = randomBytes(size_t(count) * kSupportPointCount);
-  std::vector<Sample> phi(bytes.begin(), bytes.end());
-  if (sizeof(Sample) > 1)
-    std::transform(phi.begin(), phi.end(), phi.begin(), [](Sample s) { return static_cast<Sample>(s / 255.0f); });
+  const std::vector<uint8_t> phi = randomBytes(size_t(count) * kSupportPointCount);
+  const std::vector<StoredFunction> functions = validFunctions(phi);
   std::vector<float> theta(size_t(count) * ThetaLayout::count);
-  measure(state, simd, count, [&] { generator.generate(phi.data(), count, theta.data(), &scratch); });
+  measure(state, simd, count, [&] { generator.generate(functions.data(), count, theta.data(), &scratch); });
 }
-void generate(benchmark::State& state, const char* simd) { generateSamples<uint8_t>(state, simd); }
-void generateFloats(benchmark::State& state) { generateSamples<float>(state, ""); }
 BENCHMARK_CAPTURE(generate, best, "")->Name("generator/float32/batch")->Arg(1)->Arg(96)->Arg(960);
-BENCHMARK(generateFloats)->Name("generator/float32/float_samples")->Arg(96);
 BENCHMARK_CAPTURE(generate, avx512, "avx512")->Name("generator/float32/avx512")->Arg(96);
 BENCHMARK_CAPTURE(generate, avx2, "avx2")->Name("generator/float32/avx2")->Arg(96);
 BENCHMARK_CAPTURE(generate, sse4, "sse4")->Name("generator/float32/sse4")->Arg(96);

@@ -86,7 +86,8 @@ void generateByTorch(benchmark::State& state) {
   const Generator generator(data);
   GeneratorScratch scratch(generator);
   torch::Tensor own = torch::empty_like(theta);
-  generator.generate(phi.data(), kPeerBatch, own.data_ptr<float>(), &scratch);
+  const std::vector<StoredFunction> functions = validFunctions(phi);
+  generator.generate(functions.data(), kPeerBatch, own.data_ptr<float>(), &scratch);
   state.counters["difference/theta"] = ((own - theta).norm() / theta.norm()).item<double>();
 }
 BENCHMARK(generateByTorch)->Name("peer/generator/libtorch_float32")->Unit(benchmark::kMillisecond);
@@ -96,7 +97,8 @@ void generateByUs(benchmark::State& state) {
   GeneratorScratch scratch(generator);
   const std::vector<uint8_t> phi = randomBytes(size_t{kPeerBatch} * kSupportPointCount);
   std::vector<float> theta(size_t{kPeerBatch} * ThetaLayout::count);
-  for (auto _ : state) generator.generate(phi.data(), kPeerBatch, theta.data(), &scratch);
+  const std::vector<StoredFunction> functions = validFunctions(phi);
+  for (auto _ : state) generator.generate(functions.data(), kPeerBatch, theta.data(), &scratch);
   countFunctions(state, kPeerBatch);
 }
 BENCHMARK(generateByUs)->Name("peer/generator/ours_float32")->Unit(benchmark::kMillisecond);

@@ -47,4 +47,12 @@ inline std::vector<uint8_t> randomBytes(size_t count) {
   return bytes;
 }
 
+// Functions of these samples, one after another, valid everywhere.
+inline std::vector<StoredFunction> validFunctions(const std::vector<uint8_t>& phi) {
+  static const std::vector<uint8_t> validity(kValidityByteCount, 0xff);
+  std::vector<StoredFunction> functions;
+  for (size_t first = 0; first < phi.size(); first += kSupportPointCount) functions.push_back({&phi[first], validity.data()});
+  return functions;
+}
+
 }  // namespace nlg

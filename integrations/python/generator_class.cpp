@@ -121,10 +121,12 @@ Any number of threads may use one. Below, P is 8192 and D the numbers of one the
           "representation", [](const Generator& generator) { return representationName(generator.representation()); },
           "str: what theta stands for, \"tent_mlp4\".")
       .def_property_readonly("theta_count", &thetaCount, "int: D.")
-      .def("generate", &generate, py::arg("phi"), R"(generate(phi) -> theta: the network alone.
+      .def("generate", &generate, py::arg("phi"), py::arg("validity"),
+           R"(generate(phi, validity) -> theta: the network alone.
 
-phi:   (n, P) uint8: functions at support_points(), round(255 phi); 0 at points inside solid
-theta: (n, D) float32)")
+phi:      (n, P) uint8: functions at support_points(), round(255 phi); 0 at points inside solid
+validity: (n, P / 8) uint8: 1 outside solid, a bit a point, as of make_theta
+theta:    (n, D) float32)")
       .def("make_theta", &makeTheta, py::arg("phi"), py::arg("validity"), py::arg("blend_sum") = py::none(),
            R"(make_theta(phi, validity, blend_sum=None) -> theta, has_theta, rmse
 

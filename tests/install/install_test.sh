@@ -56,6 +56,15 @@ for representation in mlp tent_mlp pf5; do
   awk -v s="$stored" -v c="$in_c" 'BEGIN { exit !(c > 0 && s - c < 2e-5 && c - s < 2e-5) }' || fail "C: '$in_c', C++: '$stored'"
 done
 
+# theta from rays alone, by weights that read samples and by no others
+"$make_weights" "$work/samples.safetensors" tent_mlp4 samples
+[ "$("$work/build/moving_door" "$work/samples.safetensors" "$work/door.pgm" | grep -c '144 probes, rays .* ms, network .* ms')" -eq 3 ] ||
+  fail "moving_door: expected three states of the door"
+[ "$(wc -c < "$work/door.pgm")" -gt 153600 ] || fail "moving_door: no picture"
+status=0
+"$work/build/moving_door" "$work/weights.safetensors" 2> "$work/stderr" || status=$?
+{ [ "$status" -eq 3 ] && grep -q "expected weights that read samples" "$work/stderr"; } || fail "moving_door takes weights of coefficients: $status"
+
 # the installed program finds the weights that were installed with it, wherever both were moved to
 "$make_weights" "$prefix/share/neural-light-grid/weights/tent_mlp4.safetensors" tent_mlp4
 (cd "$work" && env -u NLG_WEIGHTS "$prefix/bin/nlg-bake" house:3 --spacing-m 3 --extent-m=0,0,0,6,6,3 --refine-rounds 0) 2> "$work/bake.txt" ||
@@ -64,7 +73,7 @@ grep -qF "weights: $prefix/share/neural-light-grid/weights/tent_mlp4.safetensors
 [ -s "$work/house_3.safetensors" ] || fail "nlg-bake SCENE left no light grid named after the scene"
 
 head -c 1000 "$work/weights.safetensors" > "$work/cut.safetensors"
-for example in bake_minimal bake_minimal_c; do
+for example in bake_minimal bake_minimal_c moving_door; do
   status=0
   "$work/build/$example" "$work/cut.safetensors" 2> "$work/stderr" || status=$?
   [ "$status" -eq 3 ] || fail "$example: a cut file gives exit code $status"

@@ -173,7 +173,7 @@ class PythonModule(unittest.TestCase):
     # generators
 
     def test_theta_and_its_values_are_those_of_the_interface_in_c(self):
-        theta = self.generator.generate(walls())
+        theta = self.generator.generate(walls(), np.full((len(walls()), P // 8), 255, np.uint8))
         np.testing.assert_array_equal(theta, self.of_c["theta"])
         np.testing.assert_array_equal(self.generator.evaluate(theta[5], nlg.support_points()), self.of_c["value"][5])
         self.assertEqual((self.generator.representation, self.generator.theta_count), ("tent_mlp4", 21))
@@ -224,7 +224,7 @@ class PythonModule(unittest.TestCase):
         self.raises(ValueError, "colours: expected numbers within", kitchen.mix, np.full((3, 3), np.nan, np.float32))
         np.testing.assert_array_equal(kitchen.light, before)
         phi, validity, theta = np.zeros((2, P), np.uint8), np.zeros((2, P // 8), np.uint8), np.zeros(21, np.float32)
-        self.raises(ValueError, "phi: expected uint8 of shape (n, 8192), got uint8 of shape (2, 1024)", self.generator.generate, validity)
+        self.raises(ValueError, "phi: expected uint8 of shape (n, 8192), got uint8 of shape (2, 1024)", self.generator.generate, validity, validity)
         self.raises(ValueError, "validity: expected uint8 of shape (2, 1024), got bool of shape (2, 8192)", self.generator.make_theta, phi, phi > 0)
         self.raises(ValueError, "theta: expected float32 of shape (21,), got float32 of shape (1, 21)", self.generator.evaluate, theta[None], nlg.support_points())
 

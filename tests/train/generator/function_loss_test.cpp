@@ -143,10 +143,40 @@ TEST(TrainingData, FlipsTheSignsOfMirroredFunctions) {
     for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
       std::vector<uint8_t> image(kSupportPointCount);
       for (int p = 0; p < kSupportPointCount; ++p) image[p] = data().function(n).phi[p ^ (mirror * kOctantPointCount)];
-      projection.project(image.data(), 1, expected.data(), &scratch);
+      const StoredFunction function{image.data(), data().function(n).validity};
+      projection.project(&function, 1, expected.data(), &scratch);
       data().copyInput({.function = n, .mirror = mirror}, mirrored.data());
       // the mean lies in class 0 alone, which no mirror changes
       for (int k = 0; k < K; ++k) ASSERT_EQ(mirrored[k], expected[k]) << "function " << n << ", mirror " << mirror << ", " << k;
+    }
+  }
+}
+
+// Samples of a mirrored function are those of its mirror image, whole or of visibility alone.
+TEST(TrainingData, MirrorsSamples) {
+  const BasisData trained{.input = GeneratorInput::samples};
+  const TrainingData samples(sampleSet(5, 1), sampleBasis(kSampleClasses, 1), trained);
+  ASSERT_EQ(samples.inputCount(), kSampleInputCount);
+  std::vector<float> mirrored(kSampleInputCount), expected(kSampleInputCount);
+  for (int64_t n = 0; n < 5; ++n) {
+    const StoredFunction function = samples.function(n);
+    for (int mirror = 0; mirror < kMirrorCount; ++mirror) {
+      StoredSample image;
+      std::vector<uint8_t> seen(kValidityByteCount, 0);
+      for (int p = 0; p < kSupportPointCount; ++p) {
+        const int from = p ^ (mirror * kOctantPointCount);
+        image.phi[p] = function.phi[from];
+        if (function.isValid(from)) image.validity[p / 8] |= 1 << p % 8;
+        if (function.isSeen(from)) seen[p / 8] |= 1 << p % 8;
+      }
+      StoredFunction view = image.view();
+      view.seen = seen.data();
+      for (const bool visibility_only : {false, true}) {
+        visibility_only ? visibilityClasses(view, expected.data()) : sampleClasses(view, expected.data());
+        samples.copyInput({.function = n, .mirror = mirror, .visibility_only = visibility_only}, mirrored.data());
+        // eight terms in another order
+        for (int k = 0; k < kSampleInputCount; ++k) ASSERT_NEAR(mirrored[k], expected[k], 1e-6) << n << ", " << mirror << ", " << k;
+      }
     }
   }
 }

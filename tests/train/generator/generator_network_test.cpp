@@ -43,6 +43,33 @@ TEST(GeneratorNetwork, YieldsTheta0BeforeTraining) {
   }
 }
 
+TEST(GeneratorNetwork, AgreesWithTheEvaluatorOnSamples) {
+  BasisData trained{.input = GeneratorInput::samples, .deviation = std::vector<float>(24, 1.0f)};
+  trained.class_count.fill(3);
+  const TrainingData data(sampleSet(40, 50), basis(), trained);
+  GeneratorShape shape = shapeOf(32, 3);
+  shape.input = GeneratorInput::samples;
+  shape.coefficient_count = trained.coefficientCount();
+  GeneratorNetwork network(shape, randomTheta({}, 4), 8);
+  shake(network);
+  const GeneratorData numbers = network->toData(Representation::tentMlp(0.01f), trained);
+  const Generator generator(numbers);
+  ASSERT_TRUE(generator.readsSamples());
+  std::vector<Sample> samples;
+  std::vector<StoredFunction> functions;
+  for (int64_t n = 0; n < data.functionCount(); ++n) samples.push_back({n}), functions.push_back(data.function(n));
+  torch::NoGradGuard guard;
+  const torch::Tensor expected = network->forward(inputBatch(data, samples)).contiguous();
+  GeneratorScratch scratch(generator);
+  std::vector<float> theta(samples.size() * ThetaLayout::count);
+  generator.generate(functions.data(), static_cast<int>(samples.size()), theta.data(), &scratch);
+  for (size_t i = 0; i < theta.size(); ++i) ASSERT_NEAR(theta[i], expected.data_ptr<float>()[i], 1e-4) << i;
+  // components travel with a generator that goes on being trained
+  GeneratorNetwork again(nlg::shapeOf(numbers, {}), Theta(ThetaLayout::count), 99);
+  again->takeNumbers(numbers);
+  EXPECT_EQ(again->toData(numbers.representation, trained).basis.components, numbers.basis.components);
+}
+
 TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
   const TrainingData data(sampleSet(40, 50), basis(), basis());
   for (const int width : {17, 25, 64}) {  // 25 coefficients: the first layer has a skip then
@@ -57,7 +84,9 @@ TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
       torch::NoGradGuard guard;
       const torch::Tensor expected = network->forward(inputBatch(data, samples)).contiguous();
       std::vector<float> theta(samples.size() * ThetaLayout::count);
-      generator.generate(sampleSet(40, 50).phi.data(), static_cast<int>(samples.size()), theta.data(), &scratch);
+      std::vector<StoredFunction> functions;
+      for (int64_t n = 0; n < data.functionCount(); ++n) functions.push_back(data.function(n));
+      generator.generate(functions.data(), static_cast<int>(samples.size()), theta.data(), &scratch);
       for (size_t i = 0; i < theta.size(); ++i) {
         // the tolerance of the export's own check
         ASSERT_NEAR(theta[i], expected.data_ptr<float>()[i], 1e-4)
