@@ -37,13 +37,17 @@ LoadedGenerators loadGenerators(const std::vector<std::string>& paths) {
   return loaded;
 }
 
-std::vector<std::string> weightsFolders() {
+std::vector<std::string> weightsFolders(bool for_draft) {
   const char* chosen = std::getenv("NLG_WEIGHTS");
-  if (chosen != nullptr && *chosen != '\0') return {chosen};
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return {};  // without /proc
-  return {(program.parent_path() / NLG_INSTALLED_WEIGHTS).lexically_normal().string()};
+  fs::path folder = chosen != nullptr ? chosen : "";
+  if (folder.empty()) {
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    if (error) return {};  // without /proc
+    folder = (program.parent_path() / NLG_INSTALLED_WEIGHTS).lexically_normal();
+  }
+  if (for_draft) return {(folder / "samples").string(), folder.string()};
+  return {folder.string()};
 }
 
 std::vector<std::string> shippedWeights(const std::vector<std::string>& representations,

@@ -168,7 +168,7 @@ void runCheck(Request request, const BakeOptions& options, const OptionTable& ta
     if (is_given) throw UsageError(std::string("--check cannot be combined with ") + what + ": nothing is baked");
   }
   const BakedGrid baked = readBakedGrid(request.checked);
-  if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders());
+  if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders(options.draft));
   std::map<std::string, std::string> weights;
   const auto [generators, weight_files] = loadGenerators(request.weights);
   for (size_t g = 0; g < generators.size(); ++g)
@@ -232,7 +232,7 @@ std::vector<Representation> representationsOf(const std::vector<Generator>& gene
 void run(Request request, const BakeOptions& options, const OptionTable& table) {
   const auto start = std::chrono::steady_clock::now();
   if (request.weights.empty()) {
-    request.weights = shippedWeights(options.representation, weightsFolders());
+    request.weights = shippedWeights(options.representation, weightsFolders(options.draft));
   }
   // outputs and contradictions before any file is read: a bake takes minutes
   std::vector<std::string> inputs = filesOfLight(options.light_set, options.scene_light);

@@ -19,7 +19,7 @@ constexpr uintmax_t kMaxBytes = 32'000'000;
 class ShippedWeights : public testing::Test {
  protected:
   void SetUp() override {
-    for (const fs::directory_entry& entry : fs::directory_iterator(NLG_SOURCE_WEIGHTS)) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(NLG_SOURCE_WEIGHTS)) {
       if (entry.path().extension() == ".safetensors") paths_.push_back(entry.path());
     }
     if (paths_.empty()) GTEST_SKIP() << "no trained weights in " << NLG_SOURCE_WEIGHTS;
