@@ -49,9 +49,9 @@ struct Means {
   std::vector<float> weight;
   std::vector<uint8_t> is_read;
 
-  Means(const ProbeTree& tree, const std::vector<glm::dvec3>& places, const std::vector<ProbeWeights>& weights,
+  Means(const LitPoints& points, const std::vector<glm::dvec3>& places, const std::vector<ProbeWeights>& weights,
         const std::vector<LightSh>& place_light)
-      : light(tree.probeCount()), weight(tree.probeCount(), 0.0f), is_read(tree.probeCount(), 0) {
+      : light(points.position_m.size()), weight(light.size(), 0.0f), is_read(light.size(), 0) {
     const auto addTo = [&](uint32_t probe, float share, const LightSh& of_place) {
       add(&light[probe], share, of_place);
       weight[probe] += share;
@@ -61,10 +61,9 @@ struct Means {
         addTo(weights[i].probe[j], weights[i].weight[j], place_light[i]);
         is_read[weights[i].probe[j]] = 1;
       }
-      ProbesAround around;
-      if (!tree.lookUp({places[i].x, places[i].y, places[i].z}, &around)) continue;
-      for (const ProbeAround& corner : around.corners)
-        addTo(corner.probe, kTentShare * tent(corner.local) * corner.tent_ratio, place_light[i]);
+      ProbeWeights around;
+      points.around(places[i], &around);
+      for (int j = 0; j < around.count; ++j) addTo(around.probe[j], kTentShare * around.weight[j], place_light[i]);
     }
     for (size_t p = 0; p < light.size(); ++p) {
       for (glm::vec3& value : light[p]) value /= std::max(weight[p], 1e-12f);
@@ -80,13 +79,13 @@ float meanLight(const std::vector<LightSh>& light) {
 
 // By place, whether its dark is nobody's to see (standing.h). Errors are relative to the light where they stand: a share of a hundredth
 // that a probe has in the hollow of a wall would outweigh the lit room before it, and leave a black spot there.
-std::vector<uint8_t> unseenDark(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
+std::vector<uint8_t> unseenDark(const LightTransport& transport, double spacing_m, const std::vector<glm::dvec3>& places,
                                 const std::vector<LightSh>& place_light) {
   const float most = kUnseenDarkOfMean * meanLight(place_light);
   std::vector<uint8_t> is_dark(places.size());
   std::transform(place_light.begin(), place_light.end(), is_dark.begin(),
                  [most](const LightSh& light) { return lightOf(light) < most ? 1 : 0; });
-  return findUnseenDark(transport, places, is_dark, tree.frame().spacing_m);
+  return findUnseenDark(transport, places, is_dark, spacing_m);
 }
 
 // The say of a place: 1 where the weights' sum is no accident, less below.
@@ -298,7 +297,32 @@ std::vector<float> floatsOf(const std::vector<LightSh>& light) {
   return floats;
 }
 
+LitPoints litPoints(const ProbeTree& tree) {
+  LitPoints points;
+  points.spacing_m = tree.frame().spacing_m;
+  for (size_t p = 0; p < tree.probeCount(); ++p) {
+    const auto [x, y, z] = tree.probePosition(p);
+    points.position_m.emplace_back(x, y, z);
+  }
+  points.around = [&tree](const glm::dvec3& position_m, ProbeWeights* weights) {
+    ProbesAround around;
+    weights->count = 0;
+    if (!tree.lookUp({position_m.x, position_m.y, position_m.z}, &around)) return;
+    for (const ProbeAround& corner : around.corners) {
+      weights->probe[weights->count] = corner.probe;
+      weights->weight[weights->count++] = tent(corner.local) * corner.tent_ratio;
+    }
+  };
+  return points;
+}
+
 ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
+                       const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
+                       int thread_count, const LightByGroup& place_groups) {
+  return lightProbes(transport, litPoints(tree), places, place_light, weights_at, options, thread_count, place_groups);
+}
+
+ProbeLight lightProbes(const LightTransport& transport, const LitPoints& points, const std::vector<glm::dvec3>& places,
                        const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
                        int thread_count, const LightByGroup& place_groups) {
   NLG_CHECK(places.size(), ==, place_light.size());
@@ -309,16 +333,16 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
   });
   uint64_t unseen = 0;
   if (options.way == LightWay::solved) {
-    const std::vector<uint8_t> is_unseen = unseenDark(transport, tree, places, place_light);
+    const std::vector<uint8_t> is_unseen = unseenDark(transport, points.spacing_m, places, place_light);
     for (size_t i = 0; i < places.size(); ++i) {
       if (is_unseen[i]) ++unseen, weights[i].count = 0;
     }
   }
   // the talk's integral is over the function; what a solve leans on is read at places by shares, which beside walls are far more
   const std::vector<ProbeWeights> leaned_on = options.way == LightWay::solved ? sharesOf(weights) : weights;
-  Means means(tree, places, leaned_on, place_light);
+  Means means(points, places, leaned_on, place_light);
   std::vector<Means> group_means;
-  for (const std::vector<LightSh>& of_group : place_groups) group_means.emplace_back(tree, places, leaned_on, of_group);
+  for (const std::vector<LightSh>& of_group : place_groups) group_means.emplace_back(points, places, leaned_on, of_group);
   // probes to which no sample point gives weight are counted for the report
   const auto unread = static_cast<uint64_t>(std::count(means.is_read.begin(), means.is_read.end(), 0));
   ProbeLight result;
@@ -339,10 +363,10 @@ ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, c
   }
   // gathered at the probe itself; a probe in solid keeps its mean
   if (options.way == LightWay::point) {
-    parallelFor(tree.probeCount(), thread_count, [&](uint64_t p, int) {
-      const auto [x, y, z] = tree.probePosition(p);
-      if (!isInAir(transport.rays(), {x, y, z})) return;
-      const GatheredLight gathered = transport.gather({x, y, z}, options.probe, mixSeed(options.seed, kProbeStream, p));
+    parallelFor(points.position_m.size(), thread_count, [&](uint64_t p, int) {
+      const glm::dvec3& at = points.position_m[p];
+      if (!isInAir(transport.rays(), at)) return;
+      const GatheredLight gathered = transport.gather(at, options.probe, mixSeed(options.seed, kProbeStream, p));
       result.light[p] = gathered.light;
       for (size_t g = 0; g < result.groups.size(); ++g) result.groups[g][p] = gathered.groups[g];
     });

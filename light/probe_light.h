@@ -71,10 +71,24 @@ struct ProbeLight {
   double median_error = 0.0, p95_error = 0.0;
 };
 
-// tree         in the scene's coordinates
-// places       in air, in cells of the tree
+// What is lit: probes of a tree, or whatever else a look-up blends linearly, such as texels of an engine's grid.
+struct LitPoints {
+  std::vector<glm::dvec3> position_m;  // relative to the scene's origin
+  WeightsAt around;                    // tents, as if there were no walls: what no look-up reads holds the light under these
+  double spacing_m = 0.0;              // the finest
+};
+
+// tree   in the scene's coordinates; must outlive what is returned
+LitPoints litPoints(const ProbeTree& tree);
+
+// places       in air, among the points
 // place_light  by place; place_groups: what each group gives of it, which is solved for by itself
-// weights_at   what the probes' functions give; called once a place, from any thread
+// weights_at   what the look-up gives; called once a place, from any thread
+ProbeLight lightProbes(const LightTransport& transport, const LitPoints& points, const std::vector<glm::dvec3>& places,
+                       const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
+                       int thread_count, const LightByGroup& place_groups = {});
+
+// The same of a tree in the scene's coordinates; places in cells of it.
 ProbeLight lightProbes(const LightTransport& transport, const ProbeTree& tree, const std::vector<glm::dvec3>& places,
                        const std::vector<LightSh>& place_light, const WeightsAt& weights_at, const ProbeLightOptions& options,
                        int thread_count, const LightByGroup& place_groups = {});
