@@ -204,8 +204,8 @@ bool isInside(const LightBox& box, const PositionM& position_m) {
 }  // namespace
 
 const std::vector<TextureFormat>& textureFormats() {
-  static const std::vector<TextureFormat> formats = {{"three", threeFile, threeIrradiance},
-                                                     {"ktx2-sh", ktx2File, pixelIrradiance}};
+  static const std::vector<TextureFormat> formats = {{"three", 0.5, threeFile, threeIrradiance},
+                                                     {"ktx2-sh", 0.0, ktx2File, pixelIrradiance}};
   return formats;
 }
 

@@ -26,6 +26,7 @@ using EngineIrradiance = std::function<std::array<float, kShChannels>(const Posi
 // Resampled: a texture of light_volume.h.
 struct TextureFormat {
   const char* name;
+  double bias;  // texels that the engine moves positions by, along the normal
   // box      of the texels
   // texels   as packShTexture gives them
   EngineFile (*file)(const LightBox& box, const std::string& texels);

@@ -140,8 +140,8 @@ LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options) {
     count[axis] = std::max(1.0, std::ceil((box.high_m[axis] - box.low_m[axis]) / spacing_m - 1e-6));
   }
   const double texels = count[0] * count[1] * count[2];
-  if (!(texels <= kMaxTexels)) {
-    throw UsageError("spacing_m", "one that makes at most " + std::to_string(static_cast<int>(kMaxTexels)) + " texels",
+  if (!(texels <= kMaxBoxTexels)) {
+    throw UsageError("spacing_m", "one that makes at most " + std::to_string(static_cast<int>(kMaxBoxTexels)) + " texels",
                      textOf(spacing_m) + ", which makes " + textOf(count[0]) + " x " + textOf(count[1]) + " x " +
                          textOf(count[2]) + " = " + textOf(texels));
   }
@@ -149,22 +149,26 @@ LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options) {
   return box;
 }
 
-LightVolume makeLightVolume(const LightGrid& grid, const LightBox& box) {
-  LookUpScratch scratch;
-  ResampledLight resampled = resampleLight(grid, box, &scratch);
-  LightVolume volume{box, std::move(resampled.light)};
-  std::vector<Texel> texels(resampled.status.size(), Texel::dark);
-  for (size_t i = 0; i < texels.size(); ++i) {
-    if (!isKnown(grid, box, i, resampled.status[i])) continue;
-    texels[i] = Texel::has_light;
-    ++volume.lit;
-  }
+LightVolume filledVolume(const LightBox& box, std::vector<float> light, const std::vector<uint8_t>& has_light) {
+  LightVolume volume{box, std::move(light)};
+  std::vector<Texel> texels(has_light.size());
+  std::transform(has_light.begin(), has_light.end(), texels.begin(),
+                 [](uint8_t has) { return has != 0 ? Texel::has_light : Texel::dark; });
+  volume.lit = static_cast<size_t>(std::count(texels.begin(), texels.end(), Texel::has_light));
   if (volume.lit == 0) {
     std::fill(volume.light.begin(), volume.light.end(), 0.0f);
     return volume;
   }
   volume.filled = fillTexels(box.texel_count, &texels, &volume.light);
   return volume;
+}
+
+LightVolume makeLightVolume(const LightGrid& grid, const LightBox& box) {
+  LookUpScratch scratch;
+  ResampledLight resampled = resampleLight(grid, box, &scratch);
+  std::vector<uint8_t> has_light(resampled.status.size());
+  for (size_t i = 0; i < has_light.size(); ++i) has_light[i] = isKnown(grid, box, i, resampled.status[i]);
+  return filledVolume(box, std::move(resampled.light), has_light);
 }
 
 float largestLight(const LightVolume& volume) {

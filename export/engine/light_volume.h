@@ -17,8 +17,8 @@
 
 namespace nlg {
 
-inline constexpr double kMaxTexels = 1 << 23;   // of a box: 470 MB of float16
-inline constexpr double kDefaultSpacing = 0.5;  // of a texel, in units of the grid
+inline constexpr double kMaxBoxTexels = 1 << 23;  // of a box: 470 MB of float16
+inline constexpr double kDefaultSpacing = 0.5;    // of a texel, in units of the grid
 
 struct VolumeOptions {
   std::vector<std::string> extent_m;  // low and high corner, metres; none: the used cells and a texel on every side
@@ -28,7 +28,7 @@ struct VolumeOptions {
 // The box, and texels that fill it: as few along each axis as are no wider than the spacing.
 // grid     with one used cell or more
 // throws   UsageError naming extent_m unless its texts are six finite numbers, low below high; naming spacing_m where the texels
-//          would be more than kMaxTexels, with their count
+//          would be more than kMaxBoxTexels, with their count
 LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options);
 
 struct LightVolume {
@@ -38,7 +38,12 @@ struct LightVolume {
   size_t filled = 0;  // that have the mean of their neighbours, which had light before them; lit + filled: all of them, or 0
 };
 
-// Resampled and filled. Where no texel is lit, all are 0.
+// Round by round, texels beside those with light take the mean of what these have. Where none has light, all are 0.
+// light       kShFloats a texel
+// has_light   by texel
+LightVolume filledVolume(const LightBox& box, std::vector<float> light, const std::vector<uint8_t>& has_light);
+
+// Resampled and filled.
 LightVolume makeLightVolume(const LightGrid& grid, const LightBox& box);
 
 // The largest |coefficient|.

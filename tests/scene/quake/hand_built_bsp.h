@@ -43,7 +43,7 @@ struct BspParts {
   std::vector<Light> lights;              // of the first vertices; those behind have none
   std::vector<uint32_t> indices;
   std::vector<Face> faces;
-  std::string lightmaps;  // a lump as it is
+  std::string lightmaps, light_grid;  // lumps as they are
 
   // A polygon or mesh (kind 1, 3) of one quad, corners clockwise from its front; a patch (kind 2) of 3 x 3 points.
   void addFace(uint32_t shader, uint32_t kind, const std::vector<glm::vec3>& corners) {
@@ -104,6 +104,7 @@ struct BspParts {
           words({static_cast<uint32_t>(face.lightmap)}) + std::string(64, '\0') + words({face.width, face.height});
     }
     lumps[14] = lightmaps;
+    lumps[15] = light_grid;
     std::string header = "IBSP" + words({46});
     std::string body;
     for (const std::string& lump : lumps) {

@@ -1,0 +1,104 @@
+#include "export/engine/texel_light.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "light/air.h"
+#include "runtime_eval/numbers/random.h"
+#include "tests/validate/light/lit_scenes.h"
+
+namespace nlg {
+namespace {
+
+constexpr float kUp[3] = {0.0f, 1.0f, 0.0f};
+
+TexelLookUp smallLookUp() { return {{{-1.0, 2.0, 0.0}, {3.0, 5.0, 10.0}, {4, 6, 5}}}; }
+
+PositionM centreOf(const LightBox& box, size_t texel) {
+  const size_t x = box.texel_count[0], y = box.texel_count[1];
+  return box.texelCentre(texel % x, texel / x % y, texel / (x * y));
+}
+
+PositionM blendedCentre(const TexelLookUp& look_up, const ProbeWeights& weights) {
+  PositionM sum{};
+  for (int i = 0; i < weights.count; ++i) {
+    const PositionM centre = centreOf(look_up.box, weights.probe[i]);
+    for (size_t axis = 0; axis < 3; ++axis) sum[axis] += double{weights.weight[i]} * centre[axis];
+  }
+  return sum;
+}
+
+// Linear functions come out of a linear filter as they are, and of one that is moved, at the place that it moves to.
+TEST(TexelLookUp, IsLinearBetweenTexelsWhereTheBiasMovesTo) {
+  TexelLookUp look_up = smallLookUp();
+  const std::array<double, 3> texel_m = look_up.texelM();
+  Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    look_up.bias = i % 2 == 0 ? 0.0 : 0.5;
+    PositionM position_m;
+    for (size_t axis = 0; axis < 3; ++axis)
+      position_m[axis] = random.uniform(look_up.box.low_m[axis] + texel_m[axis], look_up.box.high_m[axis] - texel_m[axis]);
+    ProbeWeights weights;
+    look_up.weightsAt(position_m, kUp, &weights);
+    const PositionM blended = blendedCentre(look_up, weights);
+    for (size_t axis = 0; axis < 3; ++axis)
+      ASSERT_NEAR(blended[axis], position_m[axis] + look_up.bias * texel_m[axis] * double{kUp[axis]}, 1e-5) << i;
+  }
+}
+
+TEST(TexelLookUp, ReadsTheEdgeBeyondIt) {
+  ProbeWeights weights;
+  smallLookUp().weightsAt({-100.0, 2.25, 1.0}, kUp, &weights);
+  ASSERT_EQ(weights.count, 1);
+  EXPECT_EQ(weights.probe[0], 0u);
+  EXPECT_EQ(weights.weight[0], 1.0f);
+}
+
+TEST(TexelLookUp, ScalesUpWhatIsLeftOfTexelsThatAreLeftOut) {
+  TexelLookUp look_up = smallLookUp();
+  look_up.is_valid.assign(look_up.box.texelCount(), 1);
+  Random random(2);
+  for (uint8_t& valid : look_up.is_valid) valid = random.chance(0.5);
+  for (int i = 0; i < 1000; ++i) {
+    PositionM position_m;
+    for (size_t axis = 0; axis < 3; ++axis) position_m[axis] = random.uniform(look_up.box.low_m[axis], look_up.box.high_m[axis]);
+    ProbeWeights weights;
+    look_up.weightsAt(position_m, kUp, &weights);
+    float sum = 0.0f;
+    for (int j = 0; j < weights.count; ++j) {
+      EXPECT_TRUE(look_up.is_valid[weights.probe[j]]) << i;
+      sum += weights.weight[j];
+    }
+    if (weights.count > 0) EXPECT_GE(sum, TexelLookUp::kWhole - 1e-5f) << i;
+    EXPECT_LE(sum, 1.0f + 1e-5f) << i;
+  }
+}
+
+// Two rooms, one of them dark: texels with the light of their own place leak through the wall, those that were solved for hardly do.
+TEST(SolveTexels, ErrsLessThanPlacementWhereAWallStandsBetweenTexels) {
+  const LitScene lit(brightAndDarkRoom());
+  ProbeLightOptions options;
+  options.probe.rays = 256;
+  const std::vector<LightSh> light = measureLight(lit.transport, lit.air.places, options.place, 1, 2);
+  const MeasuredScene scene{lit.transport, lit.air, light, options, 2};
+  const Bounds bounds = boundsWithSky(lit.scene);
+  LightBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.low_m[axis] = bounds.min[axis] + lit.scene.origin_m[axis];
+    box.high_m[axis] = bounds.max[axis] + lit.scene.origin_m[axis];
+    box.texel_count[axis] = static_cast<uint32_t>(std::ceil(bounds.max[axis] - bounds.min[axis]));
+  }
+  const TexelJudge judge(scene, lightExtent(lit.scene, {}), 400, 256, 3);
+  const TextureFormat& format = textureFormats()[1];
+  const auto errorOf = [&](const LightVolume& volume) {
+    return judge.errorOf(format.shown(textureOfHalves(packShTexture(volume), shTextureSize(box.texel_count)), box));
+  };
+  const LightFigures placed = errorOf(placeTexels(scene, box, texelsInAir(scene, box)));
+  const LightFigures solved = errorOf({box, floatsOf(solveTexels(scene, {box}, light))});
+  EXPECT_LT(solved.air.rmse, 0.8 * placed.air.rmse);
+  EXPECT_LT(solved.surface.rmse, 0.8 * placed.surface.rmse);
+}
+
+}  // namespace
+}  // namespace nlg
