@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "export/engine/engine_format.h"
+#include "export/engine/engine_folder.h"
 #include "export/engine/light_volume.h"
 #include "export/shader/shader_export.h"
 #include "runtime_eval/light_grid/packed_light.h"
@@ -22,11 +22,8 @@
 namespace nlg {
 namespace {
 
-const std::string kPlace = "light.json";
-
-template <class Format>
-const Format* findNamed(const std::vector<Format>& formats, const std::string& name) {
-  for (const Format& format : formats) {
+const GridFormat* findGridFormat(const std::string& name) {
+  for (const GridFormat& format : gridFormats()) {
     if (format.name == name) return &format;
   }
   return nullptr;
@@ -44,11 +41,7 @@ struct EngineOptions {
   int error_samples = 20000;
 };
 
-std::string formatNames() {
-  std::string names;
-  for (const TextureFormat& format : textureFormats()) names += std::string(format.name) + ", ";
-  return names + gridFormats()[0].name + ", or " + gridFormats()[1].name;
-}
+std::string formatNames() { return textureNames() + gridFormats()[0].name + ", or " + gridFormats()[1].name; }
 
 constexpr float kMostFactor = 1e6f;
 
@@ -104,12 +97,7 @@ LightGrid readGrid(const std::string& path, double intensity, GridMetadata* meta
 
 LightVolume readVolume(const LightGrid& grid, const EngineRequest& request, const EngineOptions& options) {
   const LightBox box = volumeBox(grid, options.volume);
-  const TextureSize size = shTextureSize(box.texel_count);
-  for (size_t axis = 0; axis < 3; ++axis) {
-    if (size[axis] <= kMaxTextureSide) continue;
-    throw UsageError("spacing_m", "a texture of at most " + std::to_string(kMaxTextureSide) + " texels along each axis",
-                     std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]));
-  }
+  requireTexture(box);
   LightVolume volume = makeLightVolume(grid, box);
   if (volume.lit == 0) throw UsageError("extent_m", "a box in which the grid has light", "none");
   if (const float largest = largestLight(volume); largest > kMaxEngineLight) {
@@ -118,19 +106,6 @@ LightVolume readVolume(const LightGrid& grid, const EngineRequest& request, cons
                      fmt::format("{:g}: --intensity {:g} makes them fit", largest, fits));
   }
   return volume;
-}
-
-// A grid that is read must not be one of the files to come.
-void writeFiles(const std::vector<EngineFile>& files, const EngineRequest& request) {
-  const auto pathOf = [&](const EngineFile& file) { return (std::filesystem::path(request.out) / file.name).string(); };
-  // texels alone bear no name; the text beside them that says where they lie does
-  const std::filesystem::path place = std::filesystem::path(request.out) / kPlace;
-  const bool is_own = std::filesystem::exists(place) && mayReplace(place.string(), kExportedFiles);
-  for (const EngineFile& file : files) {
-    refuseToReplaceInputs(pathOf(file), {request.grid});
-    if (!is_own) refuseToReplaceOthers(pathOf(file), kExportedFiles);
-  }
-  for (const EngineFile& file : files) writeFileAtomically(pathOf(file), file.bytes);
 }
 
 size_t bytesOf(const std::vector<EngineFile>& files) {
@@ -157,13 +132,13 @@ void writeGrid(const LightGrid& grid, const GridFormat& format, const EngineRequ
   line["bytes"] = bytesOf(files);
   line["corner_error_m"] = cornerErrorM(grid.tree.frame());
   line["error"] = errorJson(resamplingError(grid, nullptr, gridIrradiance(files.front().bytes), options.error_samples));
-  writeFiles(files, request);
+  writeEngineFolder(request.out, {"light.json", {}}, files, {request.grid});
   std::cout << line.dump() << '\n';
 }
 
 void run(const EngineRequest& request, const EngineOptions& options, const OptionTable& table) {
-  const TextureFormat* format = findNamed(textureFormats(), request.format);
-  const GridFormat* grid_format = findNamed(gridFormats(), request.format);
+  const TextureFormat* format = findTexture(request.format);
+  const GridFormat* grid_format = findGridFormat(request.format);
   if (format == nullptr && grid_format == nullptr) throw UsageError("--format", formatNames(), "'" + request.format + "'");
   if (grid_format != nullptr &&
       (!options.volume.extent_m.empty() || options.volume.spacing_m > 0.0 || !options.light_groups.empty()))
@@ -196,8 +171,7 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   const TextureSize size = shTextureSize(box.texel_count);
   const std::string texels = packShTexture(volume);
   // where the texture lies: for light.json and for the tool's own line
-  nlohmann::ordered_json place = {
-      {"low_m", box.low_m}, {"high_m", box.high_m}, {"resolution", box.texel_count}, {"texture_size", size}};
+  nlohmann::ordered_json place = placeJson(box);
   line.update(place);
   line["light_groups"] = place["light_groups"] = groups;
   line["texels"] = {{"lit", volume.lit}, {"filled", volume.filled}};
@@ -205,12 +179,12 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   place["origin_m"] = request.origin_m;
   place["intensity"] = options.intensity;
   place["provenance"] = provenance("nlg-export engine", table.toJson(), {{"grid", fileSha256(request.grid)}});
-  const std::vector<EngineFile> files = {format->file(box, texels), {kPlace, place.dump(2) + "\n"}};
-  line["bytes"] = bytesOf(files);
+  const EngineFile record = {"light.json", place.dump(2) + "\n"}, file = format->file(box, texels);
+  line["bytes"] = bytesOf({file, record});
   // measured on the halves that are written, filtered as the engine does
   line["error"] =
       errorJson(resamplingError(grid, &box, format->shown(textureOfHalves(texels, size), box), options.error_samples));
-  writeFiles(files, request);
+  writeEngineFolder(request.out, record, {file}, {request.grid});
   std::cout << line.dump() << '\n';
 }
 

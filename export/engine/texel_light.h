@@ -71,5 +71,7 @@ class TexelJudge {
   LightTruth truth_;
 };
 
+// The command nlg-export texels SCENE --format FORMAT --out FOLDER
+int texelsMain(int argc, char** argv);
 
 }  // namespace nlg

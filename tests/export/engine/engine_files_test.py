@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What nlg-export engine writes, read by readers that share nothing with it; and what it refuses.
+"""What nlg-export engine and nlg-export texels write, read by readers that share nothing with it; and what it refuses.
 
     engine_files_test.py BIN_FOLDER ENGINE_CASES KTX_PARSE
 
@@ -171,6 +171,23 @@ def check_light_groups():
     must(result.returncode == 0 and json.loads(result.stdout)["error"]["rmse"] < 1e-4, f"half of all sets: {result.stdout}{result.stderr}")
 
 
+def check_texels():
+    """Lit from the scene, for the engine's own look-up: what is shipped errs no more than texels with the light of their own place."""
+    arguments = ["nlg-export", "texels", "two_rooms:0", "--format", "ktx2-sh", "--out", "texels", "--spacing-m", "1", "--places", "400", "--truth-rays", "64"]
+    lines = []
+    for _ in range(2):  # the second time over its own files
+        result = TOOLS.run(arguments)
+        must(result.returncode == 0, f"texels: exit code {result.returncode}\n{result.stderr}")
+        lines.append(json.loads(result.stdout))
+    line, file, record = lines[0], read_ktx2("texels/light.ktx2"), json.load(open("texels/light.json"))
+    must(lines[1] == line, "texels: another line the second time")
+    must(record["resolution"] == line["resolution"] and file["size"] == line["texture_size"], f"texels: {line}")
+    shipped, placed = line["error"][line["shipped"]], line["error"]["placed"]
+    must(line["shipped"] != "placed" and all(shipped[group] < placed[group] for group in ("air", "surface")), f"texels: {line}")
+    TOOLS.refuses(USAGE_ERROR, ["three, ktx2-sh, quake3-lightgrid", "unity"], ["nlg-export", "texels", "two_rooms:0", "--format", "unity", "--out", "bad"])
+    TOOLS.refuses(INPUT_ERROR, ["two_rooms:0"], ["nlg-export", "texels", "two_rooms:0", "--format", "quake3-lightgrid", "--out", "bad"])
+
+
 def check_ktx_parse():
     if shutil.which("node") is None or not os.path.isdir(os.path.join(KTX_PARSE, "node_modules", "ktx-parse")):
         print(f"SKIPPED: ktx-parse is not installed; workflow/install_from_npm.sh ktx-parse {KTX_PARSE} says why not")
@@ -205,6 +222,7 @@ try:
         check_intensity()
         check_origin()
         check_light_groups()
+        check_texels()
         check_refusals()
         must(TOOLS.end() == 0, "what is refused")
 finally:

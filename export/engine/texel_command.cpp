@@ -1,0 +1,288 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <iostream>
+
+#include <nlohmann/json.hpp>
+
+#include "bake/light_bake.h"
+#include "export/engine/engine_folder.h"
+#include "export/engine/quake_light_grid.h"
+#include "export/engine/texel_light.h"
+#include "light/air.h"
+#include "light/surface_cache.h"
+#include "runtime_eval/grid_file/light_grid_file.h"
+#include "runtime_eval/numbers/random.h"
+#include "tool/command/tool_main.h"
+#include "tool/input_file.h"
+#include "tool/provenance.h"
+
+namespace nlg {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr uint64_t kChoiceStream = 0x63686f696365, kReportStream = 0x7265706f7274;
+
+struct Request {
+  std::string scene, format, out, grid;
+  int places = 2000, truth_rays = 1024;
+};
+
+// Texels as files, and what an engine that loads them shows.
+struct Texels {
+  std::string name;
+  std::vector<EngineFile> files;
+  EngineIrradiance shown;
+  Json error = {};  // against path tracing, at the places of the report
+};
+
+// What texels hold, in the basis of their format.
+struct TexelLight {
+  std::vector<LightSh> light;
+  std::vector<glm::vec3> directions;  // of a basis that has some
+  std::vector<uint8_t> is_valid;      // where the engine leaves out what holds nothing
+};
+
+// A grid that an engine has.
+struct TexelFormat {
+  TexelLookUp look_up;         // with every texel valid where the engine leaves some out
+  bool is_directed = false;    // ambient and directed light and a direction; otherwise harmonics
+  std::vector<Texels> theirs;  // what the engine has without us
+  std::string record;          // name of the file that says what was written
+  Json place = {};             // where texels lie
+  std::function<Texels(const std::string& name, const TexelLight& light)> pack;
+};
+
+TexelFormat textureFormat(const TextureFormat& texture, const LightBox& box) {
+  TexelFormat format{{box, texture.bias}};
+  format.record = "light.json";
+  format.place = placeJson(box);
+  format.pack = [&texture, box](const std::string& name, const TexelLight& light) {
+    const std::string texels = packShTexture({box, floatsOf(light.light)});
+    return Texels{name, {texture.file(box, texels)}, texture.shown(textureOfHalves(texels, shTextureSize(box.texel_count)), box)};
+  };
+  return format;
+}
+
+TexelFormat quakeFormat(const QuakeLevel& level) {
+  TexelFormat format{{level.box, 0.0, std::vector<uint8_t>(level.box.texelCount(), 1)}, true};
+  const std::string maps = "maps/" + level.name;
+  format.record = maps + "/light.json";
+  format.theirs.push_back({"the level's own", {}, quakeIrradiance(level, {{}, lightGridOf(level)})});
+  format.pack = [&level, maps](const std::string& name, const TexelLight& light) {
+    const QuakeGridBytes bytes = quakeGridBytes(level, light.light, light.directions, light.is_valid);
+    return Texels{name,
+                  {{maps + "/lightgrid.raw", bytes.raw}, {maps + ".bsp", withLightGrid(level, bytes.lump)}},
+                  quakeIrradiance(level, bytes)};
+  };
+  return format;
+}
+
+// Every way to fill the texels of a format; the first is plain placement.
+class TexelWays {
+ public:
+  TexelWays(const MeasuredScene& scene, const TexelFormat& format) : scene_(scene), format_(format) {}
+
+  std::vector<Texels> all() const {
+    const std::vector<uint8_t> is_in_air = texelsInAir(scene_, format_.look_up.box);
+    const LightVolume placement = placeTexels(scene_, format_.look_up.box, is_in_air);
+    std::vector<Texels> ways = {placed("placed", placement, is_in_air)};
+    // as a bake weighs errors, in shares of the light where they stand; and more as they are, which squares of errors ask for
+    ProbeLightOptions evenly = scene_.options;
+    evenly.dark_share = 1.0, evenly.outlier = 3.0;
+    for (const auto& [word, options] : {std::pair("solved", scene_.options), std::pair("solved evenly", evenly)}) {
+      const std::string name = word;
+      const TexelLight solution = solved(options, format_.look_up);
+      ways.push_back(format_.pack(name, solution));
+      // where texels may be left out, those in solid are, or serve the air around them
+      if (!format_.look_up.is_valid.empty()) {
+        TexelLookUp in_air = format_.look_up;
+        in_air.is_valid = is_in_air;
+        ways.push_back(format_.pack(name + ", in air", solved(options, in_air)));
+      } else {
+        ways.push_back(format_.pack("half " + name, halfWay(lightOf(placement), solution)));
+      }
+    }
+    return ways;
+  }
+
+  // Light of every texel by itself.
+  Texels placed(const std::string& name, const LightVolume& volume, const std::vector<uint8_t>& is_valid) const {
+    TexelLight texels{lightOf(volume), {}, is_valid};
+    if (format_.is_directed) {
+      texels.directions = directionsOf(texels.light);
+      for (size_t t = 0; t < texels.light.size(); ++t) texels.light[t] = meanAndDirected(texels.light[t], texels.directions[t]);
+    }
+    return format_.pack(name, texels);
+  }
+
+ private:
+  static std::vector<glm::vec3> directionsOf(const std::vector<LightSh>& light) {
+    std::vector<glm::vec3> directions(light.size());
+    std::transform(light.begin(), light.end(), directions.begin(), mainDirection);
+    return directions;
+  }
+
+  // Errors of placement and of a solve are others: between the two both are less.
+  static TexelLight halfWay(const std::vector<LightSh>& placement, TexelLight solution) {
+    for (size_t t = 0; t < placement.size(); ++t) {
+      for (int k = 0; k < kShCount; ++k) solution.light[t][k] = 0.5f * (solution.light[t][k] + placement[t][k]);
+    }
+    return solution;
+  }
+
+  TexelLight solved(const ProbeLightOptions& options, const TexelLookUp& look_up) const {
+    const MeasuredScene scene{scene_.transport, scene_.air, scene_.place_light, options, scene_.thread_count};
+    TexelLight texels{solveTexels(scene, look_up, scene.place_light), {}, look_up.is_valid};
+    if (!format_.is_directed) return texels;
+    // directions first: once they are known, the rest is linear
+    texels.directions = directionsOf(texels.light);
+    std::vector<LightSh> place_light(scene.place_light.size());
+    for (size_t i = 0; i < place_light.size(); ++i)
+      place_light[i] = meanAndDirected(scene.place_light[i], blended(scene.air.places[i], look_up, texels.directions));
+    texels.light = solveTexels(scene, look_up, place_light);
+    return texels;
+  }
+
+  glm::vec3 blended(const glm::dvec3& place_m, const TexelLookUp& look_up, const std::vector<glm::vec3>& directions) const {
+    const glm::dvec3 world = place_m + scene_.transport.scene().origin_m;
+    constexpr float kUp[3] = {0.0f, 1.0f, 0.0f};
+    ProbeWeights weights;
+    look_up.weightsAt({world.x, world.y, world.z}, kUp, &weights);
+    glm::vec3 sum(0.0f);
+    for (int i = 0; i < weights.count; ++i) sum += weights.weight[i] * directions[weights.probe[i]];
+    return unitOr(sum, {kUp[0], kUp[1], kUp[2]});
+  }
+
+  const MeasuredScene& scene_;
+  const TexelFormat& format_;
+};
+
+constexpr GroupFigures LightFigures::*kGroups[] = {&LightFigures::air, &LightFigures::surface, &LightFigures::turned};
+constexpr const char* kGroupNames[] = {"air", "surface", "turned"};
+
+// How a way does beside placement, where it does worst.
+double worstShare(const LightFigures& way, const LightFigures& placed) {
+  double worst = 0.0;
+  for (const auto group : kGroups) worst = std::max(worst, (way.*group).rmse / (placed.*group).rmse);
+  return worst;
+}
+
+// The way to ship: the one with the least error beside that of placement, which is shipped where none has less.
+size_t bestOf(const std::vector<Texels>& ways, const TexelJudge& choice) {
+  const LightFigures placed = choice.errorOf(ways.front().shown);
+  size_t best = 0;
+  double least = 1.0;
+  for (size_t w = 1; w < ways.size(); ++w) {
+    const double share = worstShare(choice.errorOf(ways[w].shown), placed);
+    if (share < least) least = share, best = w;
+  }
+  return best;
+}
+
+Json errorJson(const LightFigures& figures) {
+  Json json;
+  for (size_t g = 0; g < std::size(kGroups); ++g) json[kGroupNames[g]] = (figures.*kGroups[g]).rmse;
+  return json;
+}
+
+LightGrid readGrid(const std::string& path) {
+  LightGrid grid;
+  GridMetadata metadata;
+  requireRead(path, readLightGridFile(path, &grid, &metadata), "a light grid");
+  if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
+  return grid;
+}
+
+LightBox boxOf(const PreparedScene& scene, const BakeOptions& options) {
+  LightGrid grid;
+  grid.tree = scene.treeInWorld();
+  const LightBox box = volumeBox(grid, {options.extent_m, scene.spacing_m});
+  requireTexture(box);
+  return box;
+}
+
+void run(const Request& request, const BakeOptions& options, const OptionTable& table) {
+  const TextureFormat* texture = findTexture(request.format);
+  if (texture == nullptr && request.format != kQuakeFormat)
+    throw UsageError("--format", textureNames() + kQuakeFormat, "'" + request.format + "'");
+  const QuakeLevel level = texture == nullptr ? readQuakeLevel(request.scene) : QuakeLevel{};
+  const PreparedScene scene(request.scene, options);
+  tellNotes("nlg-export", scene.source);
+  const int threads = threadsOf(options);
+  const TexelFormat format = texture == nullptr ? quakeFormat(level) : textureFormat(*texture, boxOf(scene, options));
+
+  // light at places in air, as a bake measures it
+  const LightTransport transport(scene.source.scene, scene.rays);
+  ProbeLightOptions light = probeLightOptions(options, scene.air.places.size());
+  const std::unique_ptr<SurfaceCache> cache = makeSurfaceCache(transport, scene.air.places, scene.air.spacing_m, light, threads);
+  light.place.cache = light.probe.cache = cache.get();
+  const std::vector<LightSh> place_light = measureLight(transport, scene.air.places, light.place, light.seed, threads);
+  const MeasuredScene measured{transport, scene.air, place_light, light, threads};
+
+  // chosen at some places, reported at others
+  const TexelWays all_ways(measured, format);
+  std::vector<Texels> ways = all_ways.all();
+  const ExtentBox extent = lightExtent(scene.source.scene, options.extent_m);
+  const auto judgeOf = [&](uint64_t stream) {
+    return TexelJudge(measured, extent, request.places, request.truth_rays, mixSeed(options.seed, stream));
+  };
+  const size_t best = bestOf(ways, judgeOf(kChoiceStream));
+  const std::string shipped = ways[best].name;
+  const std::vector<EngineFile> files = ways[best].files;
+  ways.insert(ways.end(), format.theirs.begin(), format.theirs.end());
+  if (!request.grid.empty()) {
+    const LightGrid grid = readGrid(request.grid);
+    ways.push_back(all_ways.placed("resampled", makeLightVolume(grid, format.look_up.box),
+                                   std::vector<uint8_t>(format.look_up.box.texelCount(), 1)));
+    ways.push_back({"the light grid", {}, [grid](const PositionM& position_m, const float* normal_3) {
+                      std::array<float, kShChannels> rgb;
+                      lookUpIrradiance(grid, position_m, normal_3, rgb.data());
+                      return rgb;
+                    }});
+  }
+  const TexelJudge report = judgeOf(kReportStream);
+  for (Texels& way : ways) way.error = errorJson(report.errorOf(way.shown));
+
+  Json line = {{"scene", scene.source.id}, {"format", request.format}, {"shipped", shipped}};
+  line.update(format.place);
+  line["places"] = report.placeCount();
+  line["noise"] = report.noise();
+  for (const Texels& way : ways) line["error"][way.name] = way.error;
+  Json record = line;
+  record["provenance"] = provenance("nlg-export texels", table.toJson(), {{"scene", scene.source.sha256}});
+  writeEngineFolder(request.out, {format.record, record.dump(2) + "\n"}, files, {request.scene, request.grid});
+  std::cout << line.dump() << '\n';
+  if (best == 0) std::cerr << "nlg-export: no solve errs less than texels with the light of their own place: these are written\n";
+}
+
+}  // namespace
+
+int texelsMain(int argc, char** argv) {
+  CLI::App app{
+      "Lights the grid that an engine has, for the look-up that it has, and measures the error against path tracing.\n"
+      "Settings of the bake: section bake of the configuration. spacing_m is the largest width of a texel, extent_m the box.",
+      "nlg-export texels"};
+  Request request;
+  BakeOptions options;
+  options.spacing_m = 0.0;  // chosen by the scene, as nlg-bake does
+  OptionTable table("bake");
+  describe(options, table);
+  table.common({"format", "out", "grid", "spacing_m", "extent_m", "sky", "sun", "threads"});
+  app.add_option("scene", request.scene, "scene, as for nlg-bake")->required();
+  app.add_option("--format", request.format, textureNames() + kQuakeFormat)->required();
+  app.add_option("--out", request.out,
+                 "folder for the format's files; of quake3-lightgrid the game's, such as ~/.openarena/baseoa")
+      ->required();
+  app.add_option("--grid", request.grid, "light grid of this scene, whose look-up and resampled light are measured, too");
+  app.add_option("--places", request.places, "sample points in air, and as many before surfaces, at which errors are measured")
+      ->check(CLI::Range(100, 1000000))
+      ->capture_default_str();
+  app.add_option("--truth-rays", request.truth_rays, "rays of ground truth per sample point")
+      ->check(CLI::Range(8, 1 << 24))
+      ->capture_default_str();
+  return runTool(argc, argv, app, table, [&] { run(request, options, table); });
+}
+
+}  // namespace nlg
