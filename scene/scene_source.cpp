@@ -105,6 +105,14 @@ SceneSource readInterior(const InteriorRequest& request) {
   return source;
 }
 
+// Whether a procedural scene has such a name: house_3.
+bool isProceduralName(const std::string& id) {
+  const size_t seed = id.rfind('_') + 1;
+  const std::vector<std::string>& families = proceduralFamilies();
+  return seed > 1 && seed < id.size() && id.find_first_not_of("0123456789", seed) == std::string::npos &&
+         std::find(families.begin(), families.end(), id.substr(0, seed - 1)) != families.end();
+}
+
 // Of materials whose light is less than their file says; empty without any.
 std::string whiteNote(const Scene& scene) {
   std::set<uint32_t> white;
@@ -253,6 +261,9 @@ void describe(SceneReading& reading, OptionTable& table) {
 
 SceneSource loadScene(const std::string& request, const SceneReading& reading) {
   SceneSource source = readScene(request, reading);
+  // data sets tell scenes by name
+  if (!source.sha256.empty() && isProceduralName(source.id))
+    source.id += archiveColon(request) == std::string::npos ? extensionOf(request) : ".bsp";
   source.scene.cavity_m = cavityOf(source.scene, reading.cavity_m);
   return source;
 }

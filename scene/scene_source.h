@@ -16,7 +16,7 @@ namespace nlg {
 
 struct SceneSource {
   std::string family = "level";  // procedural family, name of a built-in scene, or "level"
-  std::string id;                // "house_3", the file's stem, or the map's name in lower case
+  std::string id;                // "house_3"; the file's stem, or its whole name where that is one such; a map's in lower case
   std::string sha256;            // of the scene as it was read: sceneSha256; empty for a procedural one
   Scene scene;
   std::vector<std::string> light_sets;            // names of the ways in which it is lit (light_sets.h); none: by all its light

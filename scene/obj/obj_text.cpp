@@ -15,7 +15,7 @@
 namespace nlg {
 namespace {
 
-// Triangulation takes time with the square of a face's corners.
+// Triangulation of a hostile face takes time with the square of its corners.
 constexpr size_t kMaxCorners = 8192;
 // A file's bytes bound the memory that they take badly: two may be a triangle's, eight a vertex'.
 constexpr size_t kMaxVertices = size_t{1} << 27;

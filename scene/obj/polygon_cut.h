@@ -16,7 +16,7 @@ struct PolygonCut {
 // Of an outline that may be concave, and may lead to a hole and back along one line. It need not be flat: it is cut as it is seen along
 // the axis that it faces most. Of a convex one of four corners the shorter diagonal is the cut.
 //
-// corners   3 or more, finite; time goes with the square of their number
+// corners   3 or more, finite. Time goes with n log n; with the square of n where the outline crosses itself everywhere
 PolygonCut cutPolygon(const std::vector<glm::dvec3>& corners);
 
 }  // namespace nlg

@@ -77,6 +77,19 @@ TEST(PolygonCut, CoversConcaveOutlines) {
   }
 }
 
+TEST(PolygonCut, CoversOutlinesOfManyCorners) {
+  Random random(3);
+  for (const int count : {9, 100, 3000}) {
+    SCOPED_TRACE(count);
+    std::vector<glm::dvec2> star;
+    for (int i = 0; i < count; ++i) {
+      const double angle = 2.0 * M_PI * i / count, radius = 0.2 + random.uniform();
+      star.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+    }
+    expectCovered(placed(star, {0, 0, 1}, {1, 0, 0}, {3, -3, 7}), {0, 1, 0}, areaOf(star));
+  }
+}
+
 TEST(PolygonCut, LeavesHolesOpen) {
   // a wall with a window, to which a line leads and back; and with two
   expectCoveredHoweverItIsWritten({{0, 0}, {8, 0}, {8, 3}, {0, 3}, {0, 0}, {3, 1}, {3, 2}, {5, 2}, {5, 1}, {3, 1}});

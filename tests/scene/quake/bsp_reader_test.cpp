@@ -272,6 +272,9 @@ TEST_F(BspInArchives, ScenesAreRequestedByPathAndMap) {
   const std::string file = folder_.write("with:colon.bsp", smallLevel().bytes());
   EXPECT_EQ(loadScene(file).id, "with:colon");
   EXPECT_EQ(loadScene(file).sha256, sceneSha256(loadScene(file).scene));
+  // a procedural scene has that name
+  EXPECT_EQ(loadScene(folder_.write("house_3.BSP", smallLevel().bytes())).id, "house_3.bsp");
+  EXPECT_EQ(loadScene(folder_.write("room_3.bsp", smallLevel().bytes())).id, "room_3");
 }
 
 TEST_F(BspInArchives, RefusesMapsThatAreNotThere) {
