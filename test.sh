@@ -10,8 +10,8 @@ Usage: ./test.sh [--all | --sanitize address,undefined | --sanitize thread | --t
 Installs what is missing, builds, and runs the test suite: a quarter of an hour on two cores.
 
   --all                          before a release: the heavy tests, too (all of fault injection, every fuzz target, Slurm with kills, all bad
-                                 input, a large level in the browser, a bare Debian, the library on ARM and Windows and in Python), and a
-                                 build of the benchmarks; two hours on two cores
+                                 input, a large level in the browser, a bare Debian, the library on ARM and Windows), and a build of the
+                                 benchmarks; two hours on two cores
   --sanitize address,undefined   the default suite in a build of its own with AddressSanitizer and UndefinedBehaviorSanitizer
   --sanitize thread              … with ThreadSanitizer
   --tidy                         clang-tidy 14 over every source instead: nothing is linked, no test runs
@@ -49,8 +49,8 @@ done
 
 source workflow/setup.sh
 mkdir -p build
-[ "$tests" = all ] && heavy=(machines python) || heavy=()
-install_packages train pipeline package tests "${heavy[@]}"
+[ "$tests" = all ] && heavy=(machines) || heavy=()
+install_packages train pipeline package tests python "${heavy[@]}"
 
 if [ "$what" = tidy ]; then
   exec tests/tidy.sh

@@ -68,6 +68,9 @@ endif()
 
 if(NLG_BUILD_PYTHON)
   # Debian has pybind11 for its own Python, which is not always the first of the PATH
+  if(NOT Python_EXECUTABLE AND EXISTS /usr/bin/python3)
+    set(Python_EXECUTABLE /usr/bin/python3)
+  endif()
   find_package(Python 3.9 REQUIRED COMPONENTS Interpreter Development.Module)
   find_package(pybind11 2.10 CONFIG REQUIRED)
 endif()

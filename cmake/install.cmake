@@ -2,13 +2,16 @@
 # need no libtorch, nlg in front of them, and what cmake/package.cmake adds. `cmake --build … --target installed` builds it.
 #
 #   PREFIX/include/nlg/           the public headers
-#   PREFIX/lib/libnlg_*.a
+#   PREFIX/lib/libnlg_*.a         PREFIX/lib/pkgconfig/nlg.pc
 #   PREFIX/bin/nlg.dll, PREFIX/lib/libnlg.dll.a, PREFIX/lib/nlg.def   for Windows alone
 #   PREFIX/lib/cmake/nlg/         nlg-config.cmake; no path of the build is in it, so that the prefix can be moved
 #   PREFIX/share/neural-light-grid/weights/
 #   PREFIX/bin/nlg, nlg-bake, …
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
+
+# what a build of single tools lacks (./nlg), before anything is copied
+install(CODE "execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${PROJECT_BINARY_DIR}\" --target installed COMMAND_ERROR_IS_FATAL ANY)")
 
 # include/nlg/ is the whole of the public interface; everything else stays behind.
 file(GLOB NLG_PUBLIC_HEADERS CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/nlg/*)
@@ -31,6 +34,9 @@ install(EXPORT nlg-targets NAMESPACE nlg:: DESTINATION ${NLG_PACKAGE_FOLDER})
 # before 1.0 every minor version may change what headers hold
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/nlg-config-version.cmake VERSION ${PROJECT_VERSION}
   COMPATIBILITY SameMajorVersion)
+file(RELATIVE_PATH NLG_INCLUDES_FROM_LIB /${CMAKE_INSTALL_LIBDIR} /${CMAKE_INSTALL_INCLUDEDIR})
+configure_file(${PROJECT_SOURCE_DIR}/cmake/nlg.pc.in nlg.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/nlg.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/nlg-config.cmake ${PROJECT_SOURCE_DIR}/cmake/highway.cmake
   ${PROJECT_BINARY_DIR}/nlg-config-version.cmake DESTINATION ${NLG_PACKAGE_FOLDER})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/weights/ DESTINATION ${CMAKE_INSTALL_DATADIR}/neural-light-grid/weights

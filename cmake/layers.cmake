@@ -28,7 +28,7 @@ set(NLG_MAY_LINK_export_commands nlg::engine_light nlg::shader_export nlg::engin
 set(NLG_MAY_LINK_basis         nlg::dataset nlg::runtime_eval Eigen3::Eigen BLAS::BLAS nlg::tool)
 set(NLG_MAY_LINK_torch_threads nlg::torch)
 set(NLG_MAY_LINK_training_data nlg::dataset nlg::runtime_eval nlg::tool nlohmann_json::nlohmann_json Threads::Threads)
-set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::runtime_eval nlg::torch nlg::weights_file nlg::tool Eigen3::Eigen)
+set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::runtime_eval nlg::torch nlg::weights_file nlg::tool nlohmann_json::nlohmann_json Eigen3::Eigen)
 set(NLG_MAY_LINK_statistics    "")
 set(NLG_MAY_LINK_generator_errors nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_frontier      nlg::generator_errors nlg::statistics nlg::policy_options nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)

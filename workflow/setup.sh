@@ -36,7 +36,8 @@ build_jobs() {
 # The options of CMake that purposes need.
 options_for() {
   case " $* " in *" train "*) echo NLG_BUILD_TRAINING ;; esac
-  case " $* " in *" tests "*) echo NLG_BUILD_TRAINING NLG_BUILD_TESTS ;; esac
+  case " $* " in *" tests "*) echo NLG_BUILD_TRAINING NLG_BUILD_TESTS NLG_BUILD_PYTHON ;; esac
+  case " $* " in *" python "*) echo NLG_BUILD_PYTHON ;; esac
 }
 
 has_option() {
@@ -67,7 +68,7 @@ build() {
   wanted=" $(options_for "$1" | tr '\n' ' ')"
   shift
   [ $# -eq 0 ] || targets=(--target "$@")
-  for option in NLG_BUILD_TRAINING NLG_BUILD_TESTS; do
+  for option in NLG_BUILD_TRAINING NLG_BUILD_TESTS NLG_BUILD_PYTHON; do
     if [[ $wanted == *" $option "* ]] || has_option "$option"; then options+=("-D$option=ON"); else options+=("-D$option=OFF"); fi
   done
   require_writable

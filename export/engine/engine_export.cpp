@@ -12,6 +12,7 @@
 #include "export/engine/engine_folder.h"
 #include "export/engine/light_volume.h"
 #include "export/shader/shader_export.h"
+#include "runtime_eval/light_grid/grid_summary.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "tool/atomic_file.h"
 #include "tool/command/tool_main.h"
@@ -178,6 +179,7 @@ void run(const EngineRequest& request, const EngineOptions& options, const Optio
   place["format"] = request.format;
   place["origin_m"] = request.origin_m;
   place["intensity"] = options.intensity;
+  place["mean_radiance"] = meanRadiance(grid);
   place["provenance"] = provenance("nlg-export engine", table.toJson(), {{"grid", fileSha256(request.grid)}});
   const EngineFile record = {"light.json", place.dump(2) + "\n"}, file = format->file(box, texels);
   line["bytes"] = bytesOf({file, record});

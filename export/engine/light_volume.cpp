@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
 
+#include "runtime_eval/light_grid/grid_summary.h"
 #include "runtime_eval/numbers/half.h"
 #include "tool/error.h"
 
@@ -28,20 +28,6 @@ std::array<double, 6> cornersOf(const std::vector<std::string>& texts) {
       throw UsageError("extent_m", expected, texts[axis] + " and " + texts[axis + 3] + " along one axis");
   }
   return corners;
-}
-
-LightBox usedCells(const ProbeTree& tree) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  const ProbeTreeFrame& frame = tree.frame();
-  LightBox box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}, {}};
-  tree.forEachCell([&](const ProbeCell& cell) {
-    for (size_t axis = 0; axis < 3; ++axis) {
-      const double low_m = frame.first_m[axis] + frame.spacing_m * cell.low[axis];
-      box.low_m[axis] = std::min(box.low_m[axis], low_m);
-      box.high_m[axis] = std::max(box.high_m[axis], low_m + frame.spacing_m * cell.side);
-    }
-  });
-  return box;
 }
 
 std::string textOf(double number) {
@@ -127,7 +113,8 @@ LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options) {
   LightBox box;
   if (options.extent_m.empty()) {
     // a texel around the used cells, so that filters at their border find light
-    box = usedCells(grid.tree);
+    const GridBounds bounds = boundsOf(grid.tree);
+    box = {bounds.low_m, bounds.high_m, {}};
     for (size_t axis = 0; axis < 3; ++axis) box.low_m[axis] -= spacing_m, box.high_m[axis] += spacing_m;
   } else {
     const std::array<double, 6> corners = cornersOf(options.extent_m);

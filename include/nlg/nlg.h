@@ -218,6 +218,15 @@ size_t nlg_light_grid_probe_count(const nlg_light_grid* grid);
 /* Returns 1 if the grid has light, else 0: all its positions are then unlit. */
 int nlg_light_grid_has_light(const nlg_light_grid* grid);
 
+/* The box in which light can be looked up, of all cells in use: low and high corner, 3 doubles each, overwritten, world coordinates,
+ * metres. low_m > high_m if there are none. */
+void nlg_light_grid_bounds(const nlg_light_grid* grid, double* low_m, double* high_m);
+/* Radiance as a mean over all directions and all probes that have weight, for an exposure: .5 over it shows white paint at half
+ * brightness. After nlg_light_grid_mix, of the mixture.
+ *
+ * rgb   3 floats, overwritten; 0 without light */
+void nlg_light_grid_mean_radiance(const nlg_light_grid* grid, float* rgb);
+
 /* Returns the number of groups of light, in a fixed order. 0: the grid was baked without --light-groups and --light-set. */
 size_t nlg_light_grid_group_count(const nlg_light_grid* grid);
 /* Returns a group's name, valid as long as the grid; null if there is no such group. */
@@ -253,7 +262,7 @@ typedef struct nlg_look_up_scratch nlg_look_up_scratch;
 nlg_status nlg_look_up_scratch_create(nlg_look_up_scratch** scratch);
 void nlg_look_up_scratch_free(nlg_look_up_scratch* scratch);
 
-/* nlg_irradiance for many positions, on vectors: several times faster, and fastest if neighbours in the list are near each other.
+/* nlg_irradiance for many positions, on vectors: 1.3 to 2 times as fast, and fastest if neighbours in the list are near each other.
  * Results differ from nlg_irradiance by rounding.
  *
  * positions_m   count x 3 doubles

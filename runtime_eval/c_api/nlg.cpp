@@ -14,6 +14,7 @@
 #include "nlg/simd.h"
 #include "runtime_eval/evaluator/evaluate.h"
 #include "runtime_eval/evaluator/generator/projection.h"
+#include "runtime_eval/light_grid/grid_summary.h"
 
 namespace {
 
@@ -362,6 +363,19 @@ void nlg_light_grid_free(nlg_light_grid* grid) { delete grid; }
 size_t nlg_light_grid_probe_count(const nlg_light_grid* grid) { return grid == nullptr ? 0 : grid->grid.tree.probeCount(); }
 
 int nlg_light_grid_has_light(const nlg_light_grid* grid) { return grid == nullptr || grid->grid.light.empty() ? 0 : 1; }
+
+void nlg_light_grid_bounds(const nlg_light_grid* grid, double* low_m, double* high_m) {
+  if (isAnyNull(grid, low_m, high_m)) return;
+  const nlg::GridBounds bounds = nlg::boundsOf(grid->grid.tree);
+  std::copy(bounds.low_m.begin(), bounds.low_m.end(), low_m);
+  std::copy(bounds.high_m.begin(), bounds.high_m.end(), high_m);
+}
+
+void nlg_light_grid_mean_radiance(const nlg_light_grid* grid, float* rgb) {
+  if (isAnyNull(grid, rgb)) return;
+  const auto mean = nlg::meanRadiance(grid->grid);
+  std::copy(mean.begin(), mean.end(), rgb);
+}
 
 size_t nlg_light_grid_group_count(const nlg_light_grid* grid) { return grid == nullptr ? 0 : grid->grid.groups.size(); }
 

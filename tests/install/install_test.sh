@@ -43,6 +43,14 @@ sed 's/double position_m/float position_m/' "$work/guide.c" > "$work/floats.c"
   { cat "$work/configure.log"; fail "find_package(nlg) does not work"; }
 "$cmake" --build "$work/build" > "$work/build.log" || { cat "$work/build.log"; fail "the examples do not build"; }
 
+# by pkg-config, for whoever has no CMake: a program in C, and a shared library
+export PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name nlg.pc)")
+read -r -a flags <<< "$(pkg-config --cflags --libs nlg) $cxx_flags"
+"$cc" "$source/examples/bake_minimal.c" -o "$work/by_pkg_config" "${flags[@]}" || fail "pkg-config's flags do not link"
+"$cc" -shared -fPIC "$source/examples/bake_minimal.c" -o "$work/plug_in.so" "${flags[@]}" || fail "the library is for no plug-in"
+"$make_weights" "$work/weights.safetensors" mlp
+"$work/by_pkg_config" "$work/weights.safetensors" | grep -q "^stored" || fail "what pkg-config's flags link does not run"
+
 for representation in mlp tent_mlp pf5; do
   "$make_weights" "$work/weights.safetensors" "$representation"
   output=$("$work/build/bake_minimal" "$work/weights.safetensors")

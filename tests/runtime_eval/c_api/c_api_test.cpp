@@ -331,6 +331,35 @@ TEST(CApi, GivesAnEngineInCTheLightOfTheLibrary) {
   EXPECT_EQ(batched, expected_batched);
 }
 
+TEST(CApi, SaysWhereAGridIsAndHowBright) {
+  LightGrid read;
+  GridMetadata texts;
+  ASSERT_TRUE(parseLightGrid(gridBytes(), &read, &texts).ok());
+  nlg_light_grid* grid = nullptr;
+  ASSERT_EQ(nlg_light_grid_load_bytes(gridBytes().data(), gridBytes().size(), &grid, nullptr, 0), NLG_OK);
+  double low_m[3], high_m[3];
+  float rgb[3];
+  nlg_light_grid_bounds(grid, low_m, high_m);
+  nlg_light_grid_mean_radiance(grid, rgb);
+  // probes stand at the corners of cells in use, and nowhere else
+  for (int axis = 0; axis < 3; ++axis) {
+    double lowest = INFINITY, highest = -INFINITY, sum = 0.0, count = 0.0;
+    for (size_t probe = 0; probe < read.tree.probeCount(); ++probe) {
+      lowest = std::min(lowest, read.tree.probePosition(probe)[axis]);
+      highest = std::max(highest, read.tree.probePosition(probe)[axis]);
+      if (read.probe_function[probe] == kNoWeight) continue;
+      sum += read.probeLight(probe)[axis];  // of a colour, here
+      ++count;
+    }
+    EXPECT_NEAR(low_m[axis], lowest, 1e-9);
+    EXPECT_NEAR(high_m[axis], highest, 1e-9);
+    ASSERT_GT(count, 0.0);
+    // of a constant radiance L the first coefficient is L times the root of 4 pi
+    EXPECT_NEAR(rgb[axis], sum / count / std::sqrt(4.0 * M_PI), 1e-5 * std::abs(rgb[axis]));
+  }
+  nlg_light_grid_free(grid);
+}
+
 TEST(CApi, RefusesAGridWithAStatusAndAReason) {
   nlg_light_grid* grid = nullptr;
   char detail[200];
