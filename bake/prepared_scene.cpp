@@ -10,6 +10,8 @@
 #include "bake/bake_plan.h"
 #include "datagen/probes/probe_placement.h"
 #include "light/air.h"
+#include "light/light_transport.h"
+#include "light/probe_light.h"
 #include "runtime_eval/probe_tree/probe_tree_data.h"
 #include "scene/lights/light_sets.h"
 #include "tool/atomic_file.h"
@@ -71,6 +73,9 @@ Scene sceneOf(const LightSet& set, const std::string& request, const SceneReadin
 }  // namespace
 
 SceneSource loadLitScene(const std::string& request, const BakeOptions& options) {
+  // before minutes are spent on a word that is mistyped
+  if (options.light != "none") lightWayFromName(options.light);
+  directLightFromName(options.light_direct);
   const Progress progress("reading");
   const std::vector<LightSet> sets = lightSetsFrom(options.light_set, options.scene_light);
   SceneReading reading = options.reading;

@@ -52,6 +52,9 @@ REFUSED = [
     (INPUT_ERROR, ["hous:1", "FAMILY:SEED"], "nlg-bake hous:1 --weights weights.safetensors --out bad.safetensors"), (USAGE_ERROR, "scene: ", "nlg-datagen --scene house:x --out bad.h5"),
     (INPUT_ERROR, ["run.ckpt", "a checkpoint of nlg-train, of which nlg-export makes weights"], "nlg-bake house:1 --weights run.ckpt --out bad.safetensors"),
     (USAGE_ERROR, ["representation", "'pf4'"], "nlg-bake house:1 --representation pf4 --out bad.safetensors"),
+    # words that are mistyped, before the scene is read
+    *((USAGE_ERROR, names, f"nlg-bake missing.glb {option} sun --weights weights.safetensors --out bad.safetensors")
+      for option, names in (("--light", ["light", "solved, integrated, point or none", "'sun'"]), ("--light-direct", ["light_direct", "'sun'"]))),
     # outputs that are empty, folders, inputs
     (USAGE_ERROR, ["--out", "empty"], "nlg-datagen --scene house:1 --out ''"), (USAGE_ERROR, ["--out", "not an input"], "nlg-datagen --scene level.glb --out ./level.glb"),
     (USAGE_ERROR, ["--out", "folder"], "nlg-bake house:1 --weights weights.safetensors --out bad.folder/"),
