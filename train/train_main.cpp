@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tool/atomic_file.h"
@@ -23,10 +24,13 @@
 #include "train/generator/network/code_ordering.h"
 #include "train/generator/run/checkpoint.h"
 #include "train/generator/run/trainer.h"
+#include "train/generator/run/worst_functions.h"
 #include "train/torch_threads.h"
 
 namespace nlg {
 namespace {
+
+constexpr size_t kPictured = 4;  // held-out functions, after every validation
 
 struct Request {
   std::string representation, basis, cache, out, run, log, init;
@@ -286,6 +290,9 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
                                   {{"training_set", identity.training_set_sha256}, {"basis", identity.basis_sha256}}));
     folder.save(identity, state);
     writeFileAtomically(request.log, state.log_csv);
+    writeFileAtomically(
+        fmt::format("{}/worst-{:09}.json", request.run, state.step),
+        worstFunctionsJson(state.step, worstFunctions(state.average, representation, held_out, options, kPictured)).dump());
   };
   const ProcessGroup processes(request.processes);
   requireSameRun(processes, identity);

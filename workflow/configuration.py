@@ -24,8 +24,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all
 from tool.atomic_file import write_files
 from tool.errors import UsageError, run
 
+from entries import files_in, under_root
 from furniture import find_interiors
-from levels import find_levels, is_texts
+from levels import find_levels, is_texts, level_name
 from origins import sha256_of
 from plain_yaml import ConfigurationError, parsed, read, require, require_plain, text_of
 from settings import MAX_SHARDS, OWN, REPRESENTATIONS, ROOT, TOOL_ROWS, default, judged, kind_of, number_of, rows_of
@@ -33,6 +34,7 @@ from settings import MAX_SHARDS, OWN, REPRESENTATIONS, ROOT, TOOL_ROWS, default,
 SECTIONS = sorted({row["section"] for row in OWN + TOOL_ROWS} - {""})
 PART_SECTIONS = sorted({*SECTIONS} - {"split"})  # which `full` may go over
 MAX_LIGHT_SPACINGS = 16
+LEVEL_ENDINGS = (".glb", ".gltf", ".obj")
 STABILITY_DEPTHS = {"short": "--short", "full": ""}
 DATA_SECTIONS = ("scenes", "split", "datagen", "basis")
 MAX_SWEPT = 64
@@ -55,7 +57,7 @@ def flags(options):
 
 def archives_in(folder):
     """The entry of scenes.archives of a folder's own archives, in a list; nothing where there are none."""
-    return [{"folder": os.path.abspath(folder), "maps": ["*"]}] if folder and any(Path(folder).glob("*.pk3")) else []
+    return [{"folder": os.path.abspath(folder), "maps": ["*"]}] if folder and files_in(folder, ".pk3")[0] else []
 
 
 def find_scenes(options, environment):
@@ -63,16 +65,14 @@ def find_scenes(options, environment):
     scenes = {f"{family}_{seed}": (f"{family}:{seed}", []) for family in options["families"] for seed in range(options["per_family"])}
     folder = options["folder"]
     if folder:
-        files = sorted(p for p in Path(folder).glob("[!.]*") if p.suffix.lower() in (".glb", ".gltf", ".obj") and p.is_file())
-        require("scenes: folder", "none", files or archives_in(folder), f".glb, .gltf, .obj or .pk3 files in {folder}")
+        files, empty = files_in(folder, *LEVEL_ENDINGS)
+        require("scenes: folder", f"{len(empty)} empty files" if empty else "none", files or archives_in(folder), f".glb, .gltf, .obj or .pk3 files in {folder}")
         for path in files:
             require(path, path.name, not set(path.stem) & set("{}") and path.name.isprintable(), "a name of one line without braces")
-            if path.stem in scenes:
-                raise ConfigurationError(f"{path}: another scene has this name: {scenes[path.stem][0]}")
-            # a text file's buffers or materials lie beside it
-            pattern = {".gltf": "*.bin", ".obj": "*.mtl"}.get(path.suffix.lower())
-            beside = sorted(str(p) for p in path.parent.glob(pattern)) if pattern else []
-            scenes[path.stem] = (str(path), [str(path), *beside])
+            name = level_name(path.stem, path.suffix)
+            if name in scenes:
+                raise ConfigurationError(f"{path}: another scene has this name: {scenes[name][0]}")
+            scenes[name] = (str(path), [str(path)])
     root = environment.get("NLG_ARCHIVE_ROOT", "")
     for found in (find_levels(options["archives"], root), find_levels(archives_in(folder)), find_interiors(options["furniture"], root, MAX_SHARDS)):
         for name, scene in found.items():
@@ -163,10 +163,13 @@ class Run:
         require("scenes", f"{shards}", shards <= MAX_SHARDS, f"at most {MAX_SHARDS} shards")
         self.jitters = options["jitters"]
         self.scenes = find_scenes(options, environment)
+        root = environment.get("NLG_ARCHIVE_ROOT", "")
+        folders = [folder for folder in (options["folder"], *(under_root(root, entry["folder"]) for entry in options["archives"])) if folder]
+        self.empty = [str(path) for folder in folders for path in files_in(folder, *LEVEL_ENDINGS, ".pk3")[1]]
         folder = os.path.join(os.path.abspath(options["folder"]), "") if options["folder"] else None
         self.own_levels = [scene for scene, (_, files) in self.scenes.items() if folder and any(os.path.abspath(file).startswith(folder) for file in files)]
         # another seed is another interior; jitter would take furniture apart, which is of many connected components
-        self.unjittered = find_interiors(options["furniture"], environment.get("NLG_ARCHIVE_ROOT", ""), MAX_SHARDS)
+        self.unjittered = find_interiors(options["furniture"], root, MAX_SHARDS)
         self.by_scene = options["by_scene"]
         for pattern, values in self.by_scene.items():
             place = f"scenes: by_scene: {pattern}"
@@ -220,6 +223,9 @@ class Run:
             require("report: savings", pattern, matching(judged_scenes, [pattern]), "a pattern of some scene that is held out or for the evaluation")
         self.report = report
         self.savings = matching(judged_scenes, report["savings"])
+        # the first held-out one is baked with other weights too, and without a generator
+        self.baked = matching(self.held_out, report["savings"])[:1]
+        self.bakes = [*self.references, "without"] if self.baked else []
 
     def _take_light(self, light):
         """Scenes whose light is measured, by file name, and the flags of nlg-validate light."""
@@ -245,12 +251,12 @@ class Run:
         judged = ["validation", *(["evaluation"] if self.evaluation else [])]
         names = []
         for name in self.representations:
-            names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png", f"training/{name}/events.out.tfevents.0.nlg",
+            names += [f"training/{name}.ckpt", f"training/{name}.csv", f"training/{name}.json", f"training/{name}/curve.png",
                       f"weights/{name}.safetensors", f"weights/{name}.json"]
         names += [f"{split}/{file}" for split in judged for file in ("summary.json", "functions.csv", "slices.json", "frontier.json")]
         names += [f"{reference}/{file}" for reference in self.references for file in ("summary.json", "functions.csv", "slices.json")]
         names += [*([] if self.report["stability"] == "short" else ["training_cases.json"]), "stability.json"]
-        names += [f"savings/{scene}.json" for scene in self.savings]
+        names += [f"savings/{scene}.json" for scene in self.savings] + [f"bakes/{name}.json" for name in self.bakes]
         names += [f"light/{scene}.json" for scene in self.light_scenes]
         names += [f"{split}{file}" for split in ("", *(f"{name}/" for name in judged[1:])) for file in ("report.html", "slices.png", "verdict.txt")]
         return [f"{self.data_folder}/dataset.json", *(f"{self.basis_folder}/{name}" for name in ("basis.h5", "basis.json")), *(f"{self.folder}/{name}" for name in names)]
@@ -446,6 +452,8 @@ def main():
             print(folder, *(f"--set={setting}" for setting in settings), sep="\t")
         return
     run_of_file = judge_arguments(arguments, content)
+    if run_of_file.empty and not arguments.write:
+        print(f"pipeline.sh: left out, because they are empty: {listed(run_of_file.empty)}", file=sys.stderr)
     is_changed = bool(arguments.levels or arguments.set)
     path = os.path.join(run_of_file.folder, "configuration.yaml") if is_changed else arguments.config
     if arguments.write and is_changed:

@@ -99,6 +99,7 @@ class Costs:
         stages += [Stage("training cases", "training_cases", 1, TRAINING_CASES_S, 1)] * (run.report["stability"] != "short")
         stages += [Stage("stability", "stability", 1, STABILITY_S[run.report["stability"]], 1),
                    Stage("savings", "savings", len(run.savings), SAVINGS_S * len(run.savings) * len(run.representations), cores),
+                   Stage("other bakes", "bakes", len(run.bakes), SAVINGS_S * len(run.bakes) * len(run.representations), cores),
                    Stage("light", "validate_light", len(run.light_scenes), LIGHT_S * len(run.light_scenes) * len(run.light_spacings), cores),
                    Stage("report", "report", 1, REPORT_S, 1)]
         stages += [Stage("report of the evaluation", "evaluation_report", 1, REPORT_S, 1)] * bool(run.evaluation)

@@ -1,5 +1,6 @@
 """What the lists of a configuration's section `scenes` have in common: archives of levels, libraries of furniture."""
 import os
+from pathlib import Path
 
 
 def is_texts(value):
@@ -39,3 +40,9 @@ def under_root(root, path):
 
 def install_hint(entry, what):
     return f"; install {what}: {entry['install']}" if entry.get("install") else ""
+
+
+def files_in(folder, *endings):
+    """Files of a folder with these endings: those that hold anything, and the empty ones, which an export that failed leaves."""
+    files = sorted(path for path in Path(folder).glob("[!.]*") if path.suffix.lower() in endings and path.is_file())
+    return [path for path in files if path.stat().st_size], [path for path in files if not path.stat().st_size]

@@ -4,7 +4,8 @@ import zipfile
 from fnmatch import fnmatch
 from pathlib import Path
 
-from entries import check_keys, check_text, checked, install_hint, is_texts, under_root
+from entries import check_keys, check_text, checked, files_in, install_hint, is_texts, under_root
+from settings import FAMILIES
 
 REQUIRED, OPTIONAL = {"folder", "maps"}, {"without", "install"}
 
@@ -44,6 +45,12 @@ def matching(place, patterns, names):
     return found
 
 
+def level_name(stem, ending):
+    """As loadScene names it: a level that is called as a procedural scene is (house_3) keeps its ending."""
+    family, _, seed = stem.rpartition("_")
+    return stem + ending.lower() if family in FAMILIES and re.fullmatch(r"[0-9]+", seed) else stem
+
+
 def find_levels(archives, root=""):
     """Name of every level → (what nlg-datagen is asked for, the files that it reads).
 
@@ -53,13 +60,14 @@ def find_levels(archives, root=""):
     levels = {}
     for place, entry in checked("archives", archives, check_entry):
         folder = Path(under_root(root, entry["folder"]))
-        files = sorted(str(path) for path in folder.glob("*") if path.suffix.lower() == ".pk3" and path.is_file())
+        files = [str(path) for path in files_in(folder, ".pk3")[0]]
         if not files:
             raise ValueError(f"{place}: folder: expected .pk3 files in {folder}, got none{install_hint(entry, 'them')}")
         names = {name for file in files for name in maps_of(file)}
         chosen = matching(f"{place}: maps", entry["maps"], names) - matching(f"{place}: without", entry.get("without", []), names)
-        for name in sorted(chosen):
+        for level in sorted(chosen):
+            name = level_name(level, ".bsp")
             if name in levels:
                 raise ValueError(f"{place}: two levels are named {name}, in {folder} and in {levels[name][0]}")
-            levels[name] = (f"{folder}:{name}", files)
+            levels[name] = (f"{folder}:{level}", files)
     return levels

@@ -1,4 +1,4 @@
-"""The curve of one training run: log.csv → PNG, and an event file for TensorBoard."""
+"""The curve of one training run: log.csv → PNG."""
 import argparse
 import io
 import sys
@@ -12,10 +12,7 @@ import matplotlib.pyplot as plt
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
 from tool.atomic_file import write_atomically
 from tool.errors import run
-from tool.input_file import parse_number, read_columns
-from tensorboard_events import events_of
-
-COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network_blend_rmse", "held_out_blend_rmse", "bare_tent_blend_rmse", "rollbacks")
+from training_so_far import read_curve
 
 
 def main():
@@ -23,11 +20,8 @@ def main():
     parser.add_argument("--log", required=True, help="training curve of nlg-train (.csv)")
     parser.add_argument("--title", required=True)
     parser.add_argument("--out", required=True, help="picture to write (.png)")
-    parser.add_argument("--events", help="event file to write. TensorBoard reads folders of files with tfevents in their names")
     options = parser.parse_args()
-    rows = [{key: parse_number(options.log, line, key, text) for key, text in zip(COLUMNS, row)} for line, row in read_columns(options.log, COLUMNS)]
-    if options.events:
-        write_atomically(options.events, events_of((int(row["step"]), {key: row[key] for key in COLUMNS[1:]}) for row in rows))
+    rows = read_curve(options.log)
     steps = [row["step"] for row in rows]
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     axes.plot(steps, [row["training_loss"] for row in rows], linestyle="--", color="0.45", label="training loss")

@@ -86,9 +86,13 @@ class Archive(unittest.TestCase):
     def test_holds_the_licences_of_what_is_compiled_in(self):
         doc = self.prefix / "share/doc/nlg"
         self.assertEqual((doc / "copyright").read_text(), (ROOT / "LICENSE").read_text())
-        wanted = re.findall(r"^(\S+-dev)$", (ROOT / "cmake/packages.txt").read_text(), re.MULTILINE)
+        wanted = re.findall(r"^(\S+-dev)(?: python)?$", (ROOT / "cmake/packages.txt").read_text(), re.MULTILINE)
         self.assertIn("libhwy-dev", wanted)
         self.assertEqual({path.name for path in (doc / "licences").iterdir()}, {*wanted, "three.js", "Apache-2.0"})
+
+    def test_holds_the_module_for_python(self):
+        made = output("/usr/bin/python3", "-c", "import nlg; print(nlg.__file__)", cwd="/", env={"PYTHONPATH": str(self.prefix / "lib/python3/dist-packages")})
+        self.assertTrue(made.startswith(str(self.prefix)), made)
 
     def test_the_guide_names_the_packages_that_the_tools_need(self):
         libraries = {name for tool in TOOLS for name in re.findall(r"NEEDED.*\[(.*)\]", self.entries(tool))} - OF_EVERY_DEBIAN

@@ -59,8 +59,8 @@ def write_levels(folder):
     (folder / "beside.gltf").write_bytes(gltf(room(2), "data/beside.dat")[0])
     (folder / "data/beside.dat").write_bytes(gltf(room(2), "")[1])
     (folder / "screen.obj").write_text("mtllib mats/screen.mtl\nusemtl screen\n" + room(3))
-    (folder / "mats/screen.mtl").write_text("newmtl screen\nmap_d fence.png\nmap_Kd absent.png\n")
-    (folder / "fence.png").write_bytes(png((255, 255, 255, 0)))
+    (folder / "mats/screen.mtl").write_text("newmtl screen\nmap_d fence.png\n")
+    (folder / "mats/fence.png").write_bytes(png((255, 255, 255, 255)))
 
 
 class World:
@@ -192,8 +192,8 @@ CHANGES = {
     "a buffer in a folder, not named .bin": (lambda w: flip(w.levels / "data/beside.dat"), "datagen beside"),
     "… its time kept": (lambda w: flip(w.levels / "data/beside.dat", times=True), "datagen beside"),
     "… becomes a link to another": (lambda w: (link_to(w.levels / "data/beside.dat", w.levels / "data/x.dat"), flip(w.levels / "data/x.dat")), "datagen beside"),
-    "an alpha image": (lambda w: (w.levels / "fence.png").write_bytes(png((255, 255, 255, 255))), "datagen screen"),
-    "an alpha image is gone": (lambda w: (w.levels / "fence.png").unlink(), "datagen screen"),
+    "an alpha image": (lambda w: (w.levels / "mats/fence.png").write_bytes(png((255, 255, 255, 0))), "datagen screen"),
+    "an alpha image is gone": (lambda w: (w.levels / "mats/fence.png").unlink(), "datagen screen"),
     "materials in a folder": (lambda w: (w.levels / "mats/screen.mtl").write_text("newmtl screen\nd 1\n"), "datagen screen"),
     "materials are gone": (lambda w: (w.levels / "mats/screen.mtl").unlink(), "datagen screen"),
     "a file that nothing reads": (lambda w: (w.levels / "data/other.bin").write_text("x"), ""),

@@ -34,12 +34,18 @@ def check_sound(tools):
                 archive.writestr(entry, b"")
     os.mkdir("homes")
     write("homes/Big Shop.sh3f", "")
+    os.mkdir("named")
+    for name, text in (("house_0.OBJ", "v 0 0 0"), ("room_0.obj", "v 0 0 1"), ("empty.glb", ""), ("empty.pk3", "")):
+        write(f"named/{name}", text)
+    named = BASIS.replace("''", os.path.abspath("named"))
     own, game = BASIS.replace("''", os.path.abspath("game")), BASIS + ", archives: [{folder: /game, maps: ['*']}]"
     homes = BASIS.replace("jitters: 1", "jitters: 3") + ", furniture: [{archives: [/homes/Big Shop.sh3f], plans: [flat, villa], seeds: 2, first_seed: 5}]"
     full = "full: {train: {steps: 77}, datagen: {max_functions: 9, scale: 0.5}, scenes: {per_family: 5}, report: {stability: full, savings: []}}\nreport: {stability: short, savings: [house_2]}"
     for scenes, split, more, held, absent in [
             # by lot, of the folder's own scenes: the maps of its archives; whole scenes
             (own, "held_out_share: 0.17, seed: 4", "", ["/game:one --jitter 0 --held-out", "dataset/training/two.0.h5", "dataset/training/house_2.0.h5"], []),
+            # beside a procedural scene of its name a level keeps its ending; an empty one is left out
+            (named, "held_out: [house_0, room_0]", "", ["dataset/held_out/house_0.0.h5", "dataset/training/house_0.obj.0.h5", "dataset/held_out/room_0.0.h5"], ["empty"]),
             (homes, HELD_OUT + ", evaluation: ['villa_*_big-shop']", "",
              ["/homes/Big Shop.sh3f:flat:5", "dataset/training/flat_6_big-shop.0.h5", "dataset/training/house_0.2.h5", "dataset/evaluation/villa_6_big-shop.0.h5"],
              ["dataset/training/villa", "big-shop.1.h5"]),
@@ -63,6 +69,8 @@ def check_refused(tools):
     """pipeline.sh's judgement, which is Snakemake's too: one line that holds the words."""
     os.mkdir("bad_game")
     write("bad_game/a.pk3", "no archive")
+    os.mkdir("hollow")
+    write("hollow/a.glb", "")
     os.mkdir("copies")
     for name, text in (("a", "v 0 0 0"), ("b", "v 0 0 1"), ("backup", "v 0 0 0")):
         write(f"copies/{name}.obj", text)
@@ -88,7 +96,7 @@ def check_refused(tools):
                 (furniture(f"{{{shop}, plans: [flat]}}"), "missing key 'seeds'"), (furniture(f"{{{shop}, plans: [castle], seeds: 1}}"), "a list out of flat, townhouse, office, villa"),
                 (furniture(f"{{{shop}, plans: [flat, flat], seeds: 1}}"), "two scenes are named flat_0_big-shop"),
                 (furniture("{archives: [/nowhere/A.sh3f], plans: [flat], seeds: 1, install: apt install some-furniture}"), "nowhere/A.sh3f, got none; install it: apt install some-furniture"),
-                (own, "/homes, got 'none'"), (BASIS.replace("per_family: 3", "per_family: 200000, jitters: 200").replace(", jitters: 1", ""), "at most 1000000 shards"),
+                (own, "/homes, got 'none'"), (BASIS.replace("''", os.path.abspath("hollow")), "/hollow, got '1 empty files'"), (BASIS.replace("per_family: 3", "per_family: 200000, jitters: 200").replace(", jitters: 1", ""), "at most 1000000 shards"),
                 (archives("{folder: /game, maps: [four]}"), "got 'four'"), (archives("{folder: /game, maps: ['*']}, {folder: /game, maps: [one]}"), "two levels are named one"),
                 (archives("{folder: /nowhere, maps: ['*'], install: apt install some-game}"), "nowhere, got none; install them: apt install some-game"),
                 (archives("{folder: /bad_game, maps: ['*']}"), "bad_game/a.pk3"), (BASIS + ", by_scene: {castle: {max_functions: 3}}", "expected a pattern of some scene, got 'castle'"),

@@ -2,6 +2,8 @@
 
 #include <iostream>
 
+#include <fmt/format.h>
+
 #include "bake/load_generators.h"
 #include "tool/atomic_file.h"
 #include "tool/output_path.h"
@@ -88,6 +90,14 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
   writeFileAtomically(request.out_dir + "/slices.json", slices.dump());
   writeFileAtomically(request.out_dir + "/summary.json", summary.dump(1) + "\n");
   std::cout << request.out_dir << "/summary.json\n";
+  for (const auto& [name, node] : summary["representations"].items()) {
+    const Json& stored = node["stored"]["theta"];
+    if (stored["functions"] == 0) continue;
+    std::cout << fmt::format(
+        "{}: mean blend RMSE {:.4f}, {:.1f} % fail the check, of {} functions that take a theta, as stored\n", name,
+        stored["blend_rmse"]["mean"].get<double>(), 100.0 * stored["share_failing_check"]["value"].get<double>(),
+        stored["functions"].get<uint64_t>());
+  }
 }
 
 }  // namespace nlg

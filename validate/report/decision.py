@@ -36,13 +36,14 @@ def equal_error_words(judgement):
     if equal is None:
         return "not measured: this page was drawn without a frontier that times it (--frontier)"
     if equal.ratio is None:
-        return f"{name} fitted takes {duration(equal.fitted_us)}; there is no ratio, because {equal.reason}"
+        return f"there is no ratio, because {equal.reason}"
     if equal.label is None:
-        return f"at least: {name} fitted takes {duration(equal.fitted_us)}, the longest direct fit {duration(equal.direct_us)}, and its mean blend RMSE is still larger"
-    return (f"{name} fitted takes {duration(equal.fitted_us)}, and the fastest direct fit to the same mean blend RMSE {duration(equal.direct_us)} ({equal.label}); "
+        return f"at least: the longest direct fit takes so many times as long as {name} fitted, and its mean blend RMSE is still larger"
+    return (f"{name} fitted, over the fastest direct fit to the same mean blend RMSE ({equal.label}); "
             f"{percent(equal.failing)} and {percent(equal.direct_failing)} of their functions fail the check")
 
 
+BAKES = {"these": "with these weights", "without": "without a generator"}
 WEIGHTS = {"supplied": "the supplied weights", "init": "the weights that it started from"}
 FALSE_ALARMS, SMALLEST_CHANGE = 0.05, 0.01  # as of `nlg compare`
 
@@ -80,10 +81,11 @@ class Decision:
     cases      proof_inputs.Case, or None where the suite's file was not given
     frontier   proof_inputs.Frontier, or None likewise: then no time is judged
     against    folders of nlg-validate's results of other weights on the same functions
+    bakes      name of weights → proof_inputs.Bake of one scene: "these", and others that it is compared with
     """
 
-    def __init__(self, inputs, limits, cases, frontier=None, against=()):
-        self.inputs, self.limits, self.cases = inputs, limits, cases
+    def __init__(self, inputs, limits, cases, frontier=None, against=(), bakes=None):
+        self.inputs, self.limits, self.cases, self.bakes = inputs, limits, cases, bakes or {}
         self.judgements = verdict.judge(inputs, limits, frontier)
         self.leader = verdict.leader(inputs, self.judgements)
         self.blocked = bool(cases) and bool(verdict.unexplained(cases))
@@ -119,6 +121,16 @@ class Decision:
             return "No generator may ship"
         return "; ".join([*parts, f"{left} of {count} generators may not"] if left else parts)
 
+    def bake_sentence(self):
+        """What a lead asks first: how long a level bakes, and how wrong its light is; empty where no bake was measured."""
+        if not self.bakes:
+            return ""
+        with_words = lambda name: BAKES.get(name, f"with {WEIGHTS.get(name, name)}")
+        scene = next(iter(self.bakes.values())).scene
+        text = f"A whole bake of {scene} takes " + ", ".join(f"{duration(1e6 * bake.seconds)} {with_words(name)}" for name, bake in self.bakes.items())
+        lit = [f"{percent(bake.light_error)} {with_words(name)}" for name, bake in self.bakes.items() if bake.light_error]
+        return text + (f"; the light of half of its sample points is off by less than {', '.join(lit)}" if lit else "") + "."
+
     def rule(self):
         return [sentence.replace("*", "") for sentence in verdict.rule(self.limits, self.tau["rmse"], self.tau["blend_rmse"])]
 
@@ -129,7 +141,7 @@ class Decision:
     def text(self):
         """The verdict for a terminal: the headline, every generator's three figures, the rule."""
         shown = lambda figure, write: "–" if figure.value is None else write(figure.value) + (f" ({bracket(figure.interval, write)})" if bracket(figure.interval, write) else "") + ("" if figure.passes else " (!)")
-        lines = [self.headline()]
+        lines = [self.headline(), *filter(None, [self.bake_sentence()])]
         for j in self.judgements:
             lines.append(f"  {j.representation}, {j.verdict}: {shown(j.failing, percent)} of stored functions fail the check; {shown(j.hard, factor)} times the best known blend RMSE on hard ones; "
                          f"{shown(j.speedup, factor)} times as fast as a fit without it")

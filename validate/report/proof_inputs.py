@@ -180,6 +180,20 @@ def read_stability(path):
     return cases
 
 
+@dataclass
+class Bake:
+    """A whole bake: its seconds by the clock, and the error of light that half of its sample points stay below (None: it made no light)."""
+    scene: str
+    seconds: float
+    light_error: object
+
+
+def read_bake(path):
+    file = read_json(path)
+    seconds, light = file["wall_seconds"], file["light"]
+    return Bake(file["scene"].text(), seconds["load"].number() + seconds["all"].number(), None if light.value is None else light["median_error"].number())
+
+
 def read_savings(path):
     """(scene, its rows) of one bake's report."""
     file = read_json(path)

@@ -2,7 +2,7 @@
 """Draws nlg-validate's results as one self-contained page, report.html; beside it the slices as slices.png and the verdict as verdict.txt.
 
     report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
-        [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ...] [--light LIGHT.json ...] [--data DATASET.json [--run FOLDER]] [--evaluation] [--against FOLDER ...] --out report.html
+        [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ... [--bakes OTHER_REPORT.json ...]] [--light LIGHT.json ...] [--data DATASET.json [--run FOLDER]] [--evaluation] [--against FOLDER ...] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
 cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/reference/formats.md says what the inputs hold.
@@ -52,6 +52,7 @@ class Proof:
     light_steps: object = None  # light_figures.Step of all scenes
     data: object = None         # tables of plan_section
     against: list = field(default_factory=list)  # folders of other weights' results
+    bakes: dict = field(default_factory=dict)    # proof_inputs.Bake of one scene, by weights
     paths: dict = field(default_factory=dict)  # role → path
     is_evaluation: bool = False  # the scenes that published figures are of
     left_out: list = field(default_factory=list)  # what the run did less of than a full one, in words
@@ -129,7 +130,7 @@ def proof_values(proof, decision):
 
 def render(inputs, proof, limits):
     findings = findings_module.Findings(inputs)
-    decision = decision_module.Decision(inputs, limits, proof.cases, proof.frontier, proof.against)
+    decision = decision_module.Decision(inputs, limits, proof.cases, proof.frontier, proof.against, proof.bakes)
     limit = slices.difference_limit(inputs.slices)
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(os.path.dirname(os.path.abspath(__file__))), autoescape=True,
                                      undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -156,6 +157,10 @@ def read_proof(arguments, summary):
     if arguments.savings:
         proof.savings = [proof_inputs.read_savings(path) for path in arguments.savings]
         proof.paths |= {f"savings of {scene}": path for path, (scene, _) in zip(arguments.savings, proof.savings)}
+    if arguments.bakes:
+        paths = {"these": arguments.savings[0], **{os.path.splitext(os.path.basename(path))[0]: path for path in arguments.bakes}}
+        proof.bakes = {name: proof_inputs.read_bake(path) for name, path in paths.items()}
+        proof.paths |= {f"bake, {name}": path for name, path in paths.items() if name != "these"}
     if arguments.light:
         proof.light = light_figures.read_all(arguments.light)
         proof.light_steps = [step for path in arguments.light for step in light_figures.read_steps(path)]
@@ -175,6 +180,7 @@ def parse_arguments():
     parser.add_argument("--frontier", help="frontier.json of nlg-validate frontier")
     parser.add_argument("--stability", help="output of nlg-validate stability")
     parser.add_argument("--savings", nargs="+", help="reports of nlg-bake --json, one per scene")
+    parser.add_argument("--bakes", nargs="+", default=[], help="reports of the first of --savings baked otherwise: supplied.json, init.json (weights), without.json (no generator)")
     parser.add_argument("--light", nargs="+", help="light.json of nlg-validate light, one per scene")
     parser.add_argument("--data", help="output of nlg-datagen info --json on the data set")
     parser.add_argument("--against", nargs="+", default=[], help="folders of nlg-validate's results on the same functions, of other weights: supplied, init")
@@ -186,7 +192,10 @@ def parse_arguments():
     parser.add_argument("--max-error-hard", type=float, default=limits.error_hard, help="maximum median ratio of stored to best known blend RMSE on hard functions of a generator that may ship (default: %(default)g)")
     parser.add_argument("--min-speedup", type=float, default=limits.speedup, help="minimum speed, fitted, over the fastest direct fit to the same mean blend RMSE, of a generator that may ship (default: %(default)g)")
     parser.add_argument("--out", required=True, help="page to write. slices.png and verdict.txt are written beside it")
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if arguments.bakes and not arguments.savings:
+        parser.error("--bakes: expected --savings, whose first bake they are compared with")
+    return arguments
 
 
 def main():

@@ -13,6 +13,7 @@
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "train/generator/run/loss_guard.h"
+#include "train/generator/run/worst_functions.h"
 
 namespace nlg {
 namespace {
@@ -277,6 +278,32 @@ TEST(FitTheta0, FitsTheMeanOfValidPoints) {
   // a quarter of the tent's own root mean square (1/3)^(3/2) = 0.19 would be a fit that has learnt; the masked zeros would cost
   // 0.11
   EXPECT_LT(functionRmse(kTentMlp, tentFunction(), theta.data()), 0.25 * 0.19);
+}
+
+TEST(WorstFunctions, AreThoseOfTheLargestErrorWithWhatIsPredicted) {
+  TrainOptions options = run().options;
+  options.bare_tent_rmse = -1.0;
+  options.shape.exact_last_layer = false;
+  Theta bare(ThetaLayout::count);
+  bare[ThetaLayout::b3] = 1.0f;
+  TrainingState state = makeState(options, bare);
+  const auto worst = worstFunctions(state.network, kTentMlp, run().held_out, options, 100);
+  ASSERT_EQ(worst.size(), 6u);
+  double sum = 0.0, before = INFINITY;
+  for (const WorstFunction& one : worst) {
+    EXPECT_LE(one.blend_rmse, before);
+    before = one.blend_rmse;
+    sum += one.blend_rmse;
+    EXPECT_GT(one.points.size(), 100u);
+    for (const WorstFunction::Point& point : one.points) {
+      // the tent, at most an eighth lower than in the plane itself
+      const float tent = (1.0f - std::abs(point.u)) * (1.0f - std::abs(point.v));
+      EXPECT_LE(point.predicted, tent + 1e-5f);
+      EXPECT_GE(point.predicted, 0.87f * tent - 1e-5f);
+    }
+  }
+  EXPECT_NEAR(sum / 6.0, heldOutError(state.network, kTentMlp, run().held_out, options.loss, 6).network, 1e-6);
+  EXPECT_EQ(worstFunctions(state.network, kTentMlp, run().held_out, options, 2).size(), 2u);
 }
 
 }  // namespace

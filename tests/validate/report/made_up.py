@@ -173,9 +173,9 @@ def stability():
     return {"schema_version": 1, "provenance": {"inputs": {"weights_0": "0" * 64}}, "cases": cases}
 
 
-def bake(scene):
+def bake(scene, seconds=12.0, error=0.025):
     saving = lambda what, **more: {"what": what, "count": 60, "of": 90, **more, "note": "a note"}
-    return {"scene": scene, "savings": [saving("probes in free space", seconds_saved=1.25, bytes_saved=123456), saving("links that no triangle is near"),
+    return {"scene": scene, "wall_seconds": {"load": 1.0, "all": seconds - 1}, "light": {"median_error": error}, "savings": [saving("probes in free space", seconds_saved=1.25, bytes_saved=123456), saving("links that no triangle is near"),
                                         saving("probes in solid", count=0, seconds_saved=0.0, bytes_saved=0),
                                         saving("duplicates", seconds_saved=-0.5, bytes_saved=12)]}
 

@@ -1,0 +1,84 @@
+"""What there is to see of a training while it runs: its curve for TensorBoard, and after every validation a picture of its worst held-out functions.
+
+    training_so_far.py --run FOLDER --log FILE.csv [--follow]
+
+FOLDER is that of nlg-train: events.out.tfevents.0.nlg and worst-STEP.png come into it, each picture of a worst-STEP.json, which goes.
+"""
+import argparse
+import io
+import os
+import signal
+import sys
+import threading
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
+from tool.atomic_file import write_atomically
+from tool.errors import run
+from tool.input_file import parse_number, read_columns, read_json
+from tensorboard_events import append
+
+COLUMNS = ("step", "learning_rate", "training_loss", "held_out_network_blend_rmse", "held_out_blend_rmse", "bare_tent_blend_rmse", "rollbacks")
+DIFFERENCE = 0.2  # that the colours show
+
+
+def read_curve(log):
+    return [{key: parse_number(log, line, key, text) for key, text in zip(COLUMNS, row)} for line, row in read_columns(log, COLUMNS)]
+
+
+def note_events(log, events):
+    """The newest row of the curve is as old as its file."""
+    time_s = os.stat(log).st_mtime
+    append(events, [(int(row["step"]), {key: row[key] for key in COLUMNS[1:]}) for row in read_curve(log)], time_s)
+
+
+def draw(path):
+    """Target, prediction and difference at the support points of a plane through each function's probe."""
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    file = read_json(path)
+    functions = file["functions"].items()
+    figure, axes = plt.subplots(max(1, len(functions)), 3, figsize=(7.2, 2.4 * max(1, len(functions))), layout="constrained", squeeze=False)
+    figure.suptitle(f"step {file['step'].count()}: the worst held-out functions")
+    for row, one in zip(axes, functions):
+        points = [[value.number(low=-1e9) for value in point.items()] for point in one["points"].items()]
+        u, v, target, predicted = zip(*points) if points else ((), (), (), ())
+        difference = [b - a for a, b in zip(target, predicted)]
+        plane = "yz zx xy".split()[one["axis"].count()]
+        for panel, title, values, colours, low, high in ((row[0], f"no. {one['function'].count()}, target", target, "inferno", 0, 1), (row[1], "predicted", predicted, "inferno", 0, 1),
+                                                         (row[2], f"difference; blend RMSE {one['blend_rmse'].number():.4f}", difference, "PuOr_r", -DIFFERENCE, DIFFERENCE)):
+            panel.scatter(u, v, c=values, s=5, cmap=colours, vmin=low, vmax=high)
+            panel.set(title=title, xlim=(-1, 1), ylim=(-1, 1), aspect="equal", xticks=[], yticks=[], xlabel=plane[0], ylabel=plane[1])
+            panel.title.set_fontsize(8)
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", dpi=110, metadata={"Software": None})
+    plt.close(figure)
+    write_atomically(path.with_suffix(".png"), picture.getvalue())
+    path.unlink()
+
+
+def note(options):
+    if os.path.exists(options.log):
+        os.makedirs(options.run, exist_ok=True)
+        note_events(options.log, os.path.join(options.run, "events.out.tfevents.0.nlg"))
+    for path in sorted(Path(options.run).glob("worst-*.json")):
+        draw(path)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--run", required=True, help="folder of the training (nlg-train --run)")
+    parser.add_argument("--log", required=True, help="its curve (nlg-train --log), there or to come")
+    parser.add_argument("--follow", action="store_true", help="until SIGTERM, or the end of who started this, all of it as it comes")
+    options = parser.parse_args()
+    ended, parent = threading.Event(), os.getppid()
+    signal.signal(signal.SIGTERM, lambda *_: ended.set())
+    while options.follow and not ended.wait(1) and os.getppid() == parent:
+        note(options)
+    note(options)
+
+
+if __name__ == "__main__":
+    sys.exit(run("training_so_far", main))
