@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "runtime_eval/regular_file/regular_file.h"
+#include "scene/oddities.h"
 #include "scene/quake/pk3_archive.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
@@ -148,7 +149,7 @@ FileBeside findBeside(const std::string& scene_path, const std::string& address)
   // a path of another machine: its tails, longest first, are looked for beside the scene
   for (size_t at = plain.find('/'); is_elsewhere && at != std::string::npos; at = plain.find('/', at + 1))
     names.push_back(plain.substr(at + 1));
-  std::string tried;
+  std::vector<std::string> tried;
   for (size_t i = 0; i < names.size(); ++i) {
     if (!isInside(names[i]) || std::find(&names[0], &names[i], names[i]) != &names[i]) continue;
     noteInput(folder + "/" + names[i]);
@@ -158,10 +159,11 @@ FileBeside findBeside(const std::string& scene_path, const std::string& address)
     // a file under another name than the scene gives is reported
     const bool is_guess = is_elsewhere || there != fs::path(names[i]).lexically_normal().string();
     if (!there.empty()) return {folder + "/" + there, {}, is_guess ? there : ""};
-    tried += (tried.empty() ? "" : ", ") + names[i];
+    tried.push_back(names[i]);
   }
   const std::string problem = is_elsewhere ? "lies outside of the scene's folder and is not opened" : "is not there";
-  return {{}, problem + (tried.empty() || tried == address ? "" : " (tried " + tried + ")"), {}};
+  const bool is_plain = tried.empty() || (tried.size() == 1 && tried[0] == address);
+  return {{}, problem + (is_plain ? "" : " (tried " + listed(tried) + ")"), {}};
 }
 
 std::string withSlashes(std::string name) {

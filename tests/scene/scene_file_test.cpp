@@ -69,5 +69,13 @@ TEST_F(FilesBeside, ThatAreNotThereOrElsewhereAreNotOpened) {
   for (const char* address : {"", "a\nb", "%00", "a%0Ab"}) EXPECT_FALSE(find(address).problem.empty()) << address;
 }
 
+TEST_F(FilesBeside, AreToldOfInFewWords) {
+  std::string address = "/elsewhere";
+  for (int i = 0; i < 200; ++i) address += "/a folder of a long way";
+  const std::string problem = find(address).problem;
+  EXPECT_LT(problem.size(), 1000u);
+  EXPECT_NE(problem.find("more"), std::string::npos) << problem;
+}
+
 }  // namespace
 }  // namespace nlg
