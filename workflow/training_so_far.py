@@ -2,7 +2,8 @@
 
     training_so_far.py --run FOLDER --log FILE.csv [--follow]
 
-FOLDER is that of nlg-train: events.out.tfevents.0.nlg and worst-STEP.png come into it, each picture of a worst-STEP.json, which goes.
+FOLDER is that of nlg-train: events.out.tfevents.0.nlg and worst-STEP.png come into it, each picture of a worst-STEP.json, which goes. Where several wait, the newest
+is drawn.
 """
 import argparse
 import io
@@ -63,8 +64,11 @@ def note(options):
     if os.path.exists(options.log):
         os.makedirs(options.run, exist_ok=True)
         note_events(options.log, os.path.join(options.run, "events.out.tfevents.0.nlg"))
-    for path in sorted(Path(options.run).glob("worst-*.json")):
-        draw(path)
+    *missed, newest = sorted(Path(options.run).glob("worst-*.json")) or [None]
+    for path in missed:  # validations that come faster than pictures
+        path.unlink()
+    if newest:
+        draw(newest)
 
 
 def main():
