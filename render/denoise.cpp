@@ -103,11 +103,10 @@ class Filter {
 
 }  // namespace
 
-std::vector<ReceivedLight> denoised(const Sights& sights, const Camera& camera, std::vector<ReceivedLight> light,
-                                    int thread_count) {
+std::vector<LightAnswer> denoised(const Sights& sights, const Camera& camera, std::vector<LightAnswer> light, int thread_count) {
   NLG_CHECK(sights.samples_per_pixel, ==, 1);
   Filtered picture;
-  for (const ReceivedLight& received : light) {
+  for (const LightAnswer& received : light) {
     picture.irradiance.push_back(received.irradiance);
     const auto deviation = static_cast<float>(luminanceOf(received.deviation));
     picture.variance.push_back(deviation * deviation);

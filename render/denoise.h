@@ -6,15 +6,14 @@
 
 #include <vector>
 
+#include "light/methods/light_method.h"
 #include "render/camera.h"
-#include "render/rendered_scene.h"
 #include "render/sight.h"
 
 namespace nlg {
 
 // light   by sample, with its deviation; samples without a receiver stay as they are
 // sights  one sample a pixel, of the camera
-std::vector<ReceivedLight> denoised(const Sights& sights, const Camera& camera, std::vector<ReceivedLight> light,
-                                    int thread_count);
+std::vector<LightAnswer> denoised(const Sights& sights, const Camera& camera, std::vector<LightAnswer> light, int thread_count);
 
 }  // namespace nlg

@@ -4,29 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "tool/parallel_for.h"
-
 namespace nlg {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-
-// Lights one row of pixels.
-void lightRow(const Sights& sights, const Lighting& lighting, size_t row, std::vector<ReceivedLight>* received) {
-  const size_t per_row = static_cast<size_t>(sights.width) * sights.samples_per_pixel, first = row * per_row;
-  // all of a row at once: a lighting that looks up many places together may do so
-  std::vector<Receiver> receivers;
-  for (size_t i = first; i < first + per_row; ++i) {
-    if (sights.samples[i].kind == Sight::Kind::receiver) receivers.push_back(sights.samples[i].receiver);
-  }
-  if (receivers.empty()) return;
-  std::vector<ReceivedLight> lit(receivers.size());
-  lighting.light_at(receivers, lit.data());
-  const ReceivedLight* next = lit.data();
-  for (size_t i = first; i < first + per_row; ++i) {
-    if (sights.samples[i].kind == Sight::Kind::receiver) (*received)[i] = *next++;
-  }
-}
 
 // The mean of what value(pixel) gives for all channels, over the pixels that have receivers; 0 without any.
 template <class Value>
@@ -53,13 +34,20 @@ double medianOf(std::vector<double> values) {
   return *middle;
 }
 
-std::vector<ReceivedLight> lightSamples(const Sights& sights, const Lighting& lighting, int thread_count) {
-  std::vector<ReceivedLight> received(sights.samples.size());
-  parallelFor(sights.height, thread_count, [&](uint64_t row, int) { lightRow(sights, lighting, row, &received); });
-  return received;
+std::vector<LightAnswer> lightSamples(const Sights& sights, const LightAt& light_at, int thread_count) {
+  std::vector<Receiver> receivers;
+  for (const Sight& sight : sights.samples) {
+    if (sight.kind == Sight::Kind::receiver) receivers.push_back(sight.receiver);
+  }
+  const std::vector<LightAnswer> answers = answersAt(light_at, receivers, thread_count);
+  std::vector<LightAnswer> by_sample(sights.samples.size());
+  for (size_t i = 0, next = 0; i < by_sample.size(); ++i) {
+    if (sights.samples[i].kind == Sight::Kind::receiver) by_sample[i] = answers[next++];
+  }
+  return by_sample;
 }
 
-LitPicture pictureOf(const Sights& sights, const std::string& method, const std::vector<ReceivedLight>& received) {
+LitPicture pictureOf(const Sights& sights, const std::string& method, const std::vector<LightAnswer>& received) {
   LitPicture picture;
   picture.method = method;
   picture.width = sights.width;
@@ -79,7 +67,7 @@ LitPicture pictureOf(const Sights& sights, const std::string& method, const std:
       irradiance += received[i].irradiance;
       // samples are independent: variances add
       variance += received[i].deviation * received[i].deviation;
-      unlit += !received[i].is_lit;
+      unlit += !received[i].isLit();
       ++count;
     }
     receivers += count;
@@ -96,8 +84,8 @@ LitPicture pictureOf(const Sights& sights, const std::string& method, const std:
   return picture;
 }
 
-LitPicture lightPicture(const Sights& sights, const Lighting& lighting, int thread_count) {
-  return pictureOf(sights, lighting.name, lightSamples(sights, lighting, thread_count));
+LitPicture lightPicture(const Sights& sights, const std::string& method, const LightAt& light_at, int thread_count) {
+  return pictureOf(sights, method, lightSamples(sights, light_at, thread_count));
 }
 
 double irradianceRms(const LitPicture& picture) {

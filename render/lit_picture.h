@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "render/rendered_scene.h"
+#include "light/methods/light_method.h"
 #include "render/sight.h"
 
 namespace nlg {
@@ -21,14 +21,14 @@ struct LitPicture {
   double unlit_share = 0.0;           // of all receivers: where the method knows no light
 };
 
-// What arrives at every sample's receiver; samples without one are as they were made. The same bits for any number of threads.
-std::vector<ReceivedLight> lightSamples(const Sights& sights, const Lighting& lighting, int thread_count);
+// What arrives at every sample's receiver; samples without one are unlit. The same bits for any number of threads.
+std::vector<LightAnswer> lightSamples(const Sights& sights, const LightAt& light_at, int thread_count);
 
 // received   by sample
-LitPicture pictureOf(const Sights& sights, const std::string& method, const std::vector<ReceivedLight>& received);
+LitPicture pictureOf(const Sights& sights, const std::string& method, const std::vector<LightAnswer>& received);
 
 // Both.
-LitPicture lightPicture(const Sights& sights, const Lighting& lighting, int thread_count);
+LitPicture lightPicture(const Sights& sights, const std::string& method, const LightAt& light_at, int thread_count);
 
 // Over pixels that have receivers, all channels, of irradiance. In shares of the root mean square of truth's; 0 where truth is 0.
 struct PictureError {

@@ -44,9 +44,9 @@ std::vector<glm::dvec3> eyesIn(const LightTransport& transport, const ExtentBox&
 
 }  // namespace
 
-LitViews::LitViews(const LightTransport& transport, const Lighting& lighting, const ExtentBox& extent,
+LitViews::LitViews(const LightTransport& transport, const LightAt& light_at, const ExtentBox& extent,
                    const LitViewOptions& options)
-    : transport_(transport), lighting_(lighting), options_(options) {
+    : transport_(transport), light_at_(light_at), options_(options) {
   const double side_m = glm::length(extent.high_m - extent.low_m);
   near_m_ = std::min(near_m_, 0.05 * side_m);
   cell_m_ = std::max(0.5 * near_m_, side_m / 64.0);
@@ -78,8 +78,7 @@ std::vector<LitViews::Point> LitViews::pointsOf(const Camera& camera) const {
     points.push_back({at, is_back ? -1.0f : 0.0f, static_cast<float>(std::log(hit.distance / near_m_)), surfaceSide(scene, hit)});
     receivers.push_back({glm::dvec3(at) + kOffsetM * glm::dvec3(hit.normal), hit.normal});
   }
-  std::vector<ReceivedLight> received(receivers.size());
-  if (!receivers.empty()) lighting_.light_at(receivers, received.data());
+  const std::vector<LightAnswer> received = answersAt(light_at_, receivers, 1);
   for (size_t i = 0; i < points.size(); ++i) {
     if (points[i].light == 0.0f) points[i].light = static_cast<float>(luminanceOf(received[i].irradiance));
   }

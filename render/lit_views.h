@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "datagen/probes/probe_placement.h"
+#include "light/methods/light_method.h"
 #include "render/camera.h"
-#include "render/rendered_scene.h"
 
 namespace nlg {
 
@@ -23,7 +23,7 @@ struct LitViewOptions {
 class LitViews {
  public:
   // extent   what a bake lights, relative to the scene's origin
-  LitViews(const LightTransport& transport, const Lighting& lighting, const ExtentBox& extent, const LitViewOptions& options);
+  LitViews(const LightTransport& transport, const LightAt& light_at, const ExtentBox& extent, const LitViewOptions& options);
 
   // Any camera on the same scale: how much it shows that no view before does; above 0 where it shows light.
   double worthOf(const Camera& camera) const;
@@ -57,7 +57,7 @@ class LitViews {
   const Candidate* best() const;
 
   const LightTransport& transport_;
-  const Lighting lighting_;
+  const LightAt light_at_;
   const LitViewOptions options_;
   double near_m_ = 0.5, cell_m_ = 0.5;
   double usual_light_ = 0.0;

@@ -108,7 +108,7 @@ PlaceView viewOfPlace(const LightTransport& transport, const Receiver& place) {
   return best;
 }
 
-Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, const Lighting& lighting,
+Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, const LightAt& light_at,
                 const PlacePictureOptions& options) {
   // a ball at the sample point, seen from the side that it measures
   const PlaceView view = viewOfPlace(transport, place.at);
@@ -123,14 +123,14 @@ Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, con
   // truth and answer on the same samples, with one exposure: what differs is light
   GatherOptions gather;
   gather.rays = options.truth_rays / sights.samples_per_pixel;
-  const LitPicture truth = lightPicture(sights, truthLighting(transport, gather, options.seed), options.thread_count);
-  const LitPicture answer = lightPicture(sights, lighting, options.thread_count);
+  const LitPicture truth = lightPicture(sights, "truth", trueLight(transport, gather, options.seed), options.thread_count);
+  const LitPicture answer = lightPicture(sights, place.method, light_at, options.thread_count);
   const double exposure = exposureOf(truth, place, leastAdapted(transport.scene())), range = nextScale(place.error);
 
   // truth, answer, and their signed difference
   std::vector<PanelColumn> columns = {
       {"truth", {rgbText(place.truth), fmt::format("exposure {:.3g}", exposure)}, toneMapped(truth, exposure), std::nullopt},
-      {lighting.name, {rgbText(place.answer)}, toneMapped(answer, exposure), std::nullopt},
+      {place.method, {rgbText(place.answer)}, toneMapped(answer, exposure), std::nullopt},
       {"error",
        {"red: too bright", "blue: too dark", fmt::format("full at {:g} of RMS", range)},
        errorMapUpTo(range * place.scale, answer, truth, ErrorKind::with_sign),

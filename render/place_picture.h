@@ -5,11 +5,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "light/light_transport.h"
 #include "render/camera.h"
 #include "render/picture/image.h"
-#include "render/rendered_scene.h"
 #include "render/sight.h"
 
 namespace nlg {
@@ -26,6 +26,7 @@ PlaceView viewOfPlace(const LightTransport& transport, const Receiver& place);
 
 // What was measured there.
 struct MeasuredPlace {
+  std::string method;  // that answered
   Receiver at;
   glm::vec3 truth{0.0f}, answer{0.0f};  // irradiance
   double error = 0.0;                   // in shares of the scale
@@ -42,8 +43,8 @@ struct PlacePictureOptions {
 // The exposure shows truth's median as middle grey, unless the ball would be cut off by it; it stands below the picture. The error's
 // last colour stands for at least the error at the place.
 // The same bits for any number of threads.
-// lighting   what answered
-Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, const Lighting& lighting,
+// light_at   what answered
+Image drawPlace(const LightTransport& transport, const MeasuredPlace& place, const LightAt& light_at,
                 const PlacePictureOptions& options);
 
 }  // namespace nlg

@@ -181,6 +181,32 @@ Cut cutOf(const RenderRequest& request, const Scene& scene) {
   return cut;
 }
 
+// The share that one probe takes of the grid's blend at every receiver, as a grey irradiance.
+struct ShareOfProbe {
+  const LightGrid& grid;
+  const glm::dvec3 origin_m;
+  const uint32_t probe;
+
+  LightAnswer irradianceAt(const glm::dvec3& position_m, const glm::vec3&) const {
+    const glm::dvec3 world = origin_m + position_m;
+    ProbeWeights shares;
+    lookUpShares(grid, {world.x, world.y, world.z}, &shares);
+    LightAnswer answer;
+    if (shares.count > 0) answer.reach = Reach::lit;
+    for (int i = 0; i < shares.count; ++i) {
+      if (shares.probe[i] == probe) answer.irradiance = glm::vec3(shares.weight[i]);
+    }
+    return answer;
+  }
+};
+
+// By the way that a surface faces.
+struct EvenShading {
+  LightAnswer irradianceAt(const glm::dvec3&, const glm::vec3& normal) const {
+    return {glm::vec3(0.6f + 0.25f * normal.y + 0.15f * normal.x), Reach::lit};
+  }
+};
+
 // One run: what it draws, and what it says of it.
 class Rendering {
  public:
@@ -226,18 +252,18 @@ class Rendering {
     place_ = "from " + positionText(eye) + " towards " + positionText(look);
   }
 
-  LitPicture lit(const Lighting& lighting) const { return lightPicture(sights_, lighting, scene_.threads()); }
+  LitPicture lit(const std::string& method, const LightAt& light_at) const {
+    return lightPicture(sights_, method, light_at, scene_.threads());
+  }
 
   Image drawWeights() {
     const uint32_t probe = shownProbe(request_, scene_.grid());
     const PositionM at = scene_.grid().tree.probePosition(probe);
     said_["probe"] = probe;
     said_["probe_m"] = at;
-    const LitPicture shares = lit(probeShareLighting(scene_.grid(), scene_.scene().origin_m, probe));
-    const LitPicture shading = lit({"even", [](std::span<const Receiver> receivers, ReceivedLight* received) {
-                                      for (const Receiver& r : receivers)
-                                        *received++ = {glm::vec3(0.6f + 0.25f * r.normal.y + 0.15f * r.normal.x), {}, true};
-                                    }});
+    const ShareOfProbe of_probe{scene_.grid(), scene_.scene().origin_m, probe};
+    const EvenShading even;
+    const LitPicture shares = lit("weights", lightOf(&of_probe)), shading = lit("even", lightOf(&even));
     const auto counts = [](const glm::vec3& share) { return share.r > 0.0f; };
     const auto pixels = std::count_if(shares.irradiance.begin(), shares.irradiance.end(), counts);
     said_["seen_share"] = static_cast<double>(pixels) / static_cast<double>(shares.irradiance.size());
@@ -261,10 +287,10 @@ class Rendering {
     const bool shows_error = request_.show != "light";
     const bool needs_truth = shows_error || asksFor(request_, "truth");
     std::optional<LitPicture> truth;
-    if (needs_truth) truth = lit(scene_.lighting("truth"));
+    if (needs_truth) truth = lit("truth", scene_.light("truth"));
     std::vector<LitPicture> pictures;
     for (const std::string& name : methodNames(request_)) {
-      pictures.push_back(name == "truth" ? *truth : lit(scene_.lighting(name)));
+      pictures.push_back(name == "truth" ? *truth : lit(name, scene_.light(name)));
       said_["pictures"].push_back(figuresOf(pictures.back(), truth));
     }
     std::vector<const LitPicture*> shown;
@@ -348,8 +374,8 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_flag("--bake", r.bake, "bake the light grid with the settings of nlg-bake instead of reading one");
   app.add_option("--weights", r.weights, "weights for --bake. None: the supplied weights");
   app.add_option("--method", r.method,
-                 "method that lights the picture: truth, grid, or a baseline: trilinear, valid-trilinear, exact-visibility, apv, "
-                 "ddgi; with :solved appended, its light is solved")
+                 "method that lights the picture: truth, grid, or a baseline: " + baselineNames() +
+                     "; with :solved appended, its light is solved")
       ->capture_default_str();
   app.add_option("--panel", r.panel, "methods to draw side by side, with titles, and with errors if truth is among them")
       ->delimiter(',');

@@ -1,10 +1,8 @@
 // A scene with the methods that light its pictures.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -17,42 +15,15 @@
 
 namespace nlg {
 
-// What lights a picture: irradiance at receivers, by ground truth, by a light grid, or by any other method (light/methods/).
-struct ReceivedLight {
-  glm::vec3 irradiance{0.0f};  // >= 0
-  glm::vec3 deviation{0.0f};   // standard deviation of its noise, where any is known
-  bool is_lit = true;          // false: no light is known there, and irradiance is 0
-};
-
-struct Lighting {
-  std::string name;
-  // Fills received, as many as there are receivers; a pure function of each. Any number of threads may ask at once.
-  std::function<void(std::span<const Receiver> receivers, ReceivedLight* received)> light_at;
-};
-
-// Ground truth: gathered or path traced at every receiver by itself.
-// transport   must outlive the result
-Lighting truthLighting(const LightTransport& transport, const GatherOptions& options, uint64_t seed);
-
-// A light grid's look-up.
-// grid       that holds light, in the world's coordinates; must outlive the result
-// origin_m   the scene's
-Lighting gridLighting(const LightGrid& grid, const glm::dvec3& origin_m);
-
-// The share that one probe takes of the grid's blend at every receiver, as a grey irradiance.
-Lighting probeShareLighting(const LightGrid& grid, const glm::dvec3& origin_m, uint32_t probe);
-
-// Any other method.
-// method   must outlive the result
-Lighting measuredLighting(const std::string& name, const LightMethod& method);
-
 // place     the flag
 // throws    UsageError on a name that no method has
 void checkMethodName(const std::string& place, const std::string& name);
+// As help names them: "trilinear, valid-trilinear, …".
+std::string baselineNames();
 
-// A baseline's name on the command line: "DDGI as shipped, relocated" is ddgi-as-shipped-relocated; behind a colon how its probes are
-// lit, when that is not as baselines do (trilinear:solved).
-std::string baselineName(const LightMethod& method);
+// throws   InputError on a file that is no light grid, or one without light unless that may be
+enum class GridLight { required, any };
+LightGrid readGrid(const std::string& path, GridMetadata* metadata, GridLight light = GridLight::required);
 
 class RenderedScene {
  public:
@@ -68,7 +39,7 @@ class RenderedScene {
   const LightGrid& grid() const { return *grid_; }  // of requests that need one
   int threads() const { return threads_; }
 
-  Lighting lighting(const std::string& name) const;
+  LightAt light(const std::string& name) const;
   // throws   UsageError when the scene has none of that name
   const LightMethod& baseline(const std::string& name) const;
   // What of a grid's file says that it is not of this scene, or not of its light here; told on stderr as well.

@@ -7,15 +7,10 @@
 #include <glm/glm.hpp>
 
 #include "light/light_transport.h"
+#include "light/methods/light_method.h"
 #include "render/camera.h"
 
 namespace nlg {
-
-// Where light is asked for.
-struct Receiver {
-  glm::dvec3 position_m{0.0};  // relative to the scene's origin
-  glm::vec3 normal{0.0f, 1.0f, 0.0f};
-};
 
 struct Sight {
   enum class Kind : uint8_t {

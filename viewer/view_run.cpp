@@ -76,7 +76,7 @@ constexpr double kLeastWorthOfCamera = 0.3;
 // would be.
 std::vector<View> chooseViews(const RenderedScene& scene, const ViewRequest& request, const BakeOptions& options) {
   LitViewOptions view_options{kFov, kAspect, options.seed, scene.threads()};
-  LitViews found(scene.transport(), scene.lighting("grid"), lightExtent(scene.scene(), options.extent_m), view_options);
+  LitViews found(scene.transport(), scene.light("grid"), lightExtent(scene.scene(), options.extent_m), view_options);
   const double least_worth = kLeastWorthOfCamera * found.bestWorth();
   std::vector<View> views;
   const int count = request.truth_views > 0 ? request.truth_views : ViewRequest().truth_views;
@@ -232,16 +232,16 @@ class ViewFolder {
             {"eye", numbers(camera.eye_m)},
             {"forward", numbers(glm::dvec3(camera.forward))},
             {"fov_y", camera.fov_y},
-            {"exposure",
-             automaticExposure(lightPicture(seen, scene_.lighting("grid"), scene_.threads()), leastAdapted(scene_.scene()))}};
+            {"exposure", automaticExposure(lightPicture(seen, "grid", scene_.light("grid"), scene_.threads()),
+                                           leastAdapted(scene_.scene()))}};
   }
 
   DataScript truthScript(size_t view, const Camera& camera) const {
     const int width = request_.truth_width, height = width * 9 / 16;
     const Sights seen = sights(scene_.transport(), camera, width, height, scene_.threads());
     // shown only: figures are measured where nothing is filtered
-    const std::vector<ReceivedLight> received =
-        denoised(seen, camera, lightSamples(seen, scene_.lighting("truth"), scene_.threads()), scene_.threads());
+    const std::vector<LightAnswer> received =
+        denoised(seen, camera, lightSamples(seen, scene_.light("truth"), scene_.threads()), scene_.threads());
     const LitPicture picture = pictureOf(seen, "truth", received);
     float brightest = 0.0f;
     for (const glm::vec3& radiance : picture.radiance) brightest = std::max({brightest, radiance.r, radiance.g, radiance.b});
@@ -281,14 +281,8 @@ class ViewFolder {
   }
 
   LightFigures figuresOf(const Measured& measured, const std::string& method) const {
-    std::vector<Receiver> receivers;
-    for (const LightPlace& place : measured.places.places) receivers.push_back({place.position_m, place.normal});
-    std::vector<ReceivedLight> received(receivers.size());
-    scene_.lighting(method).light_at(receivers, received.data());
-    std::vector<LightAnswer> answers;
-    answers.reserve(received.size());
-    for (const ReceivedLight& light : received) answers.push_back({light.irradiance, light.is_lit ? Reach::lit : Reach::unlit});
-    return lightFigures(measured.places, measured.truth, answers);
+    return lightFigures(measured.places, measured.truth,
+                        answersAt(scene_.light(method), receiversAt(measured.places), scene_.threads()));
   }
 
   void writeMethods(DataScript* script) {
@@ -429,9 +423,8 @@ Json makeView(ViewRequest request, BakeOptions options) {
   if (!request.grid.empty() && !request.weights.empty())
     throw UsageError("--weights cannot be combined with --grid: nothing is baked");
   if (!request.grid.empty()) {
-    LightGrid grid;
     GridMetadata metadata;
-    requireRead(request.grid, readLightGridFile(request.grid, &grid, &metadata), "a light grid");
+    const LightGrid grid = readGrid(request.grid, &metadata);
     const double spacing_m = bakedSpacing(grid, metadata);
     // probes stand as far apart as the nearest float says
     const bool is_other = static_cast<float>(options.spacing_m) != static_cast<float>(spacing_m);

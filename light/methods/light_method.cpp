@@ -1,11 +1,49 @@
 #include "light/methods/light_method.h"
 
+#include <bit>
+
 #include "light/air.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "tool/processor_time.h"
 
 namespace nlg {
+namespace {
+
+constexpr size_t kAskedAtOnce = 512;  // receivers: what is near together is looked up together
+
+// Noise of neighbouring pixels must not be alike, and a receiver's must not depend on where in a picture it stands.
+uint64_t seedOf(const Receiver& receiver, uint64_t seed) {
+  const auto bits = [](double value) { return std::bit_cast<uint64_t>(value); };
+  const glm::dvec3& p = receiver.position_m;
+  const glm::dvec3 n(receiver.normal);
+  return mixSeed(mixSeed(bits(p.x), bits(p.y), bits(p.z), seed), bits(n.x), bits(n.y), bits(n.z));
+}
+
+}  // namespace
+
+LightAnswer answerAt(const LightAt& light_at, const Receiver& receiver) {
+  LightAnswer answer;
+  light_at({&receiver, 1}, &answer);
+  return answer;
+}
+
+std::vector<LightAnswer> answersAt(const LightAt& light_at, const std::vector<Receiver>& receivers, int thread_count) {
+  std::vector<LightAnswer> answers(receivers.size());
+  parallelForBlocks(receivers.size(), kAskedAtOnce, thread_count, [&](uint64_t first, uint64_t end, int) {
+    light_at({&receivers[first], end - first}, &answers[first]);
+  });
+  return answers;
+}
+
+LightAt trueLight(const LightTransport& transport, const GatherOptions& options, uint64_t seed) {
+  return [&transport, options, seed](std::span<const Receiver> receivers, LightAnswer* answers) {
+    for (const Receiver& at : receivers) {
+      const GatheredIrradiance gathered = transport.gatherIrradiance(at.position_m, at.normal, options, seedOf(at, seed));
+      *answers++ = {gathered.irradiance, Reach::lit, gathered.deviation};
+    }
+  };
+}
 
 void ProbeBlend::finish(Reach when_lit) {
   sum = 0.0f;
@@ -25,15 +63,16 @@ ProbeWeights Weighting::weightsAt(const glm::dvec3& position_m, const glm::vec3&
   return weights;
 }
 
-std::function<LightAnswer(const glm::dvec3&, const glm::vec3&)> blendedLight(const Weighting& weighting,
-                                                                             const std::vector<LightSh>& light) {
-  return [&](const glm::dvec3& position_m, const glm::vec3& normal) {
-    const ProbeBlend blend = weighting.blendAt(position_m, normal);
-    LightSh sum{};
-    for (int i = 0; i < blend.count; ++i) {
-      for (int k = 0; k < kShCount; ++k) sum[k] += blend.weight[i] * light[blend.probe[i]][k];
+LightAt blendedLight(const Weighting& weighting, const std::vector<LightSh>& light) {
+  return [&](std::span<const Receiver> receivers, LightAnswer* answers) {
+    for (const Receiver& at : receivers) {
+      const ProbeBlend blend = weighting.blendAt(at.position_m, at.normal);
+      LightSh sum{};
+      for (int i = 0; i < blend.count; ++i) {
+        for (int k = 0; k < kShCount; ++k) sum[k] += blend.weight[i] * light[blend.probe[i]][k];
+      }
+      *answers++ = {glm::max(irradiance(sum, at.normal), glm::vec3(0.0f)), blend.reach};
     }
-    return LightAnswer{glm::max(irradiance(sum, normal), glm::vec3(0.0f)), blend.reach};
   };
 }
 

@@ -1,4 +1,4 @@
-// Interface of a method that gives irradiance at a point, and its cost.
+// How light is asked for at points, of ground truth, a light grid or any other method; and what a method costs.
 //
 // Most methods blend what up to 8 probes hold. Their weights and the probes' light are told apart, so that every kind of weights can
 // be tried with every kind of light.
@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,48 @@
 
 namespace nlg {
 
+// Where light is asked for.
+struct Receiver {
+  glm::dvec3 position_m{0.0};  // relative to the scene's origin
+  glm::vec3 normal{0.0f, 1.0f, 0.0f};
+};
+
 enum class Reach : uint8_t {
   lit,
   fallback,  // lit by what the method takes where its own weights say nothing, or by what is left of weights that nearly do
   unlit,     // no probe counts: black
   outside,   // of what the method covers: black, or what stands nearest
 };
+
+struct LightAnswer {
+  glm::vec3 irradiance{0.0f};  // >= 0
+  Reach reach = Reach::unlit;
+  glm::vec3 deviation{0.0f};  // standard deviation of its noise, where any is known
+
+  // false: no light is known there, and irradiance is 0
+  bool isLit() const { return reach == Reach::lit || reach == Reach::fallback || irradiance != glm::vec3(0.0f); }
+};
+
+// Fills answers, as many as there are receivers; each is a function of its receiver alone, but for rounding. Any number of threads may
+// ask at once.
+using LightAt = std::function<void(std::span<const Receiver> receivers, LightAnswer* answers)>;
+
+// Of a method that answers one receiver after another, by irradianceAt(position_m, normal).
+// method   a pointer of any kind
+template <class Pointer>
+LightAt lightOf(Pointer method) {
+  return [method = std::move(method)](std::span<const Receiver> receivers, LightAnswer* answers) {
+    for (const Receiver& at : receivers) *answers++ = method->irradianceAt(at.position_m, at.normal);
+  };
+}
+
+// Of one receiver, of many on several threads.
+LightAnswer answerAt(const LightAt& light_at, const Receiver& receiver);
+std::vector<LightAnswer> answersAt(const LightAt& light_at, const std::vector<Receiver>& receivers, int thread_count);
+
+// Ground truth: gathered or path traced at every receiver by itself.
+// transport   must outlive the result
+LightAt trueLight(const LightTransport& transport, const GatherOptions& options, uint64_t seed);
 
 // The shares of probes at a place.
 struct ProbeBlend {
@@ -54,11 +91,6 @@ class Weighting {
   virtual ProbeWeights weightsAt(const glm::dvec3& position_m, const glm::vec3& normal) const;
 };
 
-struct LightAnswer {
-  glm::vec3 irradiance{0.0f};  // >= 0
-  Reach reach = Reach::unlit;
-};
-
 // What a method stores.
 struct MethodBytes {
   size_t light = 0;    // of probes
@@ -70,7 +102,7 @@ struct MethodBytes {
 struct LightMethod {
   std::string weights;  // the method's name
   std::string light;    // "point": gathered where the probe stands; "solved"; "own": in the method's own form
-  std::function<LightAnswer(const glm::dvec3& position_m, const glm::vec3& normal)> irradiance_at;
+  LightAt light_at;
   const Weighting* weighting = nullptr;  // of those that blend probes
   MethodBytes bytes;
   size_t probes = 0;                                  // that bytes are stored of
@@ -79,8 +111,7 @@ struct LightMethod {
 };
 
 // What a blend of probes that hold spherical harmonics answers. Both must outlive it.
-std::function<LightAnswer(const glm::dvec3&, const glm::vec3&)> blendedLight(const Weighting& weighting,
-                                                                             const std::vector<LightSh>& light);
+LightAt blendedLight(const Weighting& weighting, const std::vector<LightSh>& light);
 
 // The probes that all methods share: where they stand, which of them stand in air, and what light arrives there.
 struct ProbeSetOptions {

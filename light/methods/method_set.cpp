@@ -1,6 +1,8 @@
 #include "light/methods/method_set.h"
 
+#include <algorithm>
 #include <bit>
+#include <cctype>
 #include <sstream>
 
 #include "light/directions.h"
@@ -21,6 +23,19 @@ constexpr uint64_t kProbeStream = 0x70726f6265, kNormalStream = 0x736f6c7665, kD
 
 const std::string kThinned = ", thinned ";
 const std::string kDdgiAsShipped = "DDGI as shipped", kRelocated = ", relocated";
+const std::string kDdgi = "ddgi", kShippedDdgi = "ddgi-as-shipped";  // on command lines
+
+constexpr MethodSet::Baseline kBaselines[] = {{"trilinear", true, &MethodSet::addTrilinear},
+                                              {"valid-trilinear", true, &MethodSet::addValidTrilinear},
+                                              {"exact-visibility", false, &MethodSet::addExactVisibility},
+                                              {"apv", true, &MethodSet::addApv},
+                                              {"ddgi", true, &MethodSet::addDdgi}};
+
+const MethodSet::Baseline* baselineOf(const std::string& command_name) {
+  const auto* found = std::ranges::find_if(
+      kBaselines, [&](const MethodSet::Baseline& baseline) { return command_name.starts_with(baseline.name); });
+  return found == std::end(kBaselines) ? nullptr : found;
+}
 
 // Of a sheet's two rules the other one.
 std::string withRule(const std::string& name, SheetBacks backs) {
@@ -124,14 +139,37 @@ void MethodSet::addBlends(Blends blends) {
         blends.probe_function.empty() ? std::vector<uint32_t>(light.size(), kFreeSpace) : blends.probe_function, &light_bytes));
     if (!has_own_bytes) method.bytes.light = light_bytes;
     method.probe_light = &kept;
-    method.irradiance_at = blendedLight(weighting, kept);
+    method.light_at = blendedLight(weighting, kept);
     methods_.push_back(std::move(method));
   }
 }
 
-void MethodSet::addTrilinear() {
-  for (const TrilinearKind kind : {TrilinearKind::all, TrilinearKind::valid, TrilinearKind::visible})
-    addTrilinear(kind, kGatheredAndSolved);
+std::span<const MethodSet::Baseline> MethodSet::baselines() { return kBaselines; }
+
+bool MethodSet::isBaseline(const std::string& command_name) { return baselineOf(command_name) != nullptr; }
+
+std::string MethodSet::commandName(const LightMethod& method) {
+  std::string name;
+  for (const char sign : method.weights) {
+    if (std::isalnum(static_cast<unsigned char>(sign))) {
+      name += static_cast<char>(std::tolower(static_cast<unsigned char>(sign)));
+    } else if (sign == ' ') {
+      name += '-';
+    }
+  }
+  return method.light == "solved" ? name + ":solved" : name;
+}
+
+void MethodSet::addNamed(const std::string& command_name) {
+  if (named(command_name) != nullptr) return;
+  if (command_name == kDdgi || command_name == kShippedDdgi) return addShippedDdgi();
+  if (const Baseline* baseline = baselineOf(command_name)) (this->*baseline->add)(kGatheredAndSolved);
+}
+
+const LightMethod* MethodSet::named(const std::string& command_name) const {
+  const std::string& whole = command_name == kDdgi ? kShippedDdgi : command_name;
+  const auto found = std::ranges::find_if(methods_, [&](const LightMethod& method) { return commandName(method) == whole; });
+  return found == methods_.end() ? nullptr : &*found;
 }
 
 void MethodSet::addTrilinear(TrilinearKind kind, const std::vector<LightWay>& ways) {
@@ -156,7 +194,7 @@ void MethodSet::addApv(const std::vector<LightWay>& ways) {
 // In RTXGI's formats.
 const DdgiMaps& MethodSet::addDdgi(const std::string& name, const DdgiMaps& maps) {
   const DdgiMaps& shipped = maps_.emplace_back(asShipped(maps));
-  const Weighting& ddgi = own(std::make_unique<Ddgi>(probes_, shipped));
+  const auto& ddgi = static_cast<const Ddgi&>(own(std::make_unique<Ddgi>(probes_, shipped)));
   LightMethod method;
   method.weights = name;
   method.light = "own";
@@ -164,9 +202,7 @@ const DdgiMaps& MethodSet::addDdgi(const std::string& name, const DdgiMaps& maps
   method.probes = probes_.count();
   method.bytes = {probes_.count() * kDdgiShippedBytes, 0, tree_bytes_};
   method.light_s = maps.bake_s;
-  method.irradiance_at = [&ddgi = static_cast<const Ddgi&>(ddgi)](const glm::dvec3& position_m, const glm::vec3& normal) {
-    return ddgi.irradianceAt(position_m, normal);
-  };
+  method.light_at = lightOf(&ddgi);
   methods_.push_back(std::move(method));
   return shipped;
 }
@@ -176,31 +212,18 @@ const DdgiMaps& MethodSet::makeDdgi(SheetBacks backs, bool relocates) {
       probes_, scene_.transport, {options_.probe, backs, relocates, options_.thread_count, mixSeed(options_.seed, kDdgiStream)}));
 }
 
-std::vector<SheetBacks> MethodSet::sheetRules() const {
-  if (!hasSheets(scene_.transport.scene())) return {SheetBacks::as_wound};
-  return {SheetBacks::as_wound, SheetBacks::none};
-}
-
 void MethodSet::addShippedDdgi() { shipped_ddgi_ = &addDdgi(kDdgiAsShipped, makeDdgi(SheetBacks::as_wound, false)); }
 
-// Returns the maps of probes that were not relocated, before they are shipped.
-const DdgiMaps& MethodSet::addOwnDdgi(SheetBacks backs) {
-  const DdgiMaps& maps = makeDdgi(backs, false);
-  addDdgi(withRule(kDdgiAsShipped, backs), maps);
-  addDdgi(withRule(kDdgiAsShipped, backs) + kRelocated, makeDdgi(backs, true));
-  return maps;
-}
-
-void MethodSet::addOwnDdgi() {
-  for (const SheetBacks backs : sheetRules()) addOwnDdgi(backs);
-}
-
-void MethodSet::addDdgi() {
-  for (const SheetBacks backs : sheetRules()) {
-    const DdgiMaps& maps = addOwnDdgi(backs);
+void MethodSet::addDdgi(const std::vector<LightWay>& ways) {
+  for (const SheetBacks backs : {SheetBacks::as_wound, SheetBacks::none}) {
+    if (backs == SheetBacks::none && !hasSheets(scene_.transport.scene())) continue;
+    const DdgiMaps& maps = makeDdgi(backs, false);
+    addDdgi(withRule(kDdgiAsShipped, backs), maps);
+    addDdgi(withRule(kDdgiAsShipped, backs) + kRelocated, makeDdgi(backs, true));
     // its weights with light in harmonics, so that light and weights are told apart
-    addBlends({withRule("DDGI's weights", backs), std::make_unique<Ddgi>(probes_, maps), probes_.count(),
-               bytesOf(probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr});
+    if (std::ranges::find(ways, LightWay::solved) != ways.end())
+      addBlends({withRule("DDGI's weights", backs), std::make_unique<Ddgi>(probes_, maps), probes_.count(),
+                 bytesOf(probes_.count() * kDdgiShippedDepthBytes), maps.bake_s, nullptr, ways});
   }
 }
 
@@ -234,7 +257,7 @@ void MethodSet::addShOctrees(const std::vector<glm::dvec3>& places, const std::v
         options_.light_error, tree, grown.light, std::vector<uint32_t>(grown.light.size(), kFreeSpace), &method.bytes.light));
     method.weights = "SH octree, " + std::to_string(grown.byte_budget / 1024) + " kB";
     method.light = "solved";
-    method.irradiance_at = blendedLight(weighting, kept);
+    method.light_at = blendedLight(weighting, kept);
     method.weighting = &weighting;
     method.bytes.tree = treeBytes(tree);
     method.probes = kept.size();
@@ -258,7 +281,7 @@ void MethodSet::addGrid(const std::string& name, LightGrid grid, double bake_s, 
   for (size_t m = first, end = methods_.size(); m < end; ++m) {
     LightGrid& lit = grids_.emplace_back(kept);
     lit.light = floatsOf(*methods_[m].probe_light);
-    methods_[m].irradiance_at = lookedUpLight(lit, origin_m);
+    methods_[m].light_at = gridLight(lit, origin_m);
     if (ways != kGatheredAndSolved || methods_[m].light != "solved") continue;
     for (const double error : options_.thin_errors) addThinned(methods_[m], kept, error);
   }

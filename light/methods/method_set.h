@@ -3,6 +3,8 @@
 
 #include <deque>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "datagen/weighting/weighting_builder.h"
@@ -47,15 +49,29 @@ class MethodSet {
   double measure_s() const { return measure_s_; }                          // light at places in air, for whoever solves
   const std::vector<LightSh>& placeLight() const { return place_light_; }  // that was measured there
 
-  void addTrilinear();  // of every kind
-  void addTrilinear(TrilinearKind kind, const std::vector<LightWay>& ways);
-  void addApv() { addApv(kGatheredAndSolved); }
+  // A baseline: its name on command lines, which names of its methods begin with, and what adds them.
+  struct Baseline {
+    const char* name;
+    bool is_technique;  // false: a bound, which nobody could ship
+    void (MethodSet::*add)(const std::vector<LightWay>& ways);
+  };
+  static std::span<const Baseline> baselines();
+  // "DDGI as shipped, relocated" is ddgi-as-shipped-relocated on a command line; behind a colon stands how its probes are lit, where
+  // that is not as baselines do (trilinear:solved).
+  static std::string commandName(const LightMethod& method);
+  static bool isBaseline(const std::string& command_name);
+  // Adds the methods of the baseline that a name is of, once. "ddgi" is DDGI as shipped, of which nothing else is added.
+  void addNamed(const std::string& command_name);
+  // null: the set has none of this name
+  const LightMethod* named(const std::string& command_name) const;
+
+  void addTrilinear(const std::vector<LightWay>& ways) { addTrilinear(TrilinearKind::all, ways); }
+  void addValidTrilinear(const std::vector<LightWay>& ways) { addTrilinear(TrilinearKind::valid, ways); }
+  void addExactVisibility(const std::vector<LightWay>& ways) { addTrilinear(TrilinearKind::visible, ways); }
   void addApv(const std::vector<LightWay>& ways);
-  // As shipped, with and without relocation, and its weights with harmonics. In a scene that has sheets all of it again: ",
-  // backless sheets", by SheetBacks::none.
-  void addDdgi();
-  void addOwnDdgi();      // of these all but weights with harmonics
-  void addShippedDdgi();  // of these one alone: not relocated, by RTXGI's own rule
+  // As shipped, with and without relocation; where light is solved for, its weights with harmonics too. In a scene that has sheets all
+  // of it again: ", backless sheets", by SheetBacks::none.
+  void addDdgi(const std::vector<LightWay>& ways);
   // places   where the methods will be asked
   void addTargetFunctions(const std::vector<glm::dvec3>& places, const DiffusionOptions& diffusion,
                           const std::vector<LightWay>& ways = kGatheredAndSolved);
@@ -82,9 +98,9 @@ class MethodSet {
   // What of weights and tree a method has that stores harmonics as our grid does; addBlends counts those.
   MethodBytes bytesOf(size_t weight_bytes) const;
   void addBlends(Blends blends);
+  void addTrilinear(TrilinearKind kind, const std::vector<LightWay>& ways);
+  void addShippedDdgi();  // not relocated, by RTXGI's own rule
   const DdgiMaps& makeDdgi(SheetBacks backs, bool relocates);
-  const DdgiMaps& addOwnDdgi(SheetBacks backs);
-  std::vector<SheetBacks> sheetRules() const;
   void addThinned(const LightMethod& whole, LightGrid grid, double error);
   const DdgiMaps& addDdgi(const std::string& name, const DdgiMaps& maps);
 

@@ -156,12 +156,26 @@ ProbeWeights GridWeighting::weightsAt(const glm::dvec3& position_m, const glm::v
   return weights;
 }
 
-std::function<LightAnswer(const glm::dvec3&, const glm::vec3&)> lookedUpLight(const LightGrid& grid, const glm::dvec3& origin_m) {
-  return [&grid, origin_m](const glm::dvec3& position_m, const glm::vec3& normal) {
-    const glm::dvec3 world = position_m + origin_m;
-    LightAnswer answer;
-    answer.reach = reachOf(lookUpIrradiance(grid, {world.x, world.y, world.z}, &normal.x, &answer.irradiance.x));
-    return answer;
+LightAt gridLight(const LightGrid& grid, const glm::dvec3& origin_m) {
+  return [&grid, origin_m](std::span<const Receiver> receivers, LightAnswer* answers) {
+    const size_t count = receivers.size();
+    // working memory for many takes longer to allocate than one look-up
+    if (count == 1) {
+      const glm::dvec3 world = origin_m + receivers[0].position_m;
+      LightAnswer& answer = *answers = {};
+      answer.reach = reachOf(lookUpIrradiance(grid, {world.x, world.y, world.z}, &receivers[0].normal.x, &answer.irradiance.x));
+      return;
+    }
+    std::vector<PositionM> positions_m(count);
+    std::vector<glm::vec3> normals(count), irradiance(count);
+    std::vector<LightStatus> status(count);
+    for (size_t i = 0; i < count; ++i) {
+      const glm::dvec3 world = origin_m + receivers[i].position_m;
+      positions_m[i] = {world.x, world.y, world.z};
+      normals[i] = receivers[i].normal;
+    }
+    lookUpIrradiances(grid, positions_m.data(), &normals.data()->x, count, &irradiance.data()->x, status.data());
+    for (size_t i = 0; i < count; ++i) answers[i] = {irradiance[i], reachOf(status[i])};
   };
 }
 

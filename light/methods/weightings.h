@@ -82,7 +82,9 @@ class GridWeighting : public Weighting {
   const WeightsAt weights_of_grid_;
 };
 
-// Of a grid that holds light: where its weights know nothing, that light decides who answers. The grid must outlive it.
-std::function<LightAnswer(const glm::dvec3&, const glm::vec3&)> lookedUpLight(const LightGrid& grid, const glm::dvec3& origin_m);
+// A light grid's look-up. Where its weights know nothing, its light decides who answers.
+// grid       that holds light, in the world's coordinates; must outlive the result
+// origin_m   the scene's
+LightAt gridLight(const LightGrid& grid, const glm::dvec3& origin_m);
 
 }  // namespace nlg

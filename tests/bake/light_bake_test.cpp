@@ -178,7 +178,7 @@ TEST(LightBake, IsWhatMethodsOfTheSameWeightsAreSolvedFor) {
     const float up[3] = {0, 1, 0};
     float rgb[3];
     const LightStatus status = lookUpIrradiance(baked, {world.x, world.y, world.z}, up, rgb);
-    const LightAnswer answer = methods.methods().back().irradiance_at(place, {0.0f, 1.0f, 0.0f});
+    const LightAnswer answer = answerAt(methods.methods().back().light_at, {place, {0.0f, 1.0f, 0.0f}});
     for (int c = 0; c < 3; ++c) ASSERT_EQ(answer.irradiance[c], rgb[c]);
     ASSERT_EQ(answer.reach == Reach::fallback, status == LightStatus::faint);
     lit_by_darkest += status == LightStatus::faint && rgb[0] > 0.0f;

@@ -31,10 +31,10 @@ SightOptions smallPicture(int threads = 1) {
   return options;
 }
 
-Lighting even(const std::string& name, const glm::vec3& irradiance) {
-  return {name, [irradiance](std::span<const Receiver> receivers, ReceivedLight* received) {
-            for (size_t i = 0; i < receivers.size(); ++i) received[i] = {irradiance, glm::vec3(0.0f), true};
-          }};
+LightAt even(const glm::vec3& irradiance) {
+  return [irradiance](std::span<const Receiver> receivers, LightAnswer* answers) {
+    std::fill_n(answers, receivers.size(), LightAnswer{irradiance, Reach::lit});
+  };
 }
 
 const Camera kAcross = cameraAlong({-1.5, 0.2, -2.5}, {1, -0.1, 1.6}, 1.2);
@@ -44,7 +44,7 @@ TEST(LitPicture, FurnaceIsConstant) {
   const glm::vec3 albedo(0.5f, 0.2f, 0.0f), emission(1.0f, 2.0f, 3.0f);
   const Rendered r(room(albedo, emission));
   const LitPicture picture =
-      lightPicture(sightsOf(r.transport, kAcross, smallPicture()), truthLighting(r.transport, {256, 64}, 1), 1);
+      lightPicture(sightsOf(r.transport, kAcross, smallPicture()), "truth", trueLight(r.transport, {256, 64}, 1), 1);
   for (size_t i = 0; i < picture.radiance.size(); ++i) {
     EXPECT_EQ(picture.receiver_share[i], 1.0f);
     for (int c = 0; c < 3; ++c) {
@@ -63,7 +63,7 @@ TEST(LitPicture, SkyIsWhatTheCameraSeesBesideTheGround) {
   scene.light.sky = {glm::vec3(0.5f), glm::vec3(0.5f), glm::vec3(0.5f)};
   const Rendered r(scene);
   const Sights sights = sightsOf(r.transport, cameraAlong({0, 1, 8}, {0, 0, -1}, 1.0), smallPicture());
-  const LitPicture picture = lightPicture(sights, even("even", glm::vec3(2.0f)), 1);
+  const LitPicture picture = lightPicture(sights, "even", even(glm::vec3(2.0f)), 1);
   EXPECT_EQ(picture.receiver_share.front(), 0.0f);
   EXPECT_EQ(picture.radiance.front().r, 0.5f);
   EXPECT_EQ(picture.receiver_share.back(), 1.0f);
@@ -96,8 +96,8 @@ TEST(LitPicture, ReceiversStandBeforeSurfacesAndNeverBehindOthers) {
 TEST(PictureError, IsInSharesOfTruthsRms) {
   const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
   const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
-  const LitPicture truth = lightPicture(sights, even("truth", glm::vec3(2.0f)), 1);
-  const LitPicture other = lightPicture(sights, even("other", glm::vec3(2.5f)), 1);
+  const LitPicture truth = lightPicture(sights, "truth", even(glm::vec3(2.0f)), 1);
+  const LitPicture other = lightPicture(sights, "other", even(glm::vec3(2.5f)), 1);
   const PictureError error = pictureError(other, truth);
   EXPECT_NEAR(error.rmse, 0.25, 1e-6);
   EXPECT_NEAR(error.bias, 0.25, 1e-6);
@@ -108,7 +108,7 @@ TEST(PictureError, IsInSharesOfTruthsRms) {
 TEST(Tone, MedianBecomesMiddleGreyAndNothingIsCutOffAtOne) {
   const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
   const Sights sights = sightsOf(r.transport, kAcross, smallPicture());
-  const LitPicture picture = lightPicture(sights, even("even", glm::vec3(7.0f)), 1);
+  const LitPicture picture = lightPicture(sights, "even", even(glm::vec3(7.0f)), 1);
   const double exposure = automaticExposure(picture);
   EXPECT_NEAR(exposure * 7.0 * 0.5 / kPi, 0.18, 1e-6);
   // sRGB of .18 - .04: 255 * (1.055 * .14^(1 / 2.4) - .055) = 104.6; of 1 - .04, which bends to 1 - .24^2 / .44
@@ -144,14 +144,14 @@ TEST(Denoised, TakesNoiseAwayAndKeepsWhatHasNone) {
   SightOptions options = smallPicture();
   options.samples_per_side = 1;
   const Sights sights = sightsOf(r.transport, kAcross, options);
-  std::vector<ReceivedLight> light(sights.samples.size());
+  std::vector<LightAnswer> light(sights.samples.size());
   const auto isNoisy = [&](size_t i) { return sights.samples[i].receiver.normal.y > 0.5f; };
   for (size_t i = 0; i < light.size(); ++i) {
     const bool is_odd = (i + i / sights.width) % 2 == 1;
     light[i].irradiance = glm::vec3(isNoisy(i) ? (is_odd ? 1.5f : 0.5f) : (is_odd ? 3.0f : 2.0f));
     light[i].deviation = glm::vec3(isNoisy(i) ? 0.5f : 0.0f);
   }
-  const std::vector<ReceivedLight> result = denoised(sights, kAcross, light, 1);
+  const std::vector<LightAnswer> result = denoised(sights, kAcross, light, 1);
   size_t noisy = 0;
   for (size_t i = 0; i < light.size(); ++i) {
     noisy += isNoisy(i);
@@ -165,10 +165,9 @@ TEST(Denoised, TakesNoiseAwayAndKeepsWhatHasNone) {
 // A method that lights one end of a room alone.
 TEST(LitViews, StandAtEyeHeightAndLookAtWhatIsLit) {
   const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
-  const Lighting one_end = {"one end", [](std::span<const Receiver> receivers, ReceivedLight* received) {
-                              for (const Receiver& receiver : receivers)
-                                *received++ = {glm::vec3(receiver.position_m.z > 0.0 ? 1.0f : 0.0f), glm::vec3(0.0f), true};
-                            }};
+  const LightAt one_end = [](std::span<const Receiver> receivers, LightAnswer* answers) {
+    for (const Receiver& at : receivers) *answers++ = {glm::vec3(at.position_m.z > 0.0 ? 1.0f : 0.0f), Reach::lit};
+  };
   const Bounds bounds = sceneBounds(r.scene);
   const ExtentBox extent{glm::dvec3(bounds.min), glm::dvec3(bounds.max)};
   LitViews views(r.transport, one_end, extent, {1.0, 1.5, 1, 2});

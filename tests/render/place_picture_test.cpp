@@ -21,13 +21,15 @@ struct DarkRoom {
   LightTransport transport;
 };
 
-Lighting even(float irradiance) {
-  return {"even", [irradiance](std::span<const Receiver> receivers, ReceivedLight* received) {
-            for (size_t i = 0; i < receivers.size(); ++i) received[i] = {glm::vec3(irradiance), glm::vec3(0.0f), true};
-          }};
+LightAt even(float irradiance) {
+  return [irradiance](std::span<const Receiver> receivers, LightAnswer* answers) {
+    std::fill_n(answers, receivers.size(), LightAnswer{glm::vec3(irradiance), Reach::lit});
+  };
 }
 
-MeasuredPlace darkPlace(float answer) { return {{{0.3, 0.2, -1.0}, {0, 0, 1}}, glm::vec3(0.0f), glm::vec3(answer), 1.0, answer}; }
+MeasuredPlace darkPlace(float answer) {
+  return {"even", {{0.3, 0.2, -1.0}, {0, 0, 1}}, glm::vec3(0.0f), glm::vec3(answer), 1.0, answer};
+}
 
 PlacePictureOptions smallPicture(int threads = 1) {
   PlacePictureOptions options;

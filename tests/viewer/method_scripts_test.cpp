@@ -32,7 +32,7 @@ TEST(TrilinearGrid, LightsAsTheTrilinearMethodDoes) {
   const std::vector<LightSh> light = randomLight(probes.count());
   for (const TrilinearKind kind : {TrilinearKind::all, TrilinearKind::valid}) {
     const Trilinear trilinear(kind, probes, lit.rays);
-    const auto measured = blendedLight(trilinear, light);
+    const LightAt light_at = blendedLight(trilinear, light);
     const LightGrid grid = trilinearGrid(probes, light, kind == TrilinearKind::all);
     ASSERT_TRUE(checkLightGrid(grid).ok());
     Random random(2);
@@ -43,7 +43,7 @@ TEST(TrilinearGrid, LightsAsTheTrilinearMethodDoes) {
           glm::normalize(glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)) + glm::vec3(1e-3f));
       ProbesAround around;
       if (!grid.tree.lookUp({at.x, at.y, at.z}, &around)) continue;
-      const LightAnswer answer = measured(at, normal);
+      const LightAnswer answer = answerAt(light_at, {at, normal});
       glm::vec3 rgb;
       lookUpIrradiance(grid, {at.x, at.y, at.z}, &normal.x, &rgb.x);
       lit_count += answer.irradiance.r > 0.0f;

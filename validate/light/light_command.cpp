@@ -114,18 +114,15 @@ class LightMeasurement {
 
   // Harmonics gathered at the place itself: what is left is what they cannot hold.
   Json floorFigures() const {
-    const LightMethod method = {"harmonics at the point",
-                                "point",
-                                [&](const glm::dvec3& position_m, const glm::vec3& normal) {
-                                  const GatheredLight light =
-                                      transport_.gather(position_m, request_.probe, mixSeed(options_.seed, kFloorStream));
-                                  return LightAnswer{glm::max(irradiance(light.light, normal), glm::vec3(0.0f)), Reach::lit};
-                                },
-                                nullptr,
-                                {},
-                                0,
-                                0.0,
-                                0.0};
+    LightMethod method;
+    method.weights = "harmonics at the point";
+    method.light = "point";
+    method.light_at = [&](std::span<const Receiver> receivers, LightAnswer* answers) {
+      for (const Receiver& at : receivers) {
+        const GatheredLight light = transport_.gather(at.position_m, request_.probe, mixSeed(options_.seed, kFloorStream));
+        *answers++ = {glm::max(irradiance(light.light, at.normal), glm::vec3(0.0f)), Reach::lit};
+      }
+    };
     return measured(method);
   }
 
@@ -136,10 +133,8 @@ class LightMeasurement {
     MethodSetOptions method_options = methodSetOptions(options, request_.probe, scene.air.places.size(), threads_);
     if (!request_.thin_errors.empty()) method_options.thin_errors = request_.thin_errors;
     MethodSet methods({transport, scene.tree, scene.air}, method_options);
-    if (!asked.grids_alone && !request_.grids_only) {
-      methods.addTrilinear();
-      methods.addApv();
-      methods.addDdgi();
+    for (const MethodSet::Baseline& baseline : MethodSet::baselines()) {
+      if (!asked.grids_alone && !request_.grids_only) (methods.*baseline.add)(MethodSet::kGatheredAndSolved);
     }
     std::vector<glm::dvec3> positions_m;
     for (const LightPlace& place : places_.places) positions_m.push_back(place.position_m);
@@ -207,10 +202,7 @@ class LightMeasurement {
   }
 
   Json measured(const LightMethod& method, Draws draws = Draws::nothing) const {
-    std::vector<LightAnswer> answers(places_.places.size());
-    parallelFor(answers.size(), threads_, [&](uint64_t i, int) {
-      answers[i] = method.irradiance_at(places_.places[i].position_m, places_.places[i].normal);
-    });
+    const std::vector<LightAnswer> answers = answersAt(method.light_at, receiversAt(places_), threads_);
     const LightFigures figures = lightFigures(places_, truth_, answers);
     Json json = methodJson(method, figures, places_, truth_, answers, origin_m_);
     if (draws == Draws::pictures) {
@@ -225,12 +217,13 @@ class LightMeasurement {
   std::string drawWorst(const LightMethod& method, const WorstPlace& worst, const LightAnswer& answer, size_t rank) const {
     const LightPlace& place = places_.places[worst.place];
     const MeasuredPlace measured = {
-        {place.position_m, place.normal}, truth_.at[worst.place].irradiance, answer.irradiance, worst.error, truth_.rms};
+        method.weights, {place.position_m, place.normal}, truth_.at[worst.place].irradiance, answer.irradiance, worst.error,
+        truth_.rms};
     PlacePictureOptions picture;
     picture.truth_rays = request_.picture_rays;
     picture.thread_count = threads_;
     picture.seed = mixSeed(options_.seed, kPictureStream);
-    const Image image = drawPlace(transport_, measured, measuredLighting(method.weights, method), picture);
+    const Image image = drawPlace(transport_, measured, method.light_at, picture);
     const std::string name = fmt::format("{}_{}_{:02}.png", fileWord(scene_id_), fileWord(method.weights), rank);
     const std::filesystem::path path = std::filesystem::path(request_.pictures) / name;
     writePng(path.string(), image, {{"Software", std::string("nlg-validate light ") + sourceRevision()}});
@@ -249,7 +242,7 @@ class LightMeasurement {
       while (seconds < request_.look_up_seconds / kRuns) {
         for (const LightPlace& place : places_.places) {
           if (place.group != PlaceGroup::air) break;  // those in air come first
-          kept += method.irradiance_at(place.position_m, place.normal).irradiance;
+          kept += answerAt(method.light_at, {place.position_m, place.normal}).irradiance;
           ++count;
         }
         seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -271,6 +271,12 @@ LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport
   return truth;
 }
 
+std::vector<Receiver> receiversAt(const LightPlaces& places) {
+  std::vector<Receiver> receivers;
+  for (const LightPlace& place : places.places) receivers.push_back({place.position_m, place.normal});
+  return receivers;
+}
+
 LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
   // one exposure for all colour differences: truth's mean is middle grey
   const double exposure = quotient(kExposedMean, truth.mean);

@@ -94,6 +94,9 @@ struct LightFigures {
   std::vector<WorstPlace> worst;  // walks not among them
 };
 
+// Where a method is asked, by place.
+std::vector<Receiver> receiversAt(const LightPlaces& places);
+
 // answers   by place
 LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers);
 

@@ -175,7 +175,7 @@ Candidate judged(SceneView view, const LightTransport& transport, uint64_t seed)
   const Sights sights = sightsOf(transport, camera, options);
   GatherOptions gather;
   gather.rays = kLitRays;
-  const std::vector<ReceivedLight> light = lightSamples(sights, truthLighting(transport, gather, seed), 1);
+  const std::vector<LightAnswer> light = lightSamples(sights, trueLight(transport, gather, seed), 1);
   const double pixel = 2.0 * std::tan(0.5 * camera.fov_y) / kLitHeight;
   for (size_t i = 0; i < light.size(); ++i) {
     if (sights.samples[i].kind != Sight::Kind::receiver) continue;

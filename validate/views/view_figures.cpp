@@ -84,8 +84,8 @@ std::array<double*, 12> numbersOf(ViewFigures* f) {
 // A view darker than what the eye adapts to is exposed as if that light were everywhere.
 double exposureOf(const Sights& sights, const ViewTruth& truth) {
   if (truth.adapted <= truth.median) return automaticExposure(pictureOf(sights, "truth", truth.at));
-  std::vector<ReceivedLight> even(truth.at.size());
-  for (ReceivedLight& at : even) at.irradiance = glm::vec3(static_cast<float>(truth.adapted));
+  std::vector<LightAnswer> even(truth.at.size());
+  for (LightAnswer& at : even) at.irradiance = glm::vec3(static_cast<float>(truth.adapted));
   return automaticExposure(pictureOf(sights, "even light", even));
 }
 
@@ -134,7 +134,7 @@ class ClassSum {
 
 }  // namespace
 
-double medianLight(const Sights& sights, const std::vector<ReceivedLight>& truth) {
+double medianLight(const Sights& sights, const std::vector<LightAnswer>& truth) {
   std::vector<double> lit;
   for (size_t i = 0; i < truth.size(); ++i) {
     const double light = luminanceOf(truth[i].irradiance);
@@ -143,7 +143,7 @@ double medianLight(const Sights& sights, const std::vector<ReceivedLight>& truth
   return medianOf(std::move(lit));
 }
 
-ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> received, double brightest, int thread_count) {
+ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<LightAnswer> received, double brightest, int thread_count) {
   const Sights& sights = surfaces.sights;
   ViewTruth truth;
   // the exposure of truth serves all methods: a method that is too bright looks too bright
@@ -160,7 +160,7 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> recei
   for (size_t i = 0; i < truth.at.size(); ++i) {
     const Sight& sight = sights.samples[i];
     if (sight.kind != Sight::Kind::receiver) continue;
-    const ReceivedLight& at = truth.at[i];
+    const LightAnswer& at = truth.at[i];
     ++receivers;
     light[i] = static_cast<float>(luminanceOf(at.irradiance));
     squares += squareSum(at.irradiance);
@@ -182,7 +182,7 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> recei
   return truth;
 }
 
-ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& truth, const std::vector<ReceivedLight>& answers) {
+ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& truth, const std::vector<LightAnswer>& answers) {
   std::array<ClassSum, kViewClassCount> sums;
   // black: below what an eye adapted to the view tells from black
   const double black = kBlackOfMedian * truth.adapted;
@@ -207,7 +207,7 @@ ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& tr
       sums[c].addSquares(squareSum(given - right), squareSum(right));
       if (is_ring) sums[c].addRing();
       if (is_dim) sums[c].addDim();
-      if (!answers[i].is_lit) sums[c].addUnlit();
+      if (!answers[i].isLit()) sums[c].addUnlit();
     }
   }
   ViewFiguresByClass figures;

@@ -32,7 +32,7 @@ inline constexpr double kRingDarker = 2.0 / 3.0;  // of the least truth there: a
 inline constexpr float kRingNormal = 0.9f;        // cosine between normals of surfaces that are held against each other
 
 struct ViewTruth {
-  std::vector<ReceivedLight> at;    // by sample
+  std::vector<LightAnswer> at;      // by sample
   std::vector<float> least_nearby;  // luminance: the least truth within kRingM, of like normals; by sample
   std::vector<float> exact;         // luminance that exact visibility gives, by sample; empty: not known, and nothing is dim
   double exposure = 1.0;
@@ -50,10 +50,10 @@ struct ViewTruth {
 };
 
 // Median luminance of the irradiance of receivers that are not black; 0 where all are.
-double medianLight(const Sights& sights, const std::vector<ReceivedLight>& truth);
+double medianLight(const Sights& sights, const std::vector<LightAnswer>& truth);
 
 // brightest   medianLight of the scene's brightest view
-ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<ReceivedLight> truth, double brightest, int thread_count);
+ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<LightAnswer> truth, double brightest, int thread_count);
 
 struct OffShares {
   double brighter = 0.0, darker = 0.0;
@@ -75,7 +75,7 @@ struct ViewFigures {
 using ViewFiguresByClass = std::array<ViewFigures, kViewClassCount>;
 
 // answers   by sample
-ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& truth, const std::vector<ReceivedLight>& answers);
+ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& truth, const std::vector<LightAnswer>& answers);
 
 // Of several views: means that count every view alike; of classes, by the class's receivers.
 ViewFiguresByClass meanFigures(const std::vector<ViewFiguresByClass>& views);

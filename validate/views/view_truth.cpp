@@ -98,15 +98,16 @@ TracedView readTruth(const std::string& path, const std::string& key, size_t sam
   view.rounds = rounds.front();
   view.was_read = true;
   for (size_t i = 0; i < samples; ++i) {
-    view.at[i].irradiance = {irradiance[3 * i], irradiance[3 * i + 1], irradiance[3 * i + 2]};
-    view.at[i].deviation = {deviation[3 * i], deviation[3 * i + 1], deviation[3 * i + 2]};
+    view.at[i] = {{irradiance[3 * i], irradiance[3 * i + 1], irradiance[3 * i + 2]},
+                  Reach::lit,
+                  {deviation[3 * i], deviation[3 * i + 1], deviation[3 * i + 2]}};
   }
   return view;
 }
 
 void writeTruth(const std::string& path, const std::string& key, const TracedView& view) {
   std::vector<float> irradiance, deviation;
-  for (const ReceivedLight& light : view.at) {
+  for (const LightAnswer& light : view.at) {
     irradiance.insert(irradiance.end(), {light.irradiance.r, light.irradiance.g, light.irradiance.b});
     deviation.insert(deviation.end(), {light.deviation.r, light.deviation.g, light.deviation.b});
   }
@@ -123,7 +124,7 @@ void writeTruth(const std::string& path, const std::string& key, const TracedVie
 
 TracedView traced(const LightTransport& transport, const Sights& sights, const ViewTruthOptions& options) {
   const auto round = [&](int number) {
-    return lightSamples(sights, truthLighting(transport, options.gather, mixSeed(options.seed, number)), options.thread_count);
+    return lightSamples(sights, trueLight(transport, options.gather, mixSeed(options.seed, number)), options.thread_count);
   };
   TracedView view;
   view.at = round(0);
@@ -131,9 +132,9 @@ TracedView traced(const LightTransport& transport, const Sights& sights, const V
   const double over = medianNoise(view.at) / options.noise;
   view.rounds = static_cast<int>(std::clamp(std::ceil(over * over), 1.0, double{kMostTruthRounds}));
   // variances add, deviations do not
-  for (ReceivedLight& at : view.at) at.deviation *= at.deviation;
+  for (LightAnswer& at : view.at) at.deviation *= at.deviation;
   for (int number = 1; number < view.rounds; ++number) {
-    const std::vector<ReceivedLight> more = round(number);
+    const std::vector<LightAnswer> more = round(number);
     for (size_t i = 0; i < more.size(); ++i) {
       view.at[i].irradiance += more[i].irradiance;
       view.at[i].deviation += more[i].deviation * more[i].deviation;
@@ -141,7 +142,7 @@ TracedView traced(const LightTransport& transport, const Sights& sights, const V
   }
   // mean of the rounds, and its deviation
   const auto share = 1.0f / static_cast<float>(view.rounds);
-  for (ReceivedLight& at : view.at) {
+  for (LightAnswer& at : view.at) {
     at.irradiance *= share;
     at.deviation = share * glm::sqrt(at.deviation);
   }
@@ -174,9 +175,9 @@ ViewSurfaces surfacesOf(const LightTransport& transport, const SceneView& view, 
   return surfaces;
 }
 
-double medianNoise(const std::vector<ReceivedLight>& truth) {
+double medianNoise(const std::vector<LightAnswer>& truth) {
   std::vector<double> noise;
-  for (const ReceivedLight& at : truth) {
+  for (const LightAnswer& at : truth) {
     const double light = luminanceOf(at.irradiance);
     if (light > 0.0) noise.push_back(luminanceOf(at.deviation) / light);
   }

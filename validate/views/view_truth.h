@@ -58,13 +58,13 @@ struct ViewTruthOptions {
 };
 
 struct TracedView {
-  std::vector<ReceivedLight> at;  // by sample; samples without a receiver are black
+  std::vector<LightAnswer> at;  // by sample; samples without a receiver are black
   int rounds = 0;
   bool was_read = false;  // from its file
 };
 
 // The median over receivers that are not black of the standard deviation over the light itself; 0 where all are.
-double medianNoise(const std::vector<ReceivedLight>& truth);
+double medianNoise(const std::vector<LightAnswer>& truth);
 
 // path     of the view's file, read if it is of this view, else written; empty: none
 // throws   OutputError; a file that is there and cannot be used is said on stderr, and replaced

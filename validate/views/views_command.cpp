@@ -11,6 +11,7 @@
 #include "light/air.h"
 #include "light/methods/method_set.h"
 #include "render/picture/image.h"
+#include "render/rendered_scene.h"
 #include "render/tone.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
@@ -99,26 +100,19 @@ class ViewsMeasurement {
     MethodSet methods({transport_, scene_.tree, scene_.air},
                       methodSetOptions(options_, {request_.probe_rays, 64}, scene_.air.places.size(), threads_));
     if (request_.target_functions) methods.addTargetFunctions(receivers(), options_.diffusion, {LightWay::solved});
-    methods.addTrilinear(TrilinearKind::visible, {LightWay::solved});
+    methods.addExactVisibility({LightWay::solved});
     takeExact(methods.methods().back());
     for (const auto& [name, generators] : sets) measureGrid(name, generators);
     for (const std::string& path : request_.grids) {
-      LightGrid grid;
       GridMetadata metadata;
-      requireRead(path, readLightGridFile(path, &grid, &metadata), "a light grid");
-      if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
-      measureLighting(std::filesystem::path(path).stem().string(), "of its file",
-                      gridLighting(grid, scene_.source.scene.origin_m));
+      const LightGrid grid = readGrid(path, &metadata);
+      measure(std::filesystem::path(path).stem().string(), "of its file", gridLight(grid, scene_.source.scene.origin_m));
     }
     grid_count_ = measured_.size();
-    if (!request_.grids_only) {
-      methods.addTrilinear(TrilinearKind::all, {LightWay::point});
-      methods.addTrilinear(TrilinearKind::valid, {LightWay::point});
-      methods.addApv({LightWay::point});
-      methods.addOwnDdgi();
+    for (const MethodSet::Baseline& baseline : MethodSet::baselines()) {
+      if (baseline.is_technique && !request_.grids_only) (methods.*baseline.add)({LightWay::point});
     }
-    for (const LightMethod& method : methods.methods())
-      measureLighting(method.weights, method.light, measuredLighting(method.weights, method));
+    for (const LightMethod& method : methods.methods()) measure(method.weights, method.light, method.light_at);
     return results();
   }
 
@@ -158,7 +152,7 @@ class ViewsMeasurement {
   // What all methods' dimness is held against.
   void takeExact(const LightMethod& method) {
     for (ReadyView& view : ready_) {
-      for (const ReceivedLight& at : lightSamples(view.surfaces.sights, measuredLighting(method.weights, method), threads_))
+      for (const LightAnswer& at : lightSamples(view.surfaces.sights, method.light_at, threads_))
         view.truth.exact.push_back(static_cast<float>(luminanceOf(at.irradiance)));
     }
   }
@@ -166,13 +160,13 @@ class ViewsMeasurement {
   // As the bake leaves it in its file.
   void measureGrid(const std::string& name, const std::vector<Generator>& generators) {
     const LightGrid grid = bakeScene(scene_, generators, options_, temporaryFolder()).grid;
-    measureLighting(name, options_.light, gridLighting(grid, scene_.source.scene.origin_m));
+    measure(name, options_.light, gridLight(grid, scene_.source.scene.origin_m));
   }
 
-  void measureLighting(const std::string& weights, const std::string& light, const Lighting& lighting) {
+  void measure(const std::string& weights, const std::string& light, const LightAt& light_at) {
     MeasuredViews& measured = measured_.emplace_back(MeasuredViews{weights, light, {}});
     for (size_t v = 0; v < ready_.size(); ++v) {
-      const std::vector<ReceivedLight> answers = lightSamples(ready_[v].surfaces.sights, lighting, threads_);
+      const std::vector<LightAnswer> answers = lightSamples(ready_[v].surfaces.sights, light_at, threads_);
       measured.views.push_back(viewFigures(ready_[v].surfaces, ready_[v].truth, answers));
       if (!request_.pictures.empty())
         pictures_[v].push_back({pictureOf(ready_[v].surfaces.sights, weights, answers), measured.views.back()[0]});

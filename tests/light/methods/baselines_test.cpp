@@ -92,5 +92,49 @@ TEST_F(BaselinesTest, TargetFunctionsHandOverWhatTheirWeightsAddUpTo) {
   EXPECT_GT(below_one, 10) << "beside the wall half of the probes are not seen";
 }
 
+TEST(Baselines, AreMadeByTheirNamesOnCommandLinesOnce) {
+  const LitScene lit(brightAndDarkRoom());
+  MethodSet methods = lit.methods();
+  for (const MethodSet::Baseline& baseline : MethodSet::baselines()) EXPECT_TRUE(MethodSet::isBaseline(baseline.name));
+  EXPECT_FALSE(MethodSet::isBaseline("truth"));
+  // as shipped alone, by its short name and by its whole one
+  methods.addNamed("ddgi");
+  methods.addNamed("ddgi-as-shipped");
+  ASSERT_EQ(methods.methods().size(), 1u);
+  EXPECT_EQ(methods.named("ddgi"), &methods.methods()[0]);
+  EXPECT_EQ(methods.named("ddgi"), methods.named("ddgi-as-shipped"));
+  EXPECT_EQ(methods.named("apv"), nullptr);
+  methods.addNamed("valid-trilinear:solved");
+  methods.addNamed("valid-trilinear");
+  ASSERT_EQ(methods.methods().size(), 3u);
+  EXPECT_EQ(methods.named("valid-trilinear:solved")->light, "solved");
+  EXPECT_EQ(methods.named("valid-trilinear")->light, "point");
+}
+
+TEST(Baselines, AnswerManyReceiversAsTheyAnswerOne) {
+  const LitScene lit(brightAndDarkRoom());
+  MethodSet methods = lit.methods();
+  for (const MethodSet::Baseline& baseline : MethodSet::baselines()) (methods.*baseline.add)({LightWay::point});
+  std::vector<Receiver> receivers;
+  const LightPlaces places = lit.places();
+  // more than are asked for at once
+  for (int n = 0; n < 4; ++n) {
+    for (const LightPlace& place : places.places) receivers.push_back({place.position_m, place.normal});
+  }
+  ASSERT_GE(methods.methods().size(), MethodSet::baselines().size());
+  for (const LightMethod& method : methods.methods()) {
+    const std::vector<LightAnswer> answers = answersAt(method.light_at, receivers, 3);
+    ASSERT_EQ(answers.size(), receivers.size());
+    size_t lit_count = 0;
+    for (size_t i = 0; i < receivers.size(); ++i) {
+      const LightAnswer one = answerAt(method.light_at, receivers[i]);
+      ASSERT_EQ(answers[i].irradiance, one.irradiance) << method.weights << ' ' << i;
+      ASSERT_EQ(answers[i].reach, one.reach) << method.weights << ' ' << i;
+      lit_count += one.isLit();
+    }
+    EXPECT_GT(lit_count, receivers.size() / 2) << method.weights;
+  }
+}
+
 }  // namespace
 }  // namespace nlg

@@ -118,7 +118,7 @@ TEST(Ddgi, IsMeasuredByBothRulesWhereTheyDiffer) {
     scene.materials[0].double_sided = double_sided;
     const LitScene lit(scene);
     MethodSet methods = lit.methods();
-    methods.addOwnDdgi();
+    methods.addDdgi({LightWay::point});
     std::vector<std::string> names;
     for (const LightMethod& method : methods.methods()) names.push_back(method.weights);
     std::vector<std::string> expected = {"DDGI as shipped", "DDGI as shipped, relocated"};

@@ -49,10 +49,10 @@ TEST_F(ShOctreeTest, HasConstantLightWithoutError) {
   const std::vector<ShOctree> octrees = grown({4096}, [](const glm::dvec3&) { return grey(2.0f); });
   ASSERT_EQ(octrees.size(), 1u);
   const ShOctreeWeighting weighting(octrees[0].tree);
-  const auto answer = blendedLight(weighting, octrees[0].light);
+  const LightAt light_at = blendedLight(weighting, octrees[0].light);
   const glm::vec3 normal(0.0f, 1.0f, 0.0f), expected = irradiance(grey(2.0f), normal);
   for (const glm::dvec3& place : *places_) {
-    const LightAnswer at = answer(place, normal);
+    const LightAnswer at = answerAt(light_at, {place, normal});
     ASSERT_EQ(at.reach, Reach::lit);
     // the solve ends at 1e-4 of its first residual
     EXPECT_NEAR(at.irradiance.g, expected.g, 1e-3 * expected.g);

@@ -12,26 +12,19 @@ namespace {
 
 using FiguresByMethod = std::map<std::string, LightFigures>;
 
-std::vector<LightAnswer> answersOf(const LightMethod& method, const LightPlaces& places) {
-  std::vector<LightAnswer> answers;
-  for (const LightPlace& place : places.places) answers.push_back(method.irradiance_at(place.position_m, place.normal));
-  return answers;
-}
-
 FiguresByMethod measureAll(const LitScene& lit) {
   LightPlaces places = lit.places();
   partIntoRooms(&places, lit.rays, 1);
   const LightTruth truth = lightTruth(places, lit.transport, {{256, 64}});
   MethodSet methods = lit.methods();
-  methods.addTrilinear();
-  methods.addApv();
-  methods.addDdgi();
+  for (const MethodSet::Baseline& baseline : MethodSet::baselines()) (methods.*baseline.add)(MethodSet::kGatheredAndSolved);
   std::vector<glm::dvec3> asked;
   for (const LightPlace& place : places.places) asked.push_back(place.position_m);
   methods.addTargetFunctions(asked, {});
   FiguresByMethod figures;
   for (const LightMethod& method : methods.methods())
-    figures[method.weights + ", " + method.light] = lightFigures(places, truth, answersOf(method, places));
+    figures[method.weights + ", " + method.light] =
+        lightFigures(places, truth, answersAt(method.light_at, receiversAt(places), 1));
   return figures;
 }
 

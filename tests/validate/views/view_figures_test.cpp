@@ -28,12 +28,12 @@ ViewSurfaces floorFromAbove() {
   return surfaces;
 }
 
-std::vector<ReceivedLight> evenLight(size_t count, float irradiance, float deviation = 0.0f) {
-  return std::vector<ReceivedLight>(count, {glm::vec3(irradiance), glm::vec3(deviation), true});
+std::vector<LightAnswer> evenLight(size_t count, float irradiance, float deviation = 0.0f) {
+  return std::vector<LightAnswer>(count, {glm::vec3(irradiance), Reach::lit, glm::vec3(deviation)});
 }
 
-std::vector<ReceivedLight> scaled(std::vector<ReceivedLight> light, float factor) {
-  for (ReceivedLight& at : light) at.irradiance *= factor;
+std::vector<LightAnswer> scaled(std::vector<LightAnswer> light, float factor) {
+  for (LightAnswer& at : light) at.irradiance *= factor;
   return light;
 }
 
@@ -41,7 +41,7 @@ const ViewFigures& of(const ViewFiguresByClass& figures, ViewClass of_class) { r
 
 TEST(ViewFigures, AreZeroOfTruthItself) {
   const ViewSurfaces surfaces = floorFromAbove();
-  std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f);
+  std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f);
   // any light, from bright to black
   for (size_t i = 0; i < light.size(); ++i) light[i].irradiance *= static_cast<float>(i % 7) * static_cast<float>(i % 11);
   const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
@@ -55,7 +55,7 @@ TEST(ViewFigures, AreZeroOfTruthItself) {
 
 TEST(ViewFigures, OfTwiceTheLightAreWhatTheySay) {
   const ViewSurfaces surfaces = floorFromAbove();
-  const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 3.0f);
+  const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 3.0f);
   const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
   const ViewFigures twice = of(viewFigures(surfaces, truth, scaled(light, 2.0f)), ViewClass::all);
   EXPECT_EQ(twice.receivers, surfaces.classes.size());
@@ -75,7 +75,7 @@ TEST(ViewFigures, OfTwiceTheLightAreWhatTheySay) {
 
 TEST(ViewFigures, TakeNoisyTruthForOffOnlyBeyondItsNoise) {
   const ViewSurfaces surfaces = floorFromAbove();
-  const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f, 0.2f);
+  const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f, 0.2f);
   const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
   EXPECT_NEAR(truth.noise, 0.2, 1e-6);
   // truth may be 1.2, and 1.5 times that is 1.8
@@ -87,9 +87,9 @@ TEST(ViewFigures, TakeNoisyTruthForOffOnlyBeyondItsNoise) {
 TEST(ViewFigures, CountAsBlackSpotsWhatHasLessThanAnEighthOfTheLight) {
   const ViewSurfaces surfaces = floorFromAbove();
   for (const auto& [deviation, limit] : {std::pair(0.0f, 0.125f), {0.2f, 0.1f}}) {
-    const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f, deviation);
+    const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f, deviation);
     const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
-    std::vector<ReceivedLight> answers = scaled(light, 1.01f * limit);
+    std::vector<LightAnswer> answers = scaled(light, 1.01f * limit);
     EXPECT_EQ(of(viewFigures(surfaces, truth, answers), ViewClass::all).below_eighth, 0.0);
     for (size_t i = 0; i < answers.size(); i += 4) answers[i].irradiance *= 0.98f;
     EXPECT_EQ(of(viewFigures(surfaces, truth, answers), ViewClass::all).below_eighth, 0.25);
@@ -99,7 +99,7 @@ TEST(ViewFigures, CountAsBlackSpotsWhatHasLessThanAnEighthOfTheLight) {
 // A factor of two below what exact visibility gives, wherever that is no black.
 TEST(ViewFigures, CountAsDimWhatHasLessThanHalfOfExactVisibilitysLight) {
   const ViewSurfaces surfaces = floorFromAbove();
-  const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f);
+  const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f);
   ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
   const auto dim = [&](float answer) { return of(viewFigures(surfaces, truth, scaled(light, answer)), ViewClass::all).dim; };
   EXPECT_EQ(dim(0.0f), 0.0) << "nobody knows what exact visibility gives";
@@ -113,7 +113,7 @@ TEST(ViewFigures, CountAsDimWhatHasLessThanHalfOfExactVisibilitysLight) {
 // Of a scene whose brightest view has 10: the eye adapts to .01 here, and a hundredth of that is black.
 TEST(ViewFigures, OfAViewWithoutLightAreOfWhatTheDarkestEyeWouldSee) {
   const ViewSurfaces surfaces = floorFromAbove();
-  const std::vector<ReceivedLight> dark = evenLight(surfaces.classes.size(), 0.0f);
+  const std::vector<LightAnswer> dark = evenLight(surfaces.classes.size(), 0.0f);
   const ViewTruth truth = truthOf(surfaces, dark, 10.0, 1);
   EXPECT_EQ(truth.median, 0.0);
   EXPECT_TRUE(truth.isKnown());
@@ -126,7 +126,7 @@ TEST(ViewFigures, OfAViewWithoutLightAreOfWhatTheDarkestEyeWouldSee) {
   // shown as middle grey, L* 49.50
   EXPECT_NEAR(leaking(0.01f).colour, 49.50, 0.05);
   // nothing changes where there is more
-  const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 0.02f);
+  const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 0.02f);
   EXPECT_EQ(truthOf(surfaces, light, 10.0, 1).exposure, truthOf(surfaces, light, 0.0, 1).exposure);
   EXPECT_TRUE(truthOf(surfaces, light, 10.0, 1).isCounted());
 }
@@ -135,7 +135,7 @@ TEST(ViewFigures, OfAViewWithoutLightAreOfWhatTheDarkestEyeWouldSee) {
 TEST(ViewFigures, AreOfNoUseWhereTruthIsNotKnown) {
   const ViewSurfaces surfaces = floorFromAbove();
   const auto isKnown = [&](float deviation) {
-    const std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f, deviation);
+    const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f, deviation);
     return truthOf(surfaces, light, 1.0, 1).isKnown();
   };
   EXPECT_TRUE(isKnown(0.33f));
@@ -145,13 +145,13 @@ TEST(ViewFigures, AreOfNoUseWhereTruthIsNotKnown) {
 TEST(ViewFigures, FindRingsWhereTheyAreAndNowhereElse) {
   const ViewSurfaces surfaces = floorFromAbove();
   // truth: bright, and dark on a strip of 8 cm at x = 2 m
-  std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f);
+  std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f);
   for (size_t i = 0; i < light.size(); ++i) {
     if (i % 100 == 50 || i % 100 == 51) light[i].irradiance = glm::vec3(0.3f);
   }
   const ViewTruth truth = truthOf(surfaces, light, 0.0, 3);
   // the answer: dark at x = .4 m, where truth is bright all around, and at 2.2 m, which is 16 cm from the strip
-  std::vector<ReceivedLight> answer = light;
+  std::vector<LightAnswer> answer = light;
   for (size_t i = 0; i < light.size(); ++i) {
     if (i % 100 == 10 || i % 100 == 55) answer[i].irradiance = glm::vec3(0.5f);
   }
@@ -231,7 +231,7 @@ TEST_F(ViewTruthFile, IsMadeAnewWhereAnythingThatDecidesItIsOther) {
 // Half of the floor is lit by a thousandth of the other's light: whatever is wrong with it there, nobody sees it.
 TEST(ViewFigures, DoNotLookIntoTheBlack) {
   const ViewSurfaces surfaces = floorFromAbove();
-  std::vector<ReceivedLight> light = evenLight(surfaces.classes.size(), 1.0f), answer = light;
+  std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f), answer = light;
   for (size_t i = 0; i < light.size(); i += 3) {
     light[i].irradiance = glm::vec3(0.001f);
     answer[i].irradiance = glm::vec3(0.009f);

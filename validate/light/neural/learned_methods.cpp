@@ -51,7 +51,7 @@ LearnedMethod learnedRow(const Row& row) {
   LearnedMethod made;
   made.method.weights = row.name;
   made.method.light = "own";
-  made.method.irradiance_at = std::move(learned.irradiance_at);
+  made.method.light_at = std::move(learned.light_at);
   made.method.bytes = learned.bytes;
   made.method.light_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   made.cost = learned.cost;

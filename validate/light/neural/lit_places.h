@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include <torch/types.h>
@@ -103,7 +102,7 @@ struct LearnedCost {
 };
 
 struct LearnedLight {
-  std::function<LightAnswer(const glm::dvec3& position_m, const glm::vec3& normal)> irradiance_at;  // owns what it reads
+  LightAt light_at;  // owns what it reads
   MethodBytes bytes;
   LearnedCost cost;
 };

@@ -187,9 +187,7 @@ LearnedLight trainNetworkGrid(const LitPlaces& lit, const PlaceSplit& split, con
   for (auto first = numbers.begin(); first != numbers.end(); first += static_cast<ptrdiff_t>(shape.parameterCount()))
     networks.emplace_back(shape, std::vector<float>(first, first + static_cast<ptrdiff_t>(shape.parameterCount())));
   const auto grid = std::make_shared<const NetworkGrid>(NetworkGrid{std::move(nodes), unit, std::move(networks)});
-  learned.irradiance_at = [grid](const glm::dvec3& position_m, const glm::vec3& normal) {
-    return grid->irradianceAt(position_m, normal);
-  };
+  learned.light_at = lightOf(grid);
   return learned;
 }
 

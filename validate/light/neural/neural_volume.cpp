@@ -211,9 +211,7 @@ LearnedLight trainNeuralVolume(const LitPlaces& lit, const PlaceSplit& split, co
   cost.steps = static_cast<size_t>(record.steps);
   cost.training_s = record.processor_s;
   const auto volume = std::make_shared<const Volume>(Volume{frame, unit, grid, std::move(table), std::move(network)});
-  learned.irradiance_at = [volume](const glm::dvec3& position_m, const glm::vec3& normal) {
-    return volume->irradianceAt(position_m, normal);
-  };
+  learned.light_at = lightOf(volume);
   return learned;
 }
 

@@ -49,9 +49,7 @@ LearnedLight trainSiren(const LitPlaces& lit, const PlaceSplit& split, const Sir
   cost.steps = static_cast<size_t>(record.steps);
   cost.training_s = record.processor_s;
   learned.bytes.light = kLearnedBytes * cost.parameters;
-  learned.irradiance_at = [siren](const glm::dvec3& position_m, const glm::vec3& normal) {
-    return siren->irradianceAt(position_m, normal);
-  };
+  learned.light_at = lightOf(siren);
   return learned;
 }
 

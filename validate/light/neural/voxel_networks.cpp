@@ -69,9 +69,7 @@ LearnedLight trainVoxelNetworks(const LitPlaces& lit, const PlaceSplit& split, c
   // which network a voxel has
   learned.bytes = {kLearnedBytes * cost.parameters, 0, lattice.size() * sizeof(uint32_t)};
   const auto networks = std::make_shared<const VoxelNetworks>(std::move(all));
-  learned.irradiance_at = [networks](const glm::dvec3& position_m, const glm::vec3& normal) {
-    return networks->irradianceAt(position_m, normal);
-  };
+  learned.light_at = lightOf(networks);
   return learned;
 }
 

@@ -59,7 +59,7 @@ TEST(VoxelNetworks, GiveEachVoxelItsOwnLight) {
   EXPECT_EQ(learned.cost.words_by_place, (numbers + 1) / 2);
   // some centimetres from the face between them, which is at the lowest place's x + 4
   for (const double x : {23.9, 24.1}) {
-    const LightAnswer answer = learned.irradiance_at({x, 0.5, 5.0}, {0.0f, 1.0f, 0.0f});
+    const LightAnswer answer = answerAt(learned.light_at, {{x, 0.5, 5.0}, {0.0f, 1.0f, 0.0f}});
     EXPECT_EQ(answer.reach, Reach::lit);
     const float expected = 3.14159265f * (x < 24.0 ? 1.0f : 0.2f);
     EXPECT_NEAR(answer.irradiance.r, expected, 0.1f * expected);
@@ -81,7 +81,8 @@ TEST(Siren, LearnsLightThatChangesOverTheScene) {
   double squares = 0.0;
   for (int i = 0; i < 500; ++i) {
     const double expected = 3.14159265 * light(lit.position_m[i])[0].g / 3.5449077;
-    squares += std::pow(learned.irradiance_at(lit.position_m[i], {0.0f, 1.0f, 0.0f}).irradiance.g / expected - 1.0, 2) / 500.0;
+    squares +=
+        std::pow(answerAt(learned.light_at, {lit.position_m[i], {0.0f, 1.0f, 0.0f}}).irradiance.g / expected - 1.0, 2) / 500.0;
   }
   // the mean alone is .25 off
   EXPECT_LT(std::sqrt(squares), 0.05);

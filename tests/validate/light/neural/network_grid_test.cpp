@@ -37,7 +37,7 @@ TEST(NetworkGrid, LearnsLightWithoutEdgesBetweenCells) {
   EXPECT_EQ(learned.cost.multiply_adds, 4 * (6u * 16 + 16 * 16 + 16 * 3 + 3));
   double squares = 0.0;
   for (int i = 0; i < 500; ++i) {
-    const LightAnswer answer = learned.irradiance_at(lit.position_m[i], {0.0f, 1.0f, 0.0f});
+    const LightAnswer answer = answerAt(learned.light_at, {lit.position_m[i], {0.0f, 1.0f, 0.0f}});
     EXPECT_EQ(answer.reach, Reach::lit);
     squares += std::pow(answer.irradiance.g / (kPi * level(lit.position_m[i].x)) - 1.0, 2) / 500.0;
   }
@@ -46,7 +46,9 @@ TEST(NetworkGrid, LearnsLightWithoutEdgesBetweenCells) {
   // along a line through cells and their tetrahedra: within a tenth of a millimetre even a slope of the whole light a centimetre is .01
   for (double x = 21.0; x < 27.0; x += 1e-4) {
     const double y = -0.5 + 0.3 * (x - 21.0), z = 4.0 + 0.5 * (x - 21.0);
-    const auto at = [&](double moved) { return learned.irradiance_at({x + moved, y, z}, {0.0f, 1.0f, 0.0f}).irradiance.g; };
+    const auto at = [&](double moved) {
+      return answerAt(learned.light_at, {{x + moved, y, z}, {0.0f, 1.0f, 0.0f}}).irradiance.g;
+    };
     ASSERT_NEAR(at(0.0), at(1e-4), 0.01f * kPi) << x;
   }
 }

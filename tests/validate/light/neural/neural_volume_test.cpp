@@ -59,7 +59,8 @@ TEST(NeuralVolume, LearnsConstantLightToFloat16) {
   const LitPlaces lit = placesWithLight(2000, [](const glm::dvec3&) { return ambient({1.0f, 2.0f, 0.5f}); });
   const LearnedLight learned = trainNeuralVolume(lit, splitPlaces(2000, 1), smallVolume(2500));
   for (int i = 0; i < 100; ++i) {
-    const LightAnswer answer = learned.irradiance_at(lit.position_m[i], glm::normalize(glm::vec3(i % 7 - 3, i % 5 - 2, 1.0f)));
+    const LightAnswer answer =
+        answerAt(learned.light_at, {lit.position_m[i], glm::normalize(glm::vec3(i % 7 - 3, i % 5 - 2, 1.0f))});
     for (int c = 0; c < 3; ++c) {
       const float expected = 3.14159265f * glm::vec3(1.0f, 2.0f, 0.5f)[c];
       EXPECT_NEAR(answer.irradiance[c], expected, 0.01f * expected) << "place " << i;
@@ -77,7 +78,7 @@ TEST(NeuralVolume, LearnsAWallThatNoCellOfItsCoarsestLevelHolds) {
   const auto meanAt = [&](double x) {
     float sum = 0.0f;
     for (int i = 0; i < 16; ++i)
-      sum += learned.irradiance_at({x, -0.5 + 0.125 * i, 4.0 + 0.2 * i}, {0.0f, 1.0f, 0.0f}).irradiance.g / 16.0f;
+      sum += answerAt(learned.light_at, {{x, -0.5 + 0.125 * i, 4.0 + 0.2 * i}, {0.0f, 1.0f, 0.0f}}).irradiance.g / 16.0f;
     return sum / 3.14159265f;
   };
   // a cell of the coarsest level is half a metre: a blend across it would have .5 a quarter of a metre from the wall
