@@ -10,7 +10,7 @@
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/support/weighting_function.h"
 #include "scene/lights/light_sets.h"
-#include "scene/oddities.h"
+#include "scene/model/oddities.h"
 #include "scene/scene_size.h"
 #include "tool/printable.h"
 #include "tool/processor_time.h"

@@ -68,10 +68,7 @@ nlohmann::ordered_json resultJson(const ShardJob& job, const FunctionCollector& 
       {{"duplicate_rmse",
         {{"mean", differences.mean() / 255}, {"p95", differences.percentile(0.95) / 255}, {"worst", differences.worst() / 255}}},
        {"bytes", file_bytes},
-       {"dropped_triangles", job.scene().dropped_triangle_count},
-       {"dropped_faces", job.droppedFaces()},
-       {"materials_without_texture", job.materialsWithoutTexture()}});
-  if (!job.furnitureModels().empty()) json["furniture_models"] = job.furnitureModels();
+       {"dropped_triangles", job.scene().dropped_triangle_count}});
   return json;
 }
 

@@ -9,7 +9,7 @@
 
 #include "datagen/commands.h"
 #include "datagen/dataset/shard_file.h"
-#include "scene/scene_file.h"
+#include "scene/archive/scene_file.h"
 #include "tool/command/file_info.h"
 #include "tool/command/tool_main.h"
 #include "tool/output_path.h"

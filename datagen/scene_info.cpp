@@ -9,9 +9,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "scene/archive/pk3_archive.h"
 #include "scene/lights/light_options.h"
-#include "scene/quake/pk3_archive.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 #include "tool/printable.h"
 
 namespace nlg {
@@ -64,12 +64,9 @@ Json extremes(const std::vector<Light>& lights, const Brightness& of) {
 }  // namespace
 
 bool isShardRequest(const std::string& request) {
-  const std::string extension = extensionOf(request);
-  if (extension == ".h5") return true;
-  constexpr std::array<std::string_view, 4> kScenes = {".glb", ".gltf", ".obj", ".bsp"};
+  if (extensionOf(request) == ".h5") return true;
   std::error_code error;
-  return std::find(kScenes.begin(), kScenes.end(), extension) == kScenes.end() && !isOtherFormat(extension) &&
-         std::filesystem::is_regular_file(request, error);
+  return formatOf(request) == nullptr && !isOtherFormat(request) && std::filesystem::is_regular_file(request, error);
 }
 
 Json describeScene(const std::string& request, const SceneReading& reading) {
@@ -121,10 +118,7 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
                     scene.light.unit.kind == LightUnit::Kind::over_pi ? "pi too dark"
                     : scene.light.unit.kind == LightUnit::Kind::raw   ? "raw W of Blender"
                                                                       : "683 times W of Blender"));
-  for (const auto& [reason, faces] : source.dropped_faces)
-    notes.push_back(fmt::format("{} faces are no geometry: {}", faces, reason));
-  if (source.materials_without_texture > 0)
-    notes.push_back(fmt::format("{} materials without a texture: grey", source.materials_without_texture));
+  for (const std::string& line : source.counts) notes.push_back(line);
   json["notes"] = notes;
   return json;
 }

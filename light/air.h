@@ -7,7 +7,7 @@
 #include "datagen/probes/probe_placement.h"
 #include "datagen/visibility/ray_scene.h"
 #include "datagen/visibility/solid_vote.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/image/surface_look.h"
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
+#include "scene/model/surface_look.h"
 
 namespace nlg {
 namespace {

@@ -11,7 +11,7 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

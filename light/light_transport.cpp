@@ -10,8 +10,8 @@
 #include "light/sunlight.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/image/surface_look.h"
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
+#include "scene/model/surface_look.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -5,7 +5,7 @@
 // estimation at every vertex to lamps, suns and shining triangles (these by multiple importance sampling), Russian roulette.
 // Lamps and suns are sampled at the place itself in both. Sky is met where a ray leaves the scene, or by a front of SkyFaces.
 // Colour, emission and what a transmissive surface lets through are those of the point that a ray meets
-// (scene/image/surface_look.h). A path that meets a transmissive surface goes on through it or back from it, by chance; a ray to
+// (scene/model/surface_look.h). A path that meets a transmissive surface goes on through it or back from it, by chance; a ray to
 // a light is dimmed by each of them on its way.
 //
 // Directions are low-discrepancy; every number is a pure function of the scene, the options and the seed of the place, the same
@@ -19,7 +19,7 @@
 
 #include "datagen/visibility/ray_scene.h"
 #include "nlg/light_grid.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

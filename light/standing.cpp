@@ -12,7 +12,6 @@
 #include "light/air.h"
 #include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/lights/light_options.h"
 
 namespace nlg {
 namespace {

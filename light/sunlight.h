@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "datagen/visibility/ray_scene.h"
-#include "scene/image/sky_image.h"
-#include "scene/lights/scene_light.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
+#include "scene/model/scene_light.h"
+#include "scene/model/sky_image.h"
 
 namespace nlg {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "light/air.h"
-#include "scene/image/surface_look.h"
+#include "scene/model/surface_look.h"
 #include "tool/parallel_for.h"
 
 namespace nlg {

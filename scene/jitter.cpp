@@ -3,7 +3,8 @@
 #include <utility>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/rotation.h"
+#include "scene/model/rotation.h"
+#include "scene/solid/closed_shells.h"
 
 namespace nlg {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

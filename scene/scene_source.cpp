@@ -9,13 +9,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scene/image/surface_look.h"
+#include "scene/archive/pk3_archive.h"
+#include "scene/archive/scene_file.h"
 #include "scene/interiors/interiors.h"
+#include "scene/model/surface_look.h"
 #include "scene/obj/obj_reader.h"
 #include "scene/procedural/procedural.h"
 #include "scene/quake/bsp_reader.h"
-#include "scene/quake/pk3_archive.h"
-#include "scene/scene_file.h"
 #include "scene/scene_size.h"
 #include "scene/solid/double_sided.h"
 #include "tool/error.h"
@@ -50,8 +50,10 @@ SceneSource sourceOf(Scene scene) {
 
 SceneSource sourceOf(BspLevel level) {
   SceneSource source = sourceOf(std::move(level.scene));
-  source.dropped_faces = std::move(level.dropped_faces);
-  source.materials_without_texture = level.materials_without_texture;
+  for (const auto& [reason, faces] : level.dropped_faces)
+    source.counts.push_back(fmt::format("{} faces are no geometry: {}", faces, reason));
+  if (level.materials_without_texture > 0)
+    source.counts.push_back(fmt::format("{} materials without a texture: grey", level.materials_without_texture));
   source.notes = std::move(level.notes);
   source.light_notes = std::move(level.light_notes);
   return source;
@@ -101,7 +103,7 @@ SceneSource readInterior(const InteriorRequest& request) {
   Interior interior = makeInterior(request.path, request.plan, seedOf(request.seed, "PATH:PLAN:SEED"));
   SceneSource source = sourceOf(std::move(interior.scene));
   source.family = request.plan;
-  source.furniture_models = std::move(interior.models);
+  for (const auto& [what, models] : interior.models) source.counts.push_back(fmt::format("{} models: {}", models, what));
   return source;
 }
 
@@ -183,27 +185,42 @@ SceneSource readGltfFile(const std::string& path, const SceneReading& reading) {
   return sourceOf(std::move(level.scene), std::move(level.notes), path, reading);
 }
 
+constexpr SceneFormat kFormats[] = {
+    {".glb", readGltfFile, true, true},
+    {".gltf", readGltfFile, true, true},
+    {".obj", readObjFile, true, false},
+    {".bsp", [](const std::string& path, const SceneReading&) { return sourceOf(readBsp(path)); }, false, false}};
+
+// ".glb, .gltf, .obj or .bsp"
+std::string endings() {
+  std::string text;
+  const size_t count = std::size(kFormats);
+  for (size_t f = 0; f < count; ++f) text += std::string(f == 0 ? "" : f + 1 < count ? ", " : " or ").append(kFormats[f].ending);
+  return text;
+}
+
 // What modellers may have instead: each is a way of an export away.
-void refuseOtherFormats(const std::string& request, const std::string& extension) {
-  if (!isOtherFormat(extension)) return;
+void refuseOtherFormats(const std::string& request) {
+  if (!isOtherFormat(request)) return;
+  const std::string extension = extensionOf(request);
   const char* const import = extension == ".blend" ? "open it in Blender" : "import it into Blender, or open it in what made it";
   throw InputError(
-      request, "scene", "a .glb, .gltf, .obj or .bsp file",
+      request, "scene", "a " + endings() + " file",
       fmt::format("a {} file: {}, and export glTF (in Blender File > Export > glTF 2.0, with Include > Data > Punctual "
                   "Lights for its lamps)",
                   extension, import));
 }
 
 SceneSource readScene(const std::string& request, const SceneReading& reading) {
-  const std::string extension = extensionOf(request);
-  refuseOtherFormats(request, extension);
+  refuseOtherFormats(request);
+  const SceneFormat* const format = formatOf(request);
+  const size_t colon = archiveColon(request);
   // an option that only the glTF reader knows is refused elsewhere, not ignored
-  const bool is_other = extension == ".obj" || extension == ".bsp" || archiveColon(request) != std::string::npos;
+  const bool is_other = (format != nullptr && !format->is_gltf) || colon != std::string::npos;
   if (is_other && !(reading.gltf.scene_name.empty() && reading.gltf.leave_out.empty()))
     throw UsageError(reading.gltf.scene_name.empty() ? "--leave-out" : "--scene-name", "a glTF file", request);
-  if (extension == ".obj") return readInUnit(reading, [&](const SceneReading& r) { return readObjFile(request, r); });
-  if (extension == ".glb" || extension == ".gltf")
-    return readInUnit(reading, [&](const SceneReading& r) { return readGltfFile(request, r); });
+  if (format != nullptr && format->has_unit)
+    return readInUnit(reading, [&](const SceneReading& r) { return format->read(request, r); });
   // procedural scenes are in metres, levels of games in a unit that their reader knows
   if (reading.unit_m != 0.0 && reading.unit_m != 1.0)
     throw UsageError("--unit", "1 for any scene but a glTF or .obj file", fmt::format("{:g} for {}", reading.unit_m, request));
@@ -218,11 +235,10 @@ SceneSource readScene(const std::string& request, const SceneReading& reading) {
   InteriorRequest interior;
   if (readInterior(request, &interior)) return readInterior(interior);
   // ARCHIVES:LEVEL, a level within .pk3 files
-  const size_t colon = archiveColon(request);
   if (colon != std::string::npos)
     return sourceOf(
         readBspFromArchives(request.substr(0, colon), request.substr(colon + 1), reading.transmissive_cover, reading.images));
-  if (extension == ".bsp") return sourceOf(readBsp(request));
+  if (format != nullptr) return format->read(request, reading);
   // what is no known form must be a file; the reader of glTF words all other problems of files
   std::error_code error;
   if (!fs::exists(request, error) && !error)
@@ -232,10 +248,16 @@ SceneSource readScene(const std::string& request, const SceneReading& reading) {
 
 }  // namespace
 
-bool isOtherFormat(const std::string& extension) {
+const SceneFormat* formatOf(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  const auto* found = std::ranges::find(kFormats, extension, &SceneFormat::ending);
+  return found == std::end(kFormats) ? nullptr : found;
+}
+
+bool isOtherFormat(const std::string& path) {
   static const std::set<std::string> kOthers = {".fbx", ".blend", ".usd", ".usda", ".usdc", ".usdz", ".dae", ".3ds", ".max",
                                                 ".ma",  ".mb",    ".c4d", ".skp",  ".stl",  ".ply",  ".abc", ".x3d"};
-  return kOthers.count(extension) > 0;
+  return kOthers.contains(extensionOf(path));
 }
 
 void describe(SceneReading& reading, OptionTable& table) {
@@ -270,9 +292,9 @@ SceneSource loadScene(const std::string& request, const SceneReading& reading) {
 
 std::string sceneForms() {
   return fmt::format(
-      "a .glb, .gltf, .obj or .bsp file, FOLDER:MAP for a level in .pk3 archives, PATH.sh3f:PLAN:SEED for an interior, "
+      "a {} file, FOLDER:MAP for a level in .pk3 archives, PATH.sh3f:PLAN:SEED for an interior, "
       "FAMILY:SEED for a procedural scene ({}), or a small scene for tests of light ({})",
-      fmt::join(proceduralFamilies(), ", "), fmt::join(builtInScenes(), ", "));
+      endings(), fmt::join(proceduralFamilies(), ", "), fmt::join(builtInScenes(), ", "));
 }
 
 void tellNotes(const std::string& tool, const SceneSource& source) {

@@ -1,14 +1,13 @@
 // Loads a scene by the text with which users, configurations and shards name it.
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scene/gltf/gltf_reader.h"
 #include "scene/image/image_loader.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 #include "scene/solid/transmissive.h"
 #include "tool/command/options.h"
 
@@ -19,15 +18,13 @@ struct SceneSource {
   std::string id;                // "house_3"; the file's stem, or its whole name where that is one such; a map's in lower case
   std::string sha256;            // of the scene as it was read: sceneSha256; empty for a procedural one
   Scene scene;
-  std::vector<std::string> light_sets;            // names of the ways in which it is lit (light_sets.h); none: by all its light
-  std::vector<Scene> lit_otherwise;               // the same geometry in the light of each set but the first, which scene has
-  std::map<std::string, uint32_t> dropped_faces;  // of a .bsp, by why: bsp_reader.h
-  uint32_t materials_without_texture = 0;         // of a .bsp: these have the default colour
-  std::map<std::string, uint32_t> furniture_models;  // of an interior: interiors/interiors.h
+  std::vector<std::string> light_sets;   // names of the ways in which it is lit (light_sets.h); none: by all its light
+  std::vector<Scene> lit_otherwise;      // the same geometry in the light of each set but the first, which scene has
   std::vector<std::string> light_notes;  // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
   double unit_m = 0.0;                   // metres of one of the file's units, as it was read; 0: its format has a unit of its own
   std::string unit_question;             // where nobody named a unit, and the size of a large scene leaves it open: scene_size.h
   std::vector<std::string> notes;        // whatever else its user should know: obj_reader.h, scene_size.h
+  std::vector<std::string> counts;       // what its reader left out or replaced as a matter of course, for who asks
 };
 
 // A room may be no wider than four cavities: else a small scene, or one in the wrong unit, would be nothing but a cavity.
@@ -49,14 +46,24 @@ void describe(SceneReading& reading, OptionTable& table);
 // request   FAMILY:SEED for a procedural scene (house:3), NAME or NAME:SEED for a built-in one (cornell, two_rooms:1);
 //           PATH:PLAN:SEED for an interior (interiors/interiors.h), PATH a .sh3f file or a folder of them (Scopia.sh3f:flat:3);
 //           PATH:MAP for a level in archives, PATH a .pk3 file or a folder of them (baseoa:kaos2 is maps/kaos2.bsp); otherwise
-//           the path of a .glb, .gltf, .obj or .bsp file
+//           the path of a file of a SceneFormat
 //           Where reading.unit_m is 0 and certainUnit knows one, it is read with that, and a note says so.
 // throws    UsageError on a seed that is no decimal number, and on a unit of a scene that is no glTF or .obj file; InputError on
 //           one whose longest side is under 10 cm or over 100 km; whatever the reader throws
 SceneSource loadScene(const std::string& request, const SceneReading& reading = {});
 
-// Whether an ending (".fbx") is of a format that nothing here reads, and an export away.
-bool isOtherFormat(const std::string& extension);
+// A format of files that each hold one scene.
+struct SceneFormat {
+  std::string_view ending;  // ".glb", in lower case
+  SceneSource (*read)(const std::string& path, const SceneReading& reading);
+  bool has_unit;  // false: a unit of its own, and reading.unit_m is refused
+  bool is_gltf;   // false: a choice of glTF's scenes and nodes is refused
+};
+// null: none has this ending, in whatever case.
+const SceneFormat* formatOf(const std::string& path);
+
+// Whether a path ends as files (".fbx") of a format that nothing here reads, and an export away.
+bool isOtherFormat(const std::string& path);
 
 // What `request` may be, in one sentence for --help.
 std::string sceneForms();

@@ -14,7 +14,7 @@
 
 #include "light/methods/ddgi.h"
 #include "light/methods/method_set.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

@@ -19,8 +19,8 @@
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/numbers/rgb9e5.h"
-#include "scene/image/surface_look.h"
 #include "scene/lights/light_sets.h"
+#include "scene/model/surface_look.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
@@ -350,10 +350,8 @@ class ViewFolder {
 
 std::string folderOfView(const std::string& scene) {
   const fs::path path(scene);
-  const std::string extension = path.extension().string();
-  // house:3 has none, and is house_3
-  const bool is_file = extension == ".glb" || extension == ".gltf" || extension == ".obj" || extension == ".bsp";
-  std::string name = (is_file ? path.stem() : path.filename()).string();
+  // house:3 has no ending, and is house_3
+  std::string name = (formatOf(scene) != nullptr ? path.stem() : path.filename()).string();
   std::replace(name.begin(), name.end(), ':', '_');
   return name;
 }

@@ -12,7 +12,7 @@
 
 namespace nlg {
 
-// Roles of inputs. That of light has another name whenever the list of what the hashes are of becomes another one (scene/scene.cpp).
+// Roles of inputs. That of light has another name whenever the list of what the hashes are of becomes another one (scene/model/scene.cpp).
 inline constexpr const char* kWeightsRole = "weights of ";
 inline constexpr const char* kLightRole = "scene and light";
 inline constexpr const char* kUngroupedRole = "scene and light without groups";  // of scenes that have any

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "nlg/probe_tree.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

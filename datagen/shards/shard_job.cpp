@@ -125,9 +125,6 @@ ShardJob::ShardJob(const SceneSource& source, const ShardRequest& request, const
                    const OptionTable& table)
     : options_(options),
       header_(makeHeader(source, request, options, table)),
-      dropped_faces_(source.dropped_faces),
-      materials_without_texture_(source.materials_without_texture),
-      furniture_models_(source.furniture_models),
       seed_(shardSeed(options.seed, source.id, request.jitter)),
       scene_(shardScene(source.scene, options.jitter, seed_, request.jitter)),
       tree_(placeProbes(scene_, options, seed_)),

@@ -1,7 +1,6 @@
 // Prepares one scene under one jitter, for computing a shard and for estimating it.
 #pragma once
 
-#include <map>
 #include <string>
 
 #include "datagen/dataset/shard.h"
@@ -55,9 +54,6 @@ class ShardJob {
 
   const Shard& header() const { return header_; }  // everything but counts and arrays
   const Scene& scene() const { return scene_; }
-  const std::map<std::string, uint32_t>& droppedFaces() const { return dropped_faces_; }  // of a .bsp, by why: bsp_reader.h
-  uint32_t materialsWithoutTexture() const { return materials_without_texture_; }
-  const std::map<std::string, uint32_t>& furnitureModels() const { return furniture_models_; }  // of an interior
   uint64_t probeCount() const { return tree_.probeCount(); }
   CollectorLimits limits() const;
   // Of the functions of this shard: its points, its rule for duplicates, its chunks. throws OutputError when the spool's disk refuses
@@ -73,9 +69,6 @@ class ShardJob {
 
   DatagenOptions options_;
   Shard header_;
-  std::map<std::string, uint32_t> dropped_faces_;
-  uint32_t materials_without_texture_;
-  std::map<std::string, uint32_t> furniture_models_;
   uint64_t seed_;
   Scene scene_;
   ProbeTree tree_;

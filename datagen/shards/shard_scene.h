@@ -7,7 +7,7 @@
 #include "datagen/dataset/shard.h"
 #include "nlg/probe_tree.h"
 #include "scene/jitter.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

@@ -10,7 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "runtime_eval/simd/aligned.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

@@ -6,7 +6,7 @@
 #include "light/directions.h"
 #include "runtime_eval/numbers/half.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/image/surface_look.h"
+#include "scene/model/surface_look.h"
 #include "tool/parallel_for.h"
 #include "tool/processor_time.h"
 

@@ -8,7 +8,7 @@
 
 #include <tiny_gltf.h>
 
-#include "scene/scene_file.h"
+#include "scene/archive/scene_file.h"
 
 namespace nlg {
 

@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "scene/archive/scene_file.h"
 #include "scene/gltf/gltf_accessor.h"
 #include "scene/gltf/gltf_draco.h"
 #include "scene/gltf/gltf_json.h"
 #include "scene/gltf/gltf_meshopt.h"
-#include "scene/scene_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 

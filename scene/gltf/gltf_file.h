@@ -5,7 +5,8 @@
 
 #include <tiny_gltf.h>
 
-#include "scene/oddities.h"
+#include "scene/archive/scene_file.h"
+#include "scene/model/oddities.h"
 
 namespace nlg {
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/oddities.h"
+#include "scene/model/oddities.h"
 
 namespace nlg {
 

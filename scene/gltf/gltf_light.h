@@ -6,8 +6,8 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/lights/scene_light.h"
-#include "scene/oddities.h"
+#include "scene/model/oddities.h"
+#include "scene/model/scene_light.h"
 
 namespace tinygltf {
 class Model;

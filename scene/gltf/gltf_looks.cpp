@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "scene/archive/scene_file.h"
 #include "scene/gltf/gltf_accessor.h"
 #include "scene/gltf/gltf_json.h"
 #include "scene/gltf/gltf_light.h"
-#include "scene/scene_file.h"
 #include "tool/base64.h"
 #include "tool/error.h"
 

@@ -8,10 +8,10 @@
 #include <tiny_gltf.h>
 #include <glm/glm.hpp>
 
+#include "scene/archive/scene_file.h"
 #include "scene/image/image_loader.h"
-#include "scene/oddities.h"
-#include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scene/model/oddities.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

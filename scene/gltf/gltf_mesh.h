@@ -8,9 +8,9 @@
 #include <tiny_gltf.h>
 #include <glm/glm.hpp>
 
+#include "scene/archive/scene_file.h"
 #include "scene/gltf/gltf_looks.h"
-#include "scene/oddities.h"
-#include "scene/scene_file.h"
+#include "scene/model/oddities.h"
 
 namespace nlg {
 

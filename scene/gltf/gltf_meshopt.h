@@ -5,7 +5,8 @@
 
 #include <string>
 
-#include "scene/oddities.h"
+#include "scene/archive/scene_file.h"
+#include "scene/model/oddities.h"
 
 namespace tinygltf {
 class Model;

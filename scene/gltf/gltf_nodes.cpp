@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "scene/oddities.h"
-#include "scene/quake/pk3_archive.h"
+#include "scene/archive/pk3_archive.h"
+#include "scene/model/oddities.h"
 
 namespace nlg {
 namespace {

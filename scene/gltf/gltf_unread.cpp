@@ -9,7 +9,7 @@
 #include "scene/gltf/gltf_light.h"
 #include "scene/gltf/gltf_looks.h"
 #include "scene/gltf/gltf_nodes.h"
-#include "scene/oddities.h"
+#include "scene/model/oddities.h"
 
 namespace nlg {
 namespace {

@@ -11,7 +11,7 @@
 #include <png.h>
 #include <webp/decode.h>
 
-#include "scene/scene_file.h"
+#include "scene/archive/scene_file.h"
 
 namespace nlg {
 namespace {

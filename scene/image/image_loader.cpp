@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/scene_file.h"
+#include "scene/archive/scene_file.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 

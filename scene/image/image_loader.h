@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "scene/archive/scene_file.h"
 #include "scene/image/image_decode.h"
-#include "scene/image/texture_image.h"
-#include "scene/scene_file.h"
+#include "scene/model/texture_image.h"
 
 namespace nlg {
 

@@ -17,7 +17,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/quake/pk3_archive.h"
+#include "scene/archive/pk3_archive.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/image/sky_image.h"
+#include "scene/model/sky_image.h"
 
 namespace nlg {
 

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "scene/image/surface_look.h"
+#include "scene/model/surface_look.h"
 #include "scene/obj/obj_reader.h"
 #include "scene/procedural/mesh_builder.h"
 #include "scene/solid/closed_shells.h"

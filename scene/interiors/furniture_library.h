@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "scene/archive/pk3_archive.h"
 #include "scene/interiors/catalogue.h"
 #include "scene/interiors/furniture_use.h"
-#include "scene/quake/pk3_archive.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

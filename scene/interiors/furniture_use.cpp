@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/quake/pk3_archive.h"
+#include "scene/archive/pk3_archive.h"
 
 namespace nlg {
 namespace {

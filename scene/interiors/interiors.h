@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "scene/interiors/home.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

@@ -119,8 +119,6 @@ constexpr double kLumensPerWatt = 683.0, kFourPi = 12.566370614359172;  // that 
 
 float largestOf(const glm::vec3& rgb) { return std::max({rgb.r, rgb.g, rgb.b}); }
 
-bool isBright(const glm::vec3& colour) { return colour.r > 0.0f || colour.g > 0.0f || colour.b > 0.0f; }
-
 // Emission of the triangles, the brightest.
 float brightestEmission(const Scene& scene) {
   float brightest = 0.0f;
@@ -230,19 +228,11 @@ void describe(LightOptions& options, OptionTable& table) {
       "full brightness.");
 }
 
-bool hasLightFromOutside(const Scene& scene) {
-  const SceneLight& light = scene.light;
-  if (!light.baked.empty() || !light.sky_faces.triangles.empty()) return true;
-  if (isBright(light.sky.zenith) || isBright(light.sky.horizon) || isBright(light.sky.ground)) return true;
-  return std::any_of(light.suns.begin(), light.suns.end(), [](const Sun& sun) { return isBright(sun.irradiance); });
-}
-
 bool hasLight(const Scene& scene) {
   const SceneLight& light = scene.light;
   if (std::any_of(light.lamps.begin(), light.lamps.end(), [](const Lamp& lamp) { return isBright(lamp.intensity); })) return true;
   if (std::any_of(light.sky_faces.shine.begin(), light.sky_faces.shine.end(), isBright)) return true;
-  if (isBright(light.sky.zenith) || isBright(light.sky.horizon) || isBright(light.sky.ground) || !light.baked.empty())
-    return true;
+  if (light.sky.shines() || !light.baked.empty()) return true;
   if (std::any_of(light.suns.begin(), light.suns.end(), [](const Sun& sun) { return isBright(sun.irradiance); })) return true;
   return brightestEmission(scene) > 0.0f;
 }

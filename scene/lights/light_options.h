@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 #include "tool/command/options.h"
 
 namespace nlg {
@@ -23,9 +23,6 @@ void describe(LightOptions& options, OptionTable& table);
 
 // Whether anything shines in the scene: sky, suns, lamps, emissive triangles, baked light.
 bool hasLight(const Scene& scene);
-
-// Whether light comes from outside of a scene: a sky, suns, or a level's own light, which holds them.
-bool hasLightFromOutside(const Scene& scene);
 
 // Whether lamps and suns are known to be in another unit than emission: LightUnit.
 bool isInOtherUnit(const Scene& scene);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "scene/lights/light_options.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 #include "scene/scene_source.h"
 
 namespace nlg {

@@ -8,10 +8,10 @@
 #include <unordered_map>
 #include <utility>
 
+#include "scene/archive/pk3_archive.h"
+#include "scene/archive/scene_file.h"
 #include "scene/obj/obj_text.h"
 #include "scene/obj/polygon_cut.h"
-#include "scene/quake/pk3_archive.h"
-#include "scene/scene_file.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "scene/image/image_loader.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 #include "scene/solid/transmissive.h"
 
 namespace nlg {

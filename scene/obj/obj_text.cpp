@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "scene/quake/pk3_archive.h"
-#include "scene/scene_file.h"
+#include "scene/archive/pk3_archive.h"
+#include "scene/archive/scene_file.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "runtime_eval/numbers/random.h"
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
 #include "scene/procedural/brush_grid.h"
 #include "scene/procedural/mesh_builder.h"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/rotation.h"
-#include "scene/scene.h"
+#include "scene/model/rotation.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/model/scene.h"
 #include "scene/procedural/mesh_builder.h"
-#include "scene/scene.h"
 
 namespace nlg {
 

@@ -6,7 +6,7 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
 #include "scene/quake/bsp_entities.h"
 #include "scene/quake/bsp_file.h"
 #include "scene/quake/bsp_shader.h"

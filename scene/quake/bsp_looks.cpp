@@ -1,7 +1,7 @@
 #include "scene/quake/bsp_looks.h"
 
 #include "scene/image/image_decode.h"
-#include "scene/image/texture_image.h"
+#include "scene/model/texture_image.h"
 #include "scene/quake/bsp_light.h"
 
 namespace nlg {

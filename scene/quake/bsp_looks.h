@@ -9,11 +9,11 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/archive/pk3_archive.h"
+#include "scene/archive/scene_file.h"
 #include "scene/image/image_loader.h"
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
 #include "scene/quake/bsp_shader.h"
-#include "scene/quake/pk3_archive.h"
-#include "scene/scene_file.h"
 
 namespace nlg {
 

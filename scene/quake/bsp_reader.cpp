@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "scene/archive/pk3_archive.h"
+#include "scene/archive/scene_file.h"
 #include "scene/quake/bsp_entities.h"
 #include "scene/quake/bsp_file.h"
 #include "scene/quake/bsp_light.h"
 #include "scene/quake/bsp_looks.h"
 #include "scene/quake/bsp_patch.h"
 #include "scene/quake/bsp_shader.h"
-#include "scene/quake/pk3_archive.h"
-#include "scene/scene_file.h"
 #include "scene/solid/closed_shells.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"

@@ -11,7 +11,7 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/quake/pk3_archive.h"
+#include "scene/archive/pk3_archive.h"
 
 namespace nlg {
 

@@ -53,6 +53,63 @@ bool isFreeStanding(const Shell& shell) {
   return shell.volume_m3 > 0.0 && (shell.volume_m3 > kOutwardShare * size.x * size.y * size.z || is_closed);
 }
 
+float largestSide(const Bounds& bounds) {
+  const glm::vec3 size = bounds.max - bounds.min;
+  return std::max({size.x, size.y, size.z});
+}
+
+// Sorts triangles of one object by component, components by their first triangle, and appends an object for each.
+class ComponentSplitter {
+ public:
+  explicit ComponentSplitter(Scene& scene) : scene_(scene), finder_(weldedVertices(scene.positions)) {
+    triangles_.reserve(scene.triangles.size());
+    materials_.reserve(scene.triangles.size());
+  }
+
+  void keep(const SceneObject& object) {
+    objects_.push_back(object);
+    for (uint32_t i = 0; i < object.triangle_count; ++i) append(object.first_triangle + i);
+  }
+
+  void split(const SceneObject& object) {
+    // counting sort by component
+    const auto [component, count] = finder_.components({scene_.triangles.data() + object.first_triangle, object.triangle_count});
+    std::vector<uint32_t> counts(count, 0);
+    for (const uint32_t c : component) ++counts[c];
+    std::vector<uint32_t> offsets(counts.size(), 0);
+    for (size_t c = 1; c < counts.size(); ++c) offsets[c] = offsets[c - 1] + counts[c - 1];
+    for (size_t c = 0; c < counts.size(); ++c) {
+      const std::string name = counts.size() == 1 ? object.name : object.name + "/" + std::to_string(c);
+      objects_.push_back({name, static_cast<uint32_t>(triangles_.size()) + offsets[c], counts[c], true});
+    }
+    std::vector<uint32_t> order(object.triangle_count);
+    for (uint32_t i = 0; i < object.triangle_count; ++i) order[offsets[component[i]]++] = object.first_triangle + i;
+    for (const uint32_t t : order) append(t);
+  }
+
+  void finish() {
+    scene_.triangles = std::move(triangles_);
+    scene_.triangle_material = std::move(materials_);
+    scene_.light.baked.triangle_page = std::move(pages_);
+    scene_.objects = std::move(objects_);
+  }
+
+ private:
+  void append(uint32_t triangle) {
+    triangles_.push_back(scene_.triangles[triangle]);
+    materials_.push_back(scene_.triangle_material[triangle]);
+    const std::vector<int32_t>& pages = scene_.light.baked.triangle_page;
+    if (!pages.empty()) pages_.push_back(pages[triangle]);
+  }
+
+  Scene& scene_;
+  ShellFinder finder_;
+  std::vector<glm::uvec3> triangles_;
+  std::vector<uint32_t> materials_;
+  std::vector<int32_t> pages_;  // of baked light
+  std::vector<SceneObject> objects_;
+};
+
 }  // namespace
 
 std::vector<uint32_t> weldedVertices(const std::vector<glm::vec3>& positions) {
@@ -178,6 +235,20 @@ std::vector<Shell> ShellFinder::measure(const std::vector<Position>& positions, 
 
 template std::vector<Shell> ShellFinder::measure(const std::vector<glm::vec3>&, std::span<const glm::uvec3>, const Components&);
 template std::vector<Shell> ShellFinder::measure(const std::vector<glm::dvec3>&, std::span<const glm::uvec3>, const Components&);
+
+void splitConnectedComponents(Scene& scene, double structure_share) {
+  const double limit = structure_share * largestSide(geometryBounds(scene));
+  ComponentSplitter splitter(scene);
+  for (const SceneObject& object : scene.objects) {
+    if (object.movable) {
+      splitter.split(object);
+    } else {
+      splitter.keep(object);
+    }
+  }
+  splitter.finish();
+  for (SceneObject& object : scene.objects) object.movable = object.movable && largestSide(objectBounds(scene, object)) <= limit;
+}
 
 void splitFreeStanding(Scene& scene, size_t object_idx) {
   // only this one is split: what is not movable stays whole

@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 
@@ -53,6 +53,11 @@ class ShellFinder {
 
   std::vector<uint32_t> same_as_, parent_, number_;
 };
+
+// Splits every object into its connected components: triangles that share a vertex position bit for bit. Triangle order within
+// a component stays. A component whose largest side exceeds structure_share of the scene's largest side becomes not movable.
+// An object that is not movable already stays whole.
+void splitConnectedComponents(Scene& scene, double structure_share);
 
 // Finds what can be moved without opening a level's shell: splits an object into its connected components and leaves movable only those that stand free: what looks outward round more
 // than half of its box (a crate without the bottom that stands on the floor, a column between floor and ceiling), or all round

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "scene/image/surface_look.h"
-#include "scene/oddities.h"
+#include "scene/model/oddities.h"
+#include "scene/model/surface_look.h"
 
 namespace nlg {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

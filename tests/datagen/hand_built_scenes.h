@@ -3,7 +3,7 @@
 
 #include <initializer_list>
 
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

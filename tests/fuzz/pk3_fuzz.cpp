@@ -1,7 +1,7 @@
 // Hostile .pk3 archives: whatever the bytes, they are refused in one line, or their files can be read, and a level in them with
 // its shader scripts and textures.
+#include "scene/archive/pk3_archive.h"
 #include "scene/quake/bsp_reader.h"
-#include "scene/quake/pk3_archive.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/scene_check.h"
 #include "tests/fuzz/zip_file.h"

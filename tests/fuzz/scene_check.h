@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "scene/image/surface_look.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
+#include "scene/model/surface_look.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace nlg::fuzz {

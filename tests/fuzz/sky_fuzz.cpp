@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "scene/image/sky_file.h"
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace nlg::fuzz {

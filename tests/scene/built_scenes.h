@@ -1,7 +1,7 @@
 // Scenes of one material, put together of quads: floors, boxes, rooms.
 #pragma once
 
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

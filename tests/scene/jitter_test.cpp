@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/solid/closed_shells.h"
+
 #include <algorithm>
 #include <cmath>
 

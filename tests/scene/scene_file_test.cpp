@@ -1,4 +1,4 @@
-#include "scene/scene_file.h"
+#include "scene/archive/scene_file.h"
 
 #include <gtest/gtest.h>
 

@@ -108,6 +108,33 @@ TEST_F(SceneFiles, AreReadInTheUnitThatTheirRoomsLeaveNoDoubtOf) {
   EXPECT_EQ(metres.unit_question, "");
 }
 
+// Of a file that is not there: how it is refused.
+bool isUsageError(const std::string& path, const SceneReading& reading) {
+  try {
+    loadScene(path, reading);
+  } catch (const UsageError&) {
+    return true;
+  } catch (const InputError&) {
+  }
+  return false;
+}
+
+TEST(SceneFormats, AreKnownByTheirEndingsInAnyCaseAndKeepToTheirOptions) {
+  EXPECT_EQ(formatOf("a.b/LEVEL.GLB"), formatOf("level.glb"));
+  EXPECT_EQ(formatOf("house:3"), nullptr);
+  SceneReading part, inches;
+  part.gltf.leave_out = {"x"};
+  inches.unit_m = 0.0254;
+  for (const std::string ending : {".glb", ".gltf", ".obj", ".bsp"}) {
+    const SceneFormat* format = formatOf("none" + ending);
+    ASSERT_NE(format, nullptr) << ending;
+    EXPECT_NE(sceneForms().find(ending), std::string::npos);
+    // what a format does not have is refused before the file is looked for
+    EXPECT_EQ(isUsageError("none" + ending, part), !format->is_gltf) << ending;
+    EXPECT_EQ(isUsageError("none" + ending, inches), !format->has_unit) << ending;
+  }
+}
+
 TEST_F(SceneFiles, OfOtherFormatsAreRefusedWithTheWayToOneThatIsRead) {
   for (const std::string name : {"level.fbx", "level.blend", "level.usdz", "no_such_file.dae"}) {
     expectInputError("File > Export > glTF 2.0", [&] { loadScene(write(name, "x")); });

@@ -1,4 +1,4 @@
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Triangles of a scene in world coordinates, for tests that know where they must be.
 #pragma once
 
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

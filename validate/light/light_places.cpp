@@ -8,7 +8,7 @@
 #include "light/directions.h"
 #include "light/sunlight.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
 #include "validate/light/rooms.h"
 
 namespace nlg {

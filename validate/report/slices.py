@@ -28,7 +28,6 @@ KINDS = ("target", "stored", "difference", "geometry cut")
 SIGHT, OCCLUDED = "#ffe9a8", "#46566e"  # valid points: in plain sight of the probe, and not
 PLATE_REPRESENTATIONS = 2  # beside each other
 ZOOM = 3
-AXIS_NAMES = "xyz"
 WHICH_NAMES = {"p5": "5th percentile", "median": "median", "p95": "95th percentile", "worst": "worst"}
 
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "datagen/weighting/weighting_builder.h"
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 namespace nlg {
 

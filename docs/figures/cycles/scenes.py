@@ -27,7 +27,7 @@ RECEIVER_M = 0.002  # side of the square that light is baked on
 SKY = (0.8, 1.0, 1.3)  # radiance
 HIGHEST_CODE = 0.94  # sRGB: below the albedo of .9 that nlg takes whiter surfaces for
 NO_SKY = (0.0, 0.0, 0.0)
-SUN_RADIUS = 0.00465  # radians: glTF knows none, and nlg takes this one (scene/lights/scene_light.h)
+SUN_RADIUS = 0.00465  # radians: glTF knows none, and nlg takes this one (scene/model/scene_light.h)
 LAMP_RADIUS_M = 0.005  # to Cycles a lamp is a disk, not a ball: near a large one it is too dark
 
 

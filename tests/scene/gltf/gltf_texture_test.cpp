@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "scene/image/surface_look.h"
+#include "scene/model/surface_look.h"
 #include "tests/scene/gltf/gltf_packed_parts.h"
 #include "tests/scene/gltf/gltf_parts.h"
 #include "tests/scene/image/hand_built_images.h"

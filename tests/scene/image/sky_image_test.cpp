@@ -1,4 +1,4 @@
-#include "scene/image/sky_image.h"
+#include "scene/model/sky_image.h"
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -11,7 +11,7 @@
 
 #include "scene/image/sky_file.h"
 #include "scene/lights/light_options.h"
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tests/input_error.h"
 #include "tests/temporary_folder.h"

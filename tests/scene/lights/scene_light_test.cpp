@@ -1,4 +1,4 @@
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scene/image/surface_look.h"
+#include "scene/model/surface_look.h"
 #include "scene/scene_source.h"
 #include "tests/input_error.h"
 #include "tests/scene/image/hand_built_images.h"

@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "hand_built_bsp.h"
-#include "scene/image/surface_look.h"
 #include "scene/jitter.h"
+#include "scene/model/surface_look.h"
 #include "scene/quake/bsp_reader.h"
 #include "tests/input_error.h"
 #include "tests/scene/image/hand_built_images.h"

@@ -5,10 +5,10 @@
 #include <functional>
 
 #include "hand_built_bsp.h"
-#include "scene/image/surface_look.h"
+#include "scene/archive/pk3_archive.h"
+#include "scene/model/surface_look.h"
 #include "scene/quake/bsp_file.h"
 #include "scene/quake/bsp_looks.h"
-#include "scene/quake/pk3_archive.h"
 #include "scene/scene_source.h"
 #include "scene/solid/transmissive.h"
 #include "tests/input_error.h"

@@ -1,4 +1,4 @@
-#include "scene/image/texture_image.h"
+#include "scene/model/texture_image.h"
 
 #include <algorithm>
 #include <cmath>

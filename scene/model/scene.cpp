@@ -1,11 +1,10 @@
-#include "scene/scene.h"
+#include "scene/model/scene.h"
 
 #include <algorithm>
 #include <type_traits>
 
 #include <fmt/format.h>
 
-#include "scene/solid/closed_shells.h"
 #include "tool/atomic_file.h"
 
 namespace nlg {
@@ -14,17 +13,6 @@ namespace {
 void grow(Bounds& bounds, const glm::vec3& p, bool is_first) {
   bounds.min = is_first ? p : glm::min(bounds.min, p);
   bounds.max = is_first ? p : glm::max(bounds.max, p);
-}
-
-Bounds geometryBounds(const Scene& scene) {
-  Bounds bounds;
-  for (size_t i = 0; i < scene.positions.size(); ++i) grow(bounds, scene.positions[i], i == 0);
-  return bounds;
-}
-
-float largestSide(const Bounds& bounds) {
-  const glm::vec3 size = bounds.max - bounds.min;
-  return std::max({size.x, size.y, size.z});
 }
 
 bool isFlat(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
@@ -142,58 +130,6 @@ std::string sha256Of(const Scene& scene, const LightGroups& groups, Of asked) {
   return parts.hash();
 }
 
-// Sorts triangles of one object by component, components by their first triangle, and appends an object for each.
-class ComponentSplitter {
- public:
-  explicit ComponentSplitter(Scene& scene) : scene_(scene), finder_(weldedVertices(scene.positions)) {
-    triangles_.reserve(scene.triangles.size());
-    materials_.reserve(scene.triangles.size());
-  }
-
-  void keep(const SceneObject& object) {
-    objects_.push_back(object);
-    for (uint32_t i = 0; i < object.triangle_count; ++i) append(object.first_triangle + i);
-  }
-
-  void split(const SceneObject& object) {
-    // counting sort by component
-    const auto [component, count] = finder_.components({scene_.triangles.data() + object.first_triangle, object.triangle_count});
-    std::vector<uint32_t> counts(count, 0);
-    for (const uint32_t c : component) ++counts[c];
-    std::vector<uint32_t> offsets(counts.size(), 0);
-    for (size_t c = 1; c < counts.size(); ++c) offsets[c] = offsets[c - 1] + counts[c - 1];
-    for (size_t c = 0; c < counts.size(); ++c) {
-      const std::string name = counts.size() == 1 ? object.name : object.name + "/" + std::to_string(c);
-      objects_.push_back({name, static_cast<uint32_t>(triangles_.size()) + offsets[c], counts[c], true});
-    }
-    std::vector<uint32_t> order(object.triangle_count);
-    for (uint32_t i = 0; i < object.triangle_count; ++i) order[offsets[component[i]]++] = object.first_triangle + i;
-    for (const uint32_t t : order) append(t);
-  }
-
-  void finish() {
-    scene_.triangles = std::move(triangles_);
-    scene_.triangle_material = std::move(materials_);
-    scene_.light.baked.triangle_page = std::move(pages_);
-    scene_.objects = std::move(objects_);
-  }
-
- private:
-  void append(uint32_t triangle) {
-    triangles_.push_back(scene_.triangles[triangle]);
-    materials_.push_back(scene_.triangle_material[triangle]);
-    const std::vector<int32_t>& pages = scene_.light.baked.triangle_page;
-    if (!pages.empty()) pages_.push_back(pages[triangle]);
-  }
-
-  Scene& scene_;
-  ShellFinder finder_;
-  std::vector<glm::uvec3> triangles_;
-  std::vector<uint32_t> materials_;
-  std::vector<int32_t> pages_;  // of baked light
-  std::vector<SceneObject> objects_;
-};
-
 }  // namespace
 
 Bounds objectBounds(const Scene& scene, const SceneObject& object) {
@@ -202,6 +138,12 @@ Bounds objectBounds(const Scene& scene, const SceneObject& object) {
     const glm::uvec3& triangle = scene.triangles[object.first_triangle + i];
     for (int corner = 0; corner < 3; ++corner) grow(bounds, scene.positions[triangle[corner]], i == 0 && corner == 0);
   }
+  return bounds;
+}
+
+Bounds geometryBounds(const Scene& scene) {
+  Bounds bounds;
+  for (size_t i = 0; i < scene.positions.size(); ++i) grow(bounds, scene.positions[i], i == 0);
   return bounds;
 }
 
@@ -277,18 +219,10 @@ std::string sceneLightSha256(const Scene& scene) { return sceneLightSha256(scene
 
 std::string sceneLightSha256(const Scene& scene, const LightGroups& groups) { return sha256Of(scene, groups, Of::light); }
 
-void splitConnectedComponents(Scene& scene, double structure_share) {
-  const double limit = structure_share * largestSide(geometryBounds(scene));
-  ComponentSplitter splitter(scene);
-  for (const SceneObject& object : scene.objects) {
-    if (object.movable) {
-      splitter.split(object);
-    } else {
-      splitter.keep(object);
-    }
-  }
-  splitter.finish();
-  for (SceneObject& object : scene.objects) object.movable = object.movable && largestSide(objectBounds(scene, object)) <= limit;
+bool hasLightFromOutside(const Scene& scene) {
+  const SceneLight& light = scene.light;
+  if (!light.baked.empty() || !light.sky_faces.triangles.empty() || light.sky.shines()) return true;
+  return std::any_of(light.suns.begin(), light.suns.end(), [](const Sun& sun) { return isBright(sun.irradiance); });
 }
 
 }  // namespace nlg

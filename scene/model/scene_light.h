@@ -10,12 +10,14 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/image/sky_image.h"
+#include "scene/model/sky_image.h"
 
 namespace nlg {
 
 // Luminance of linear red, green and blue by ITU-R BT.709.
 inline float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
+
+inline bool isBright(const glm::vec3& rgb) { return rgb.r > 0.0f || rgb.g > 0.0f || rgb.b > 0.0f; }
 
 // Radiance from beyond everything: a gradient from the horizon (y = 0) up to the zenith, and one colour for what lies below; or an
 // image. The gradient is then the one that is nearest to it, for whoever draws no image.
@@ -23,6 +25,7 @@ struct Sky {
   glm::vec3 zenith{0.0f}, horizon{0.0f}, ground{0.0f};  // >= 0
   SkyImage image = {};
 
+  bool shines() const { return isBright(zenith) || isBright(horizon) || isBright(ground); }
   glm::vec3 radiance(const glm::vec3& direction) const {
     if (!image.empty()) return image.radiance(direction);
     if (direction.y < 0.0f) return ground;

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/scene_file.h"
+#include "scene/archive/scene_file.h"
 
 namespace nlg {
 

@@ -1,4 +1,4 @@
-#include "scene/image/surface_look.h"
+#include "scene/model/surface_look.h"
 
 namespace nlg {
 namespace {

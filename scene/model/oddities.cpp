@@ -1,4 +1,4 @@
-#include "scene/oddities.h"
+#include "scene/model/oddities.h"
 
 #include <algorithm>
 

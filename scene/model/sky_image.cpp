@@ -1,11 +1,11 @@
-#include "scene/image/sky_image.h"
+#include "scene/model/sky_image.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
 
 namespace nlg {
 namespace {

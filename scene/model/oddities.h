@@ -6,9 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene_file.h"
+#include "tool/error.h"
 
 namespace nlg {
+
+// A scene that asks for more than a budget holds (scene_file.h): no part of it that could be left out.
+class BudgetError : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 class Oddities {
  public:

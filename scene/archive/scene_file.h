@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tool/error.h"
+#include "scene/model/oddities.h"
 
 namespace nlg {
 
@@ -25,12 +25,6 @@ inline constexpr uint64_t kMaxTexels = uint64_t{1} << 26;  // kept of all images
 inline constexpr uint64_t kLeastScanPixels = 4096;         // as which a smaller scan counts: beginning one takes time, too
 inline constexpr uint64_t kMaxAccessorElements = uint64_t{1} << 27;  // that the primitives of glTF read: corners, sparse values
 inline constexpr uint64_t kMaxAccessorZeros = uint64_t{1} << 20;     // of these, in accessors without a buffer view
-
-// A scene that asks for more than a budget holds: no part of it that could be left out.
-class BudgetError : public InputError {
- public:
-  using InputError::InputError;
-};
 
 // One of them, as it is spent.
 class SceneBudget {

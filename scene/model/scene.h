@@ -8,8 +8,8 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/image/texture_image.h"
-#include "scene/lights/scene_light.h"
+#include "scene/model/scene_light.h"
+#include "scene/model/texture_image.h"
 
 namespace nlg {
 
@@ -91,6 +91,10 @@ struct Bounds {
 // Axis-aligned box around all vertices of an object, or of the scene with its sky's faces; zeros when there are none.
 Bounds objectBounds(const Scene& scene, const SceneObject& object);
 Bounds sceneBounds(const Scene& scene);
+Bounds geometryBounds(const Scene& scene);  // without them
+
+// Whether light comes from outside of a scene: a sky, suns, or a level's own light, which holds them.
+bool hasLightFromOutside(const Scene& scene);
 
 // SHA-256 of what weighting functions can depend on, as it was read from whatever files: positions, triangles, which of them are
 // double-sided or let light through, faces of sky, objects, nlg_extent, nlg_density and the origin. Neither colours nor light count.
@@ -102,11 +106,6 @@ std::string geometryDifference(const Scene& scene, const Scene& other);
 std::string sceneLightSha256(const Scene& scene);
 // The same where its lights were in these groups, or in none.
 std::string sceneLightSha256(const Scene& scene, const LightGroups& groups);
-
-// Splits every object into its connected components: triangles that share a vertex position bit for bit. Triangle order within
-// a component stays. A component whose largest side exceeds structure_share of the scene's largest side becomes not movable.
-// An object that is not movable already stays whole.
-void splitConnectedComponents(Scene& scene, double structure_share);
 
 // Ends the reading of a file: moves the origin to the middle of the positions, on whole metres, and drops triangles of zero area,
 // counted in dropped_triangle_count, and objects that have no other. What the scene's light says of triangles stays in step with

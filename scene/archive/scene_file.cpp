@@ -1,4 +1,4 @@
-#include "scene/scene_file.h"
+#include "scene/archive/scene_file.h"
 
 #include <unistd.h>
 #include <utf8proc.h>
@@ -13,8 +13,8 @@
 #include <fmt/format.h>
 
 #include "runtime_eval/regular_file/regular_file.h"
-#include "scene/oddities.h"
-#include "scene/quake/pk3_archive.h"
+#include "scene/archive/pk3_archive.h"
+#include "scene/model/oddities.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 

@@ -1,4 +1,4 @@
-#include "scene/quake/pk3_archive.h"
+#include "scene/archive/pk3_archive.h"
 
 #include <fcntl.h>
 #include <unistd.h>
