@@ -164,9 +164,10 @@ std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const G
 // Whether a grid is what this command line would bake.
 void runCheck(Request request, const BakeOptions& options, const OptionTable& table) {
   for (const auto& [is_given, what] : {std::pair(!request.relit.empty(), "--relight"), std::pair(request.out_is_given, "--out"),
-                                       std::pair(!request.json.empty(), "--json"), std::pair(!request.kept.empty(), "--keep")}) {
+                                       std::pair(!request.kept.empty(), "--keep")}) {
     if (is_given) throw UsageError(std::string("--check cannot be combined with ") + what + ": nothing is baked");
   }
+  checkOutputs(request, {request.scene, request.config, request.checked});
   const BakedGrid baked = readBakedGrid(request.checked);
   if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders(options.draft));
   std::map<std::string, std::string> weights;
@@ -179,12 +180,12 @@ void runCheck(Request request, const BakeOptions& options, const OptionTable& ta
   if (changes == std::vector<std::string>{kLightChanged} &&
       !standsWhere({std::move(source), options, knownAir(request.checked, baked)}, baked))
     changes.push_back("probes would stand elsewhere");
-  if (changes.empty()) {
-    std::cout << request.checked << ": fresh\n";
-    return;
+  writeJson(request.json, {{"schema_version", 1}, {"grid", request.checked}, {"changes", changes}});
+  if (request.json != "-") {
+    if (changes.empty()) std::cout << request.checked << ": fresh\n";
+    for (const std::string& change : changes) std::cout << request.checked << ": " << change << '\n';
   }
-  for (const std::string& change : changes) std::cout << request.checked << ": " << change << '\n';
-  throw ToolError(ExitCode::check_failed, request.checked + ": out of date");
+  if (!changes.empty()) throw ToolError(ExitCode::check_failed, request.checked + ": out of date");
 }
 
 // Light alone, for a grid whose functions stay.
@@ -396,7 +397,8 @@ int main(int argc, char** argv) {
   app.add_option("--check", request.checked,
                  "light grid to compare with what this command would bake; nothing is baked. Exit code 6 if it is out of date, "
                  "with what has changed");
-  app.add_option("--json", request.json, "file for the bake's report, as one line of JSON. -: standard output");
+  app.add_option("--json", request.json,
+                 "file for the report of the bake or of --check, as one line of JSON. -: standard output");
   app.add_option("--inputs", request.inputs,
                  "file for the names of all files and folders that the bake reads or looks for, as a JSON list for build "
                  "systems, also after an error. Light grids and programs are not listed");

@@ -21,6 +21,7 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kTruthStream = 0x7472757468, kBaselineStream = 0x726976616c;
+
 // What a grid's light depends on, of the settings that a view is asked for with.
 struct BakedAs {
   std::string scene, light_direct, light_of_scene;

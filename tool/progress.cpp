@@ -11,6 +11,8 @@
 #include <fstream>
 #include <string_view>
 
+#include <nlohmann/json.hpp>
+
 #include "tool/printable.h"
 
 namespace nlg {
@@ -30,7 +32,7 @@ size_t terminalColumns() {
 Progress::Form Progress::wantedForm() {
   const char* const wish = std::getenv("NLG_PROGRESS");
   if (wish != nullptr && std::string_view(wish) == "off") return Form::none;
-  if (wish != nullptr && std::string_view(wish) == "lines") return Form::lines;
+  if (wish != nullptr && std::string_view(wish) == "json") return Form::json;
   if (wish != nullptr && *wish == '/') return Form::file;
   return ::isatty(STDERR_FILENO) == 1 ? Form::terminal : Form::log;
 }
@@ -42,7 +44,10 @@ Progress::Progress(std::string what, int64_t total)
       exceptions_(std::uncaught_exceptions()),
       start_(std::chrono::steady_clock::now()) {
   // what cannot be counted is named while it lasts
-  if (total_ == 0 && isLive()) print(fmt::format("{}: {}", program_invocation_short_name, what_));
+  if (total_ == 0 && form_ == Form::json)
+    print(nlohmann::json{{"stage", what_}}.dump());
+  else if (total_ == 0 && isLive())
+    print(fmt::format("{}: {}", program_invocation_short_name, what_));
 }
 
 Progress::~Progress() {
@@ -69,7 +74,7 @@ std::string Progress::file() {
 }
 
 void Progress::print(const std::string& line) {
-  const std::string printed = form_ == Form::lines ? line + '\n' : "\r\033[K" + line.substr(0, terminalColumns());
+  const std::string printed = form_ == Form::json ? line + '\n' : "\r\033[K" + line.substr(0, terminalColumns());
   if (form_ == Form::file) {
     std::ofstream(file()) << line << '\n';
   } else {
@@ -82,6 +87,7 @@ void Progress::print(const std::string& line) {
 
 void Progress::update(int64_t done, const std::string& note) {
   if (!due()) return;
+  if (form_ == Form::json) return print(nlohmann::json{{"stage", what_}, {"done", done}, {"of", total_}}.dump());
   const auto now = std::chrono::steady_clock::now();
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
   const double rate = elapsed_s > 0 ? static_cast<double>(done - done_before_) / elapsed_s : 0;

@@ -2,7 +2,8 @@
 // each stage that took a second or more, when it is over.
 //
 // The environment's NLG_PROGRESS=off keeps it quiet: where several tools share a terminal, their lines would overwrite each other.
-// NLG_PROGRESS=lines is for programs that start a tool and show how far it is: what a terminal's line would say, each time on a new one.
+// NLG_PROGRESS=json is for programs that start a tool and show how far it is: each time a line of JSON, {"stage": "probes", "done": 64,
+// "of": 512}, without numbers for a stage that cannot be counted.
 // NLG_PROGRESS=/FOLDER keeps that line in the file FOLDER/TOOL.PROCESS while the stage lasts: so does the workflow
 // (workflow/Snakefile), which shows it in its own line.
 #pragma once
@@ -36,7 +37,7 @@ class Progress {
   void advance(int64_t count = 1);
 
  private:
-  enum class Form { none, terminal, lines, file, log };
+  enum class Form { none, terminal, json, file, log };
   static Form wantedForm();
   bool isLive() const { return form_ != Form::none && form_ != Form::log; }
   static std::string file();

@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -109,14 +108,12 @@ std::string lastLine(std::string text) {
   return text.substr(text.rfind('\n') + 1);
 }
 
-// Of one line: "nlg-bake: sample points lit: 64 of 512 (12.5 %), 500/s, 1 s left", or what cannot be counted, "nlg-bake: light of
-// probes". Lines for people have a second colon, and no count behind it.
+// Of one line, where it is one of progress.
 std::optional<Stage> stageOfLine(const std::string& line) {
-  static const std::regex progress(R"(nlg-\w+: ([^:]+)(?:: (\d+) of (\d+)(?: \(|, ).*)?)");
-  std::smatch parts;
-  if (!std::regex_match(line, parts, progress)) return std::nullopt;
-  Stage stage{parts[1], {}};
-  if (parts[3].matched) stage.share = std::stod(parts[2]) / std::max(1.0, std::stod(parts[3]));
+  const nlohmann::json said = nlohmann::json::parse(line, nullptr, false);
+  if (!said.is_object() || !said.contains("stage")) return std::nullopt;
+  Stage stage{said["stage"].get<std::string>(), {}};
+  if (said.contains("of")) stage.share = said["done"].get<double>() / std::max(1.0, said["of"].get<double>());
   return stage;
 }
 
@@ -238,14 +235,14 @@ class Watch {
   }
 
   // Nothing: nobody knows.
-  Ran changesOf(std::optional<std::string>* changes) {
+  Ran changesOf(std::optional<Words>* changes) {
     std::error_code error;
     if (!fs::exists(request_.grid, error)) return {};
     Words words = weights();
-    words.insert(words.begin(), {"--check", request_.grid});
+    words.insert(words.begin(), {"--check", request_.grid, "--json", "-"});
     Ran ran = runBake(words);
-    if (ran.code == 0) *changes = "";
-    if (ran.code == static_cast<int>(ExitCode::check_failed)) *changes = ran.output;
+    const bool is_checked = ran.code == 0 || ran.code == static_cast<int>(ExitCode::check_failed);
+    if (ran.end == End::done && is_checked) *changes = nlohmann::json::parse(ran.output).at("changes").get<Words>();
     if (ran.code == static_cast<int>(ExitCode::input_error)) tellDoing(lastLine(ran.errors) + "; it is made anew");
     return ran;
   }
@@ -270,7 +267,7 @@ class Watch {
   End bakeAndShow() {
     const auto start = std::chrono::steady_clock::now();
     tellDoing("looking for what has changed");
-    std::optional<std::string> changes;
+    std::optional<Words> changes;
     if (const Ran ran = changesOf(&changes); ran.end != End::done) return ran.end;
     const std::vector<GridBake> bakes = bakesAgain(changes, request_.grid, preview_, options_, canDraft());
     for (size_t i = 0; i < bakes.size(); ++i) {
@@ -317,11 +314,11 @@ class Watch {
 
 }  // namespace
 
-std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, const std::string& grid, const std::string& preview,
-                                 const BakeOptions& options, bool can_draft) {
-  if (changes == "") return {};
+std::vector<GridBake> bakesAgain(const std::optional<std::vector<std::string>>& changes, const std::string& grid,
+                                 const std::string& preview, const BakeOptions& options, bool can_draft) {
+  if (changes && changes->empty()) return {};
   const bool is_thinned = options.thin_error > 0.0 || options.max_bytes > 0.0;  // then only a grid that is not can be lit anew
-  const auto isAll = [&](const char* change) { return changes == grid + ": " + change + '\n'; };
+  const auto isAll = [&](const char* change) { return changes == Words{change}; };
   const bool stay = !is_thinned && (isAll(kLightChanged) || isAll(kGroupsChanged));
   Words quick = stay ? Words{"--relight", grid} : Words{};
   if (is_thinned) quick.insert(quick.end(), {"--thin-error", "0", "--max-bytes", "0"});
@@ -360,7 +357,7 @@ void watchScene(ViewRequest request, const BakeOptions& options, const OptionTab
   refuseToReplace(request.grid, {request.scene}, kGridFiles, "--grid");
   refuseToReplaceOthersOf(request);
   ::setenv(kEndsWith, std::to_string(::getpid()).c_str(), 1);
-  ::setenv("NLG_PROGRESS", "lines", 1);  // of the tools that it starts
+  ::setenv("NLG_PROGRESS", "json", 1);  // of the tools that it starts
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { is_stopped = true; });
   Watch(request, options, table).run();
 }

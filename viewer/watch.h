@@ -26,12 +26,12 @@ struct GridBake {
 // the last bake's too.
 //
 // can_draft whether the weights read samples
-// changes   what `nlg-bake --check` says has changed, a line each; nothing: of no grid, or of one that cannot be read
+// changes   what `nlg-bake --check` says has changed; nothing: of no grid, or of one that cannot be read
 // grid      the file that is kept; preview: one for the bakes before
-std::vector<GridBake> bakesAgain(const std::optional<std::string>& changes, const std::string& grid, const std::string& preview,
-                                 const BakeOptions& options, bool can_draft);
+std::vector<GridBake> bakesAgain(const std::optional<std::vector<std::string>>& changes, const std::string& grid,
+                                 const std::string& preview, const BakeOptions& options, bool can_draft);
 
-// The stage that a tool with NLG_PROGRESS=lines is at, by what it has said so far; nothing before it has said any.
+// The stage that a tool with NLG_PROGRESS=json is at, by what it has said so far; nothing before it has said any.
 std::optional<Stage> stageOf(const std::string& said);
 // The same without lines of progress.
 std::string withoutProgress(const std::string& said);

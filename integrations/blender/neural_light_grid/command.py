@@ -63,7 +63,7 @@ def relight(context, exported, grid, out):
 
 
 def check(context, exported, grid):
-    return [tool(context, "nlg-bake"), *of_bake(context.scene, exported), "--check", grid]
+    return [tool(context, "nlg-bake"), *of_bake(context.scene, exported), "--check", grid, "--json", "-"]
 
 
 def probes(context, grid):

@@ -1,5 +1,6 @@
 """Tools at work: their processes, one after another, how far they are, and what they said."""
 
+import json
 import os
 import re
 import subprocess
@@ -7,10 +8,6 @@ import threading
 
 from .errors import ToolError
 
-# nlg-bake: sample points lit: 64 of 2160 (3.0 %), 3.553e+04/s, 0.1 s left
-PROGRESS = re.compile(r"nlg-\w+: (?P<stage>[^:]+): \d+ of \d+ \((?P<percent>[\d.]+) %\)")
-# a stage that cannot be counted is one line of its name
-STAGE = re.compile(r"nlg-\w+: (?P<stage>[a-z -]+)$")
 PREFIX = re.compile(r"^nlg-\w+: [^:]*: ")  # before notes: the tool and the scene
 ERROR = re.compile(r"nlg-\w+(?: [a-z]+)?: error: (?P<sentence>.*)")
 
@@ -64,7 +61,7 @@ class Job:
             if self.is_cancelled:
                 return
             self._process = subprocess.Popen(
-                command, cwd=self._folder, env={**os.environ, "NLG_PROGRESS": "lines"}, stdin=subprocess.DEVNULL,
+                command, cwd=self._folder, env={**os.environ, "NLG_PROGRESS": "json"}, stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8", errors="replace",
             )
         # both at once: either may fill its pipe
@@ -78,10 +75,9 @@ class Job:
         self.output = printed[0]
 
     def _hear(self, line):
-        if match := PROGRESS.match(line):
-            self.stage, self.percent = match["stage"], float(match["percent"])
-        elif match := STAGE.match(line):
-            self.stage, self.percent = match["stage"], 0.0
+        if line.startswith('{"'):
+            said = json.loads(line)
+            self.stage, self.percent = said["stage"], 100.0 * said.get("done", 0) / max(1, said.get("of", 1))
         elif match := ERROR.match(line):
             self._error = match["sentence"]
         elif line and not line.startswith("weights: "):

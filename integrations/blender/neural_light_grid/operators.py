@@ -2,6 +2,7 @@
 
 import atexit
 import contextlib
+import json
 import os
 import shutil
 import tempfile
@@ -207,7 +208,7 @@ class NLG_OT_check(ToolOperator):
 
     def finish(self, context, job):
         job.check(CHECK_FAILED)
-        found = [line.rpartition(".safetensors: ")[2] for line in job.output.splitlines()]
+        found = json.loads(job.output)["changes"] or ["fresh"]
         state.said += found
         self.report({"INFO" if job.exit_code == 0 else "WARNING"}, f"Light grid: {'; '.join(found)}")
 
