@@ -133,7 +133,8 @@ LightSolution LightSolver::solve(const Vector& prior, const std::vector<float>& 
   weigh();
   std::vector<float> diagonal(prior.size(), 0.0f);
   for (uint32_t p = 0; p < prior.size(); ++p) {
-    if (row_begin_[p] < row_begin_[p + 1]) diagonal[p] = values_[indexOf(p, p)];  // who is read at all is read with itself
+    // a row without pairs is of a probe that no sample point reads
+    if (row_begin_[p] < row_begin_[p + 1]) diagonal[p] = values_[indexOf(p, p)];
   }
   // by passes over blocks of probes, whose sums are added up in their order
   const auto overBlocks = [&](const auto& work) {

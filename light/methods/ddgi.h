@@ -13,8 +13,8 @@
 //   averaging frames in 10 bits loses, is left out.
 // - Relocation moves a probe off a surface by a third of the spacing at a time; RTXGI's step of 1 m is further than it lets a probe
 //   go at spacings below 2.2 m, so that there most would stay where they are.
-// - There is no camera, and no view bias: the .1 m of cornell.ini, laid along the normal, made leak and most errors larger in the
-//   three scenes that were tried (house:3, apartment:1, cornell).
+// - There is no camera, and no view bias. The .1 m of cornell.ini, laid along the normal, makes leak and most errors larger (house:3,
+//   apartment:1, cornell).
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,4 @@
 // The built-in scenes "daylight": rooms beside daylight, where what lies behind a wall is a hundred times brighter.
-//
-// Even seeds are for work. Odd ones are kept for the end: whoever changes what a grid does with light looks at none of their figures.
 #include <array>
 #include <vector>
 

@@ -43,8 +43,7 @@ Scene makeProceduralScene(const std::string& family, uint64_t seed);
 //                 falls in
 //   daylight:SEED rooms beside daylight, SEED below 26, another kind each: several windows; a door ajar; a cellar; a lamp behind a
 //                 wall of a room without light; walls of 5 cm and of 60 cm; walls of sheets around hollows; a street beside a hall;
-//                 a skylight; a corridor around a corner; a furnished room with a spot beside a wall; deep reveals; a grille.
-//                 Even seeds are for work. Odd ones are kept for the end: nobody looks at their figures before
+//                 a skylight; a corridor around a corner; a furnished room with a spot beside a wall; deep reveals; a grille
 const std::vector<std::string>& builtInScenes();
 // throws   UsageError on a name or seed that is not above
 Scene makeBuiltInScene(const std::string& name, uint64_t seed);

@@ -146,6 +146,27 @@ TEST_F(Options, PassedFromAnotherSectionAreFlagsAlone) {
   EXPECT_EQ(walks, 5);
 }
 
+TEST_F(Options, FlagsAloneAreOfOneRunAndOfItsProvenance) {
+  OptionTable table = tableOf(&values_);
+  std::vector<double> spacings;
+  bool words = false;
+  table.flagsAlone();
+  table.add("spacings", &spacings, "finest spacings, metres", 0.01, 10.0);
+  table.add("words", &words, "words too");
+  for (const auto& option : table.describeAsJson()) EXPECT_NE(option["name"], "spacings");
+  EXPECT_FALSE(table.toJson().contains("words"));
+  std::ofstream(path_) << "datagen: {words: true}\n";
+  EXPECT_THROW(table.readYaml(path_), UsageError);
+  parseFlags({"--spacings", "1", "0.5", "--words"}, &table);
+  EXPECT_EQ(spacings, (std::vector<double>{1.0, 0.5}));
+  const nlohmann::ordered_json used = table.usedJson({"jobs"});
+  EXPECT_EQ(used["spacings"], spacings);
+  EXPECT_EQ(used["words"], true);
+  EXPECT_FALSE(used.contains("jobs"));
+  EXPECT_TRUE(used.contains("seed"));
+  for (const char* bad : {"0", "11", "nan", "1m"}) EXPECT_THROW(parseFlags({"--spacings", bad}, &table), UsageError) << bad;
+}
+
 TEST_F(Options, RefuseValuesWithLineAndColumn) {
   const std::vector<std::pair<const char*, const char*>> cases = {
       {"datagen:\n  jobs: 65\n", ":2:9: jobs: expected an integer in [1, 64], got '65'"},

@@ -58,7 +58,7 @@ class Light(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stderr)
         with open(out) as file:
             result = json.load(file)
-        self.assertEqual(result["provenance"]["options"]["thin_error"], [.02, .2])
+        self.assertEqual(result["provenance"]["options"]["thin_errors"], [.02, .2])
         fine, coarse = without_times(result)["spacings"]
         both, alone = without_times(copy.deepcopy(self.result))["spacings"]
         is_thinned = lambda method: ", thinned" in method["weights"]

@@ -33,17 +33,24 @@ struct DoubleTarget {
   double* value;
   double min, max;
 };
+struct NumbersTarget {
+  std::vector<double>* values;
+  double min, max;
+};
 using TextList = std::vector<std::string>;
-using Target = std::variant<IntTarget, uint64_t*, DoubleTarget, bool*, std::string*, TextList*>;
+using Target = std::variant<IntTarget, uint64_t*, DoubleTarget, NumbersTarget, bool*, std::string*, TextList*>;
 
 struct Option {
   std::string name;
   std::string help;
   Target target;
   std::string group;
-  std::string passed_from;   // a section of which only the workflow reads it; empty: the table's own
+  std::string passed_from;  // a section of which only the workflow reads it; empty: the table's own
+  bool is_flag_alone = false;
   bool is_repeated = false;  // of a list: whether its flag is given once for each text
   CLI::Option* flag = nullptr;
+
+  bool isOfSection() const { return passed_from.empty() && !is_flag_alone; }
 };
 
 // What the user wrote, fit for a one-line message.
@@ -81,6 +88,7 @@ std::string expected(const DoubleTarget& target) {
   if (target.min == -kHighest) return fmt::format("a finite number of at most {}", target.max);
   return fmt::format("a finite number in [{}, {}]", target.min, target.max);
 }
+std::string expected(const NumbersTarget& target) { return fmt::format("finite numbers in [{}, {}]", target.min, target.max); }
 std::string expected(bool*) { return "true or false"; }
 std::string expected(std::string*) { return "a text"; }
 std::string expected(TextList*) { return "a list of texts, none empty"; }
@@ -100,6 +108,12 @@ bool take(const DoubleTarget& target, const std::string& text) {
   const auto number = parseNumber<double>(text);
   if (!number || !std::isfinite(*number) || *number < target.min || *number > target.max) return false;
   *target.value = *number;
+  return true;
+}
+bool take(const NumbersTarget& target, const std::string& text) {
+  double number = 0.0;
+  if (!take(DoubleTarget{&number, target.min, target.max}, text)) return false;
+  target.values->push_back(number);
   return true;
 }
 bool take(bool* value, const std::string& text) {
@@ -122,6 +136,7 @@ bool take(TextList* list, const std::string& text) {
 
 nlohmann::ordered_json shown(const IntTarget& target) { return *target.value; }
 nlohmann::ordered_json shown(const DoubleTarget& target) { return *target.value; }
+nlohmann::ordered_json shown(const NumbersTarget& target) { return *target.values; }
 template <class T>
 nlohmann::ordered_json shown(T* value) {
   return *value;
@@ -301,13 +316,14 @@ struct OptionTable::Impl {
   std::string section;
   std::vector<Option> options;
   std::string present_group = "Options", present_source;
+  bool is_flag_alone = false;  // of what is added
   std::vector<std::string> common;
   std::vector<std::string> notes;
 
   void add(const std::string& name, Target target, const std::string& help) {
     const bool repeated = std::any_of(options.begin(), options.end(), [&](const Option& o) { return o.name == name; });
     NLG_CHECK(repeated, ==, false);
-    options.push_back({name, help, std::move(target), present_group, present_source});
+    options.push_back({name, help, std::move(target), present_group, present_source, is_flag_alone});
   }
 };
 
@@ -327,6 +343,10 @@ void OptionTable::add(const std::string& name, double* value, const std::string&
   NLG_CHECK(*value, <=, max);
   impl_->add(name, DoubleTarget{value, min, max}, help);
 }
+void OptionTable::add(const std::string& name, std::vector<double>* values, const std::string& help, double min, double max) {
+  NLG_CHECK(values->size(), ==, size_t{0});
+  impl_->add(name, NumbersTarget{values, min, max}, help);
+}
 void OptionTable::add(const std::string& name, bool* value, const std::string& help) { impl_->add(name, value, help); }
 void OptionTable::add(const std::string& name, std::string* value, const std::string& help) { impl_->add(name, value, help); }
 void OptionTable::add(const std::string& name, std::vector<std::string>* value, const std::string& help) {
@@ -340,6 +360,7 @@ void OptionTable::addRepeated(const std::string& name, std::vector<std::string>*
 
 void OptionTable::group(const std::string& name) { impl_->present_group = name; }
 void OptionTable::passedFrom(const std::string& section) { impl_->present_source = section; }
+void OptionTable::flagsAlone() { impl_->is_flag_alone = true; }
 
 void OptionTable::common(std::vector<std::string> names) { impl_->common = std::move(names); }
 const std::vector<std::string>& OptionTable::commonNames() const { return impl_->common; }
@@ -355,6 +376,7 @@ void OptionTable::addFlags(CLI::App& app) {
     option.flag = is_switch ? app.add_flag(flagOf(option.name), help) : app.add_option(flagOf(option.name), help);
     option.flag->group(option.group);
     if (option.is_repeated) option.flag->expected(1)->take_all();
+    if (std::holds_alternative<NumbersTarget>(option.target)) option.flag->expected(-1)->take_all();
   }
 }
 
@@ -363,11 +385,11 @@ void OptionTable::readYaml(const std::string& path) {
   const auto takeEntry = [&](const std::string& key, const YAML::Node& value, const std::string& place) {
     const auto& options = impl_->options;
     const auto option =
-        std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == key && o.passed_from.empty(); });
+        std::find_if(options.begin(), options.end(), [&](const Option& o) { return o.name == key && o.isOfSection(); });
     if (option != options.end()) return takeYaml(*option, file, value, place);
     std::vector<std::string> known;
     for (const Option& o : options) {
-      if (o.passed_from.empty()) known.push_back(o.name);
+      if (o.isOfSection()) known.push_back(o.name);
     }
     throwUnknownKey(place, key, known);
   };
@@ -383,8 +405,10 @@ void OptionTable::applyFlags() {
   for (const Option& option : impl_->options) {
     if (option.flag == nullptr || option.flag->count() == 0) continue;
     const std::vector<std::string> given = option.flag->results();
-    if (option.is_repeated) {
-      std::get<TextList*>(option.target)->clear();
+    const auto* numbers = std::get_if<NumbersTarget>(&option.target);
+    if (option.is_repeated || numbers != nullptr) {
+      if (numbers != nullptr) numbers->values->clear();
+      if (option.is_repeated) std::get<TextList*>(option.target)->clear();
       for (const std::string& text : given) takeOrThrow(option, flagOf(option.name), text);
       continue;
     }
@@ -405,7 +429,15 @@ void OptionTable::set(const std::string& name, const std::string& text, const st
 nlohmann::ordered_json OptionTable::toJson() const {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const Option& option : impl_->options) {
-    if (option.passed_from.empty())
+    if (option.isOfSection()) json[option.name] = std::visit([](const auto& target) { return shown(target); }, option.target);
+  }
+  return json;
+}
+
+nlohmann::ordered_json OptionTable::usedJson(const std::vector<std::string>& without) const {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const Option& option : impl_->options) {
+    if (std::find(without.begin(), without.end(), option.name) == without.end())
       json[option.name] = std::visit([](const auto& target) { return shown(target); }, option.target);
   }
   return json;
@@ -414,6 +446,7 @@ nlohmann::ordered_json OptionTable::toJson() const {
 nlohmann::ordered_json OptionTable::describeAsJson() const {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const Option& option : impl_->options) {
+    if (option.is_flag_alone) continue;
     nlohmann::ordered_json one = {{"section", option.passed_from.empty() ? impl_->section : option.passed_from}};
     one.update(describeOption(option));
     json.push_back(std::move(one));

@@ -44,6 +44,8 @@ class OptionTable {
   void add(const std::string& name, std::string* value, const std::string& help);
   void add(const std::string& name, std::vector<std::string>* value,
            const std::string& help);  // a YAML sequence; the flag takes a comma-separated list
+  // A list of numbers, empty by default; the flag takes them one after another. Of flags alone (flagsAlone).
+  void add(const std::string& name, std::vector<double>* values, const std::string& help, double min, double max);
   // The same of texts that may hold commas: the flag is given once for each.
   void addRepeated(const std::string& name, std::vector<std::string>* value, const std::string& help);
 
@@ -53,6 +55,9 @@ class OptionTable {
   // The options added from here on are flags alone: the workflow finds them in another section of pipeline.yaml, and passes them on.
   // They are not in toJson().
   void passedFrom(const std::string& section);
+
+  // The options added from here on are flags of one run, which no configuration holds and which are not in toJson().
+  void flagsAlone();
 
   // What --help shows, by snake_case name, of these options and of those that the tool itself has added to its command line;
   // positionals, what is required and --config it shows in any case. Without this call it shows all of them.
@@ -81,6 +86,9 @@ class OptionTable {
 
   // The resolved options as a JSON object, keys in the order of the table.
   nlohmann::ordered_json toJson() const;
+  // The same with all flags, for the provenance of what one run measured.
+  // without   names of options that do not change the result
+  nlohmann::ordered_json usedJson(const std::vector<std::string>& without) const;
 
   // What there is to know of each option, a JSON object each: section, name, default, min and max where there are any, group, help.
   nlohmann::ordered_json describeAsJson() const;

@@ -54,6 +54,9 @@ struct Request {
   int picture_rays = 64;
 };
 
+// On figures.
+const std::vector<std::string> kWithoutEffect = {"threads", "representation", "look_up_seconds", "picture_rays"};
+
 double finestSpacing(const Request& request) { return *std::min_element(request.spacings_m.begin(), request.spacings_m.end()); }
 
 LightPlaces placesInRooms(const PreparedScene& scene, const std::vector<std::string>& extent_m, const LightPlaceOptions& options,
@@ -283,28 +286,8 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   request.places.seed = mixSeed(options.seed, kPlaceStream);
   request.places.step_m = finestSpacing(request) / 16.0;
 
-  // provenance: what changes figures, without what does not
-  Json used = table.toJson();
-  used.erase("threads");
-  used.erase("representation");
-  used["spacings_m"] = request.spacings_m;
-  used["grid_spacings_m"] = request.grid_spacings_m;
-  if (!request.thin_errors.empty()) used["thin_error"] = request.thin_errors;
-  used["air_samples"] = request.places.air;
-  used["surface_samples"] = request.places.surface;
-  used["edge_samples"] = request.places.edges;
-  used["source_distance_m"] = request.places.source_distance_m;
-  used["truth_rays"] = request.truth.rays;
-  used["probe_rays"] = request.probe.rays;
-  used["grids_only"] = request.grids_only;
-  used["words"] = request.words;
-  used["neural"] = request.neural;
   // learned methods train side by side: libtorch's own threads would only get in their way
-  if (request.neural) {
-    used["neural_samples"] = request.neural_samples;
-    used["neural_steps"] = request.neural_steps;
-    computeOnCallingThreads();
-  }
+  if (request.neural) computeOnCallingThreads();
 
   // truth and probes leave out the same direct light
   request.truth.direct = request.probe.direct = directLightFromName(options.light_direct);
@@ -317,7 +300,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   if (measurement.places().places.empty())
     throw InputError(request.scene, "air", "sample points in air at --source-distance from lamps and emissive faces", "none");
   Json json = {{"schema_version", 1},
-               {"provenance", provenance("nlg-validate light", used, hashes)},
+               {"provenance", provenance("nlg-validate light", table.usedJson(kWithoutEffect), hashes)},
                {"scene", scene->source.id},
                {"truth", truthJson(measurement.places(), measurement.truth(), measurement.isBaked())}};
   json["floor"] = measurement.floorFigures();
@@ -375,31 +358,25 @@ int lightMain(int argc, char** argv) {
   app.add_option(
       "--weights", request.weights,
       "exported generators, each for a bake of its own; several joined by commas are one bake that chooses among them");
-  app.add_option("--spacings", request.spacings_m, "finest probe spacings, metres. None: spacing_m of the bake")
-      ->check(CLI::Range(0.01, 1000.0));
-  app.add_option("--grid-spacings", request.grid_spacings_m, "further finest spacings, metres, at which only grids are measured")
-      ->check(CLI::Range(0.01, 1000.0));
-  app.add_option("--thin-errors", request.thin_errors,
-                 "values of thin_error, each measured as a method of its own. None: thin_error of the bake")
-      ->check(CLI::Range(1e-6, kMostThinError));
-  app.add_flag("--grids-only", request.grids_only,
-               "measure only grids and target functions, without baselines, in a fraction of the time");
-  app.add_flag("--words", request.words,
-               "also measure theta after the network, after corrections and after fits, with solved light at the finest spacing");
-  app.add_flag("--neural", request.neural,
-               "also measure methods that learn the scene's light, at the finest spacing; minutes for each");
-  app.add_option("--neural-samples", request.neural_samples,
-                 "ratio of the sample points that these methods learn from to those of the bake")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  app.add_option("--neural-steps", request.neural_steps, "maximum training steps of a network of the whole scene")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  app.add_option("--source-distance", request.places.source_distance_m,
-                 "minimum distance of sample points from lamps and emissive faces, metres; at most 1/25 of the scene's diagonal. "
-                 "0: no minimum")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
+  table.flagsAlone();
+  table.add("spacings", &request.spacings_m, "finest probe spacings, metres. None: spacing_m of the bake", 0.01, 1000.0);
+  table.add("grid_spacings", &request.grid_spacings_m, "further finest spacings, metres, at which only grids are measured", 0.01,
+            1000.0);
+  table.add("thin_errors", &request.thin_errors,
+            "values of thin_error, each measured as a method of its own. None: thin_error of the bake", 1e-6, kMostThinError);
+  table.add("grids_only", &request.grids_only,
+            "measure only grids and target functions, without baselines, in a fraction of the time");
+  table.add("words", &request.words,
+            "also measure theta after the network, after corrections and after fits, with solved light at the finest spacing");
+  table.add("neural", &request.neural,
+            "also measure methods that learn the scene's light, at the finest spacing; minutes for each");
+  table.add("neural_samples", &request.neural_samples,
+            "ratio of the sample points that these methods learn from to those of the bake", 1, 64);
+  table.add("neural_steps", &request.neural_steps, "maximum training steps of a network of the whole scene", 1, 1000000);
+  table.add("source_distance", &request.places.source_distance_m,
+            "minimum distance of sample points from lamps and emissive faces, metres; at most 1/25 of the scene's diagonal. "
+            "0: no minimum",
+            0.0, 1e6);
   app.add_option("--pictures", request.pictures,
                  "folder for pictures of the ten worst sample points of each of the weights, with solved light at the finest "
                  "spacing: truth, result, error. None: no pictures");

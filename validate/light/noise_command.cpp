@@ -70,7 +70,8 @@ int lightNoiseMain(int argc, char** argv) {
   app.add_option("scene", request.scene, "scene, as for nlg-bake")->required();
   app.add_option("--weights", request.weights, "exported generator")->required();
   app.add_option("--out", request.out, "result to write (.json)")->required();
-  app.add_option("--runs", request.runs, "number of bakes of the light")->check(CLI::Range(2, 1000));
+  table.flagsAlone();
+  table.add("runs", &request.runs, "number of bakes of the light", 2, 1000);
   return runTool(argc, argv, app, table, [&] { measure(request, options, table); });
 }
 

@@ -34,6 +34,9 @@ using Json = nlohmann::ordered_json;
 // Of views and truth, whatever the seed of the bake: another shift of the lattice is judged on the same pictures.
 constexpr uint64_t kSeed = 1, kViewStream = 0x7669657773, kTruthStream = 0x7472757468;
 
+// On figures.
+const std::vector<std::string> kWithoutEffect = {"threads", "representation", "picture_scale"};
+
 struct Request {
   std::string scene, out;
   std::vector<std::string> weights, grids;
@@ -289,20 +292,6 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
   request.views.seed = mixSeed(kSeed, kViewStream);
   request.views.thread_count = options.threads > 0 ? options.threads : machineThreadCount();
 
-  // provenance: what changes figures, without what does not
-  Json used = table.toJson();
-  used.erase("threads");
-  used.erase("representation");
-  used.update({{"width", request.views.width},
-               {"height", request.views.height},
-               {"views_per_room", request.views.views_per_room},
-               {"most_views", request.views.most_views},
-               {"truth_rays", request.truth_rays},
-               {"truth_noise", request.truth_noise},
-               {"probe_rays", request.probe_rays},
-               {"grids_only", request.grids_only},
-               {"target_functions", request.target_functions}});
-  if (request.cameras) used["cameras"] = true;
   for (const std::string& path : request.grids) hashes["grid " + std::filesystem::path(path).stem().string()] = fileSha256(path);
   // the scene is read once for all methods
   const PreparedScene scene(request.scene, options);
@@ -310,7 +299,7 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
   if (!scene.source.sha256.empty()) hashes["scene"] = scene.source.sha256;
   ViewsMeasurement measurement(request, options, scene);
   Json json = {{"schema_version", 1},
-               {"provenance", provenance("nlg-validate views", used, hashes)},
+               {"provenance", provenance("nlg-validate views", table.usedJson(kWithoutEffect), hashes)},
                {"scene", scene.source.id},
                {"spacing_m", scene.air.spacing_m}};
   json.update(measurement.measure(sets));
@@ -339,33 +328,29 @@ int viewsMain(int argc, char** argv) {
       "--weights", request.weights,
       "exported generators, each for a bake of its own; several joined by commas are one bake that chooses among them");
   app.add_option("--grid", request.grids, "light grids of this scene, written by nlg-bake, to measure beside those baked here");
-  app.add_flag("--cameras", request.cameras, "use the scene's own cameras in place of views that are found");
-  app.add_flag("--grids-only", request.grids_only, "leave out baselines; exact visibility stays");
-  app.add_flag("--target-functions", request.target_functions,
-               "add target functions, the functions that theta approximate, evaluated at every pixel; takes minutes");
   app.add_option("--pictures", request.pictures,
                  "folder for pictures: for each view a row of truth and methods, and a sheet of all rows. None: no pictures");
   app.add_option("--truth", request.truth,
                  "folder in which truth is kept for other runs of the same views. None: beside the result");
-  const auto whole = [&](const char* flag, int* value, const char* help, int least, int most) {
-    app.add_option(flag, *value, help)->check(CLI::Range(least, most))->capture_default_str();
-  };
-  whole("--views-per-room", &request.views.views_per_room,
-        "views per room; the three largest lit rooms under a roof have one more", 1, 100);
-  whole(
-      "--most-views", &request.views.most_views,
+  table.flagsAlone();
+  table.add("cameras", &request.cameras, "use the scene's own cameras in place of views that are found");
+  table.add("grids_only", &request.grids_only, "leave out baselines; exact visibility stays");
+  table.add("target_functions", &request.target_functions,
+            "add target functions, the functions that theta approximate, evaluated at every pixel; takes minutes");
+  table.add("views_per_room", &request.views.views_per_room,
+            "views per room; the three largest lit rooms under a roof have one more", 1, 100);
+  table.add(
+      "most_views", &request.views.most_views,
       "maximum number of views. Rooms under a roof come before outdoors, where more is lit before where less is, dark ones last",
       1, 1000);
-  whole("--width", &request.views.width, "pixels of a view", 8, 4096);
-  whole("--height", &request.views.height, "pixels of a view", 8, 4096);
-  whole("--truth-rays", &request.truth_rays, "rays of ground truth per pixel in the first pass", 8, 1 << 20);
-  app.add_option(
-         "--truth-noise", request.truth_noise,
-         "noise of truth (standard deviation over light, median of pixels) above which a view gets up to eight times the rays")
-      ->check(CLI::Range(1e-3, 1e3))
-      ->capture_default_str();
-  whole("--probe-rays", &request.probe_rays, "rays per probe of baselines", 8, 1 << 24);
-  whole("--picture-scale", &request.picture_scale, "magnification of the pictures in a row; a sheet has half of it", 1, 8);
+  table.add("width", &request.views.width, "pixels of a view", 8, 4096);
+  table.add("height", &request.views.height, "pixels of a view", 8, 4096);
+  table.add("truth_rays", &request.truth_rays, "rays of ground truth per pixel in the first pass", 8, 1 << 20);
+  table.add("truth_noise", &request.truth_noise,
+            "noise of truth (standard deviation over light, median of pixels) above which a view gets up to eight times the rays",
+            1e-3, 1e3);
+  table.add("probe_rays", &request.probe_rays, "rays per probe of baselines", 8, 1 << 24);
+  table.add("picture_scale", &request.picture_scale, "magnification of the pictures in a row; a sheet has half of it", 1, 8);
   return runTool(argc, argv, app, table, [&] { measureViews(request, options, table); });
 }
 
