@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "datagen/visibility/cavity.h"
-
 namespace nlg {
 namespace {
 
@@ -191,7 +189,7 @@ bool CellSampler::isGroupSolid(const CellPlace& place, bool is_linked_to_seen, L
   const auto place_of = [&](size_t member) { return place.lattice.placeOf(place.low, place.units, cellPoint(group_[member])); };
   SolidVote vote = groupVote(scene_, group_.size(), place_of);
   if (is_linked_to_seen && !vote.unanimous()) return false;
-  vote.in_cavity = !vote.solid() && isInCavity(scene_, place_of(0));
+  vote = withCavity(vote, scene_, place_of(0));
   cell->is_disputed |= vote.disputed();
   return vote.solid();
 }

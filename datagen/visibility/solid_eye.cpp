@@ -5,7 +5,6 @@
 #include <bit>
 #include <numeric>
 
-#include "datagen/visibility/cavity.h"
 #include "datagen/visibility/solid_vote.h"
 
 namespace nlg {
@@ -119,9 +118,8 @@ SolidEye::Set SolidEye::Candidates::inAir(const SupportVisibility& visibility) c
     members.clear();
     forEachMember(group, [&](int member) { members.push_back(points[member]); });
     const auto place_of = [&](size_t member) { return visibility.placeOf(supportPattern().points[members[member]]); };
-    const bool is_solid =
-        groupVote(visibility.rays(), members.size(), place_of).solid() || isInCavity(visibility.rays(), place_of(0));
-    if (!is_solid) air |= group;
+    const SolidVote vote = groupVote(visibility.rays(), members.size(), place_of);
+    if (!withCavity(vote, visibility.rays(), place_of(0)).solid()) air |= group;
   }
   return air;
 }

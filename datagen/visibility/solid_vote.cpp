@@ -57,10 +57,13 @@ SolidVote solidVoteWithSky(const RayScene& rays, const glm::dvec3& position_m) {
   return voteOf([&](const glm::vec3& direction) { return rays.firstFacingWithSky(glm::vec3(position_m), direction); });
 }
 
-SolidVote voteAt(const RayScene& rays, const glm::dvec3& position_m) {
-  SolidVote vote = raysAt(rays, position_m);
+SolidVote withCavity(SolidVote vote, const RayScene& rays, const glm::dvec3& position_m) {
   vote.in_cavity = !vote.solid() && isInCavity(rays, position_m);
   return vote;
+}
+
+SolidVote voteAt(const RayScene& rays, const glm::dvec3& position_m) {
+  return withCavity(raysAt(rays, position_m), rays, position_m);
 }
 
 SolidVote groupVote(const RayScene& rays, size_t count, const std::function<glm::dvec3(size_t member)>& place_of) {
