@@ -72,6 +72,13 @@ TEST(RunTool, EndsHelpAndVersionWithSuccessAndWithoutRunning) {
   EXPECT_EQ(help.err + version.err, "");
 }
 
+TEST(RunTool, ListsItsFlagsOneALine) {
+  const Outcome outcome = runWith({"--list-flags"}, [](int) { FAIL() << "it runs"; });
+  EXPECT_EQ(outcome.code, codeOf(ExitCode::success));
+  for (const std::string flag : {"help", "help-all", "config", "version", "jobs"})
+    EXPECT_NE(("\n" + outcome.out).find("\n--" + flag + "\n"), std::string::npos) << flag;
+}
+
 TEST(RunTool, EndsCommandLineMistakesAsUsageErrors) {
   const std::vector<std::vector<std::string>> mistakes = {
       {"--nonsense"}, {"stray"}, {"--jobs"}, {"--jobs", "x"}, {"--jobs", "0"}, {"--jobs=", "3"}, {"--jobs", "1", "--jobs", "2"},

@@ -83,6 +83,14 @@ std::string helpText(CLI::App& app, const OptionTable& table, HelpExtent extent)
 
 // In place of a command line: the table as JSON, for workflow/settings.py.
 constexpr const char* kListOptions = "--list-options";
+// Likewise: all flags, one a line, for completions.
+constexpr const char* kListFlags = "--list-flags";
+
+void listFlags(const CLI::App& app) {
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) std::cout << "--" << name << '\n';
+  }
+}
 
 std::string toolName(const CLI::App& app, int argc, char** argv) {
   if (!app.get_name().empty()) return app.get_name();
@@ -181,6 +189,10 @@ void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const
   // before the command line is parsed, which would ask for required options
   if (argc == 2 && std::strcmp(argv[1], kListOptions) == 0) {
     std::cout << table.describeAsJson().dump() << '\n';
+    return flushStandardOutput();
+  }
+  if (argc == 2 && std::strcmp(argv[1], kListFlags) == 0) {
+    listFlags(app);
     return flushStandardOutput();
   }
   refuseOtherBytes(argc, argv);

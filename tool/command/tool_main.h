@@ -22,7 +22,8 @@ inline constexpr const char* kEndsWith = "NLG_ENDS_WITH";
 // code of error.h (std::bad_alloc: internal_error, said as "out of memory"; other exceptions: internal_error).
 // What is printed meanwhile on stderr, and on stdout where that is a terminal, holds no control characters but ends of lines and
 // tabs: printable.h. SIGPIPE is ignored. Command-line mistakes exit with usage_error; --help, --help-all
-// and --version with success; so does --list-options, by itself, which prints OptionTable::describeAsJson.
+// and --version with success; so do --list-options, by itself, which prints OptionTable::describeAsJson,
+// and --list-flags, which prints all flags.
 // The environment's NLG_INPUTS names a file for the names of all files that were read or looked for, if all went well (inputsText).
 // returns   the process's exit code
 int runTool(int argc, char** argv, CLI::App& app, OptionTable& table, const std::function<void()>& run);
