@@ -53,7 +53,6 @@ struct StoredFunction {
   const uint8_t* blend_sum = nullptr;
 
   bool isValid(size_t point) const { return validity[point / 8] >> (point % 8) & 1; }
-  bool isSeen(size_t point) const { return seen[point / 8] >> (point % 8) & 1; }
   uint8_t blendSum(size_t point) const { return blend_sum == nullptr ? 255 : blend_sum[point]; }
 };
 

@@ -202,8 +202,8 @@ void fillWithoutFunction(Buffers& b) {
   }
 }
 
-// What brings a position in its cell into a probe's support: (turn * from_low + shift) * sign * the cell's side over the probe's
-// spacing; the fourth number is 0.
+// From a position in a cell to local coordinates of the probe at one corner: (turn * from_low + shift) * sign * the cell's side over the
+// probe's spacing. The fourth number is 0.
 struct CornerMap {
   alignas(16) float turn[4], shift[4], sign[4];
 };
