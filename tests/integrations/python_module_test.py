@@ -191,7 +191,7 @@ class PythonModule(unittest.TestCase):
         np.testing.assert_array_equal(alone[0], theta[2])
 
     def test_an_interrupt_ends_the_policy(self):
-        phi = np.repeat(walls(), 250, axis=0)
+        phi = np.repeat(walls(), 1000, axis=0)  # longer than any scheduler lets the timer wait
         timer = threading.Timer(.05, _thread.interrupt_main)
         timer.start()
         with self.assertRaises(KeyboardInterrupt):
