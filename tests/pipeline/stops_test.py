@@ -5,6 +5,7 @@
 """
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -54,12 +55,14 @@ def main():
             by = (signal.SIGINT, signal.SIGTERM, signal.SIGINT, signal.SIGKILL)[number % 4]
             process = start("stopped")
             try:
-                said, errors = process.communicate(timeout=draw.uniform(0.05, 0.5) * took_s)
-                continue
+                process.wait(draw.uniform(0.05, 0.5) * took_s)
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, by)
             _, errors = process.communicate()
-            if by == signal.SIGINT:
+            if process.returncode == 0:  # it was done: the next one begins anew
+                assert results("stopped") == results("unbroken"), "a stopped run ends otherwise"
+                shutil.rmtree(folder / "stopped")
+            elif by == signal.SIGINT:
                 lines = errors.splitlines()
                 assert process.returncode == 130, f"Ctrl-C: {process.returncode}\n{errors}"
                 assert lines[-1:] == ["pipeline.sh: stopped; the same command goes on"] and "Traceback" not in errors and " failed" not in errors, f"Ctrl-C:\n{errors}"
