@@ -272,7 +272,8 @@ class JsonChecker {
         checkMembers(section, array[i], place + "[" + std::to_string(i) + "]", is_nested);
         const bool has_indices = place.ends_with(".primitives") && array[i].contains("indices") && !extensionOf(array[i], kDraco);
         // tinygltf looks them up before we can, and does not say whose they were
-        if (has_indices && !isBelow(root_["accessors"][array[i]["indices"].get<size_t>()], "bufferView", "bufferViews"))
+        if (has_indices && !(isBelow(array[i], "indices", "accessors") &&
+                             isBelow(root_["accessors"][array[i]["indices"].get<size_t>()], "bufferView", "bufferViews")))
           fail(place + "[" + std::to_string(i) + "].indices", "an accessor with a bufferView", array[i]["indices"].dump());
       };
       if (!place.ends_with(".primitives")) {

@@ -331,6 +331,7 @@ TEST_F(GltfStrangers, ABrokenPartDoesNotRefuseALevel) {
        "mesh 0, primitive 1: POSITION: expected an accessor below 2, got 9"},
       {"]", R"(,{"attributes":{"POSITION":"a"},"indices":1}])", "meshes[0].primitives[1].attributes"},
       {"]", R"(,{"attributes":{"POSITION":0},"indices":9}])", "meshes[0].primitives[1].indices"},
+      {"]", R"(,{"attributes":{"POSITION":0},"indices":18446744073709551615}])", "meshes[0].primitives[1].indices"},
       {"]", R"(,{"attributes":{"POSITION":0},"indices":1,"material":4}])", "primitive 1: material: expected a material below 0"},
       {"]", R"(,{"attributes":{"POSITION":0},"indices":1,"mode":9}])", "primitive 1: mode"},
       {"]", R"(,{"attributes":{"POSITION":1},"indices":1}])", "primitive 1: POSITION"},
