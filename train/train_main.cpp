@@ -285,14 +285,15 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
     state = makeState(options, fitTheta0(representation, basis, options.start));
   }
   const auto save = [&] {
+    // before the checkpoint: a run that is killed between them makes it again
+    writeFileAtomically(
+        fmt::format("{}/worst-{:09}.json", request.run, state.step),
+        worstFunctionsJson(state.step, worstFunctions(state.average, representation, held_out, options, kPictured)).dump());
     folder.writeOrigin(table.toJson(),
                        provenance("nlg-train", table.toJson(),
                                   {{"training_set", identity.training_set_sha256}, {"basis", identity.basis_sha256}}));
     folder.save(identity, state);
     writeFileAtomically(request.log, state.log_csv);
-    writeFileAtomically(
-        fmt::format("{}/worst-{:09}.json", request.run, state.step),
-        worstFunctionsJson(state.step, worstFunctions(state.average, representation, held_out, options, kPictured)).dump());
   };
   const ProcessGroup processes(request.processes);
   requireSameRun(processes, identity);
