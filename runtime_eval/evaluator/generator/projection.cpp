@@ -17,7 +17,7 @@ const std::array<float, kSamplePointCount>& sampleTents() {
   return tents;
 }
 
-bool bitOf(const uint8_t* bits, int i) { return bits[i / 8] >> (i % 8) & 1; }
+bool bitOf(const uint8_t* bits, size_t i) { return bits[i / 8] >> (i % 8) & 1; }
 
 // phiAt, validAt   of a sample point
 template <class Phi, class Valid>
@@ -58,7 +58,7 @@ void sampleClasses(const VisibilitySamples& function, float* classes) {
 }
 
 void visibilityClasses(const StoredFunction& function, float* classes) {
-  classesOf([&](int j) { return function.isSeen(supportPointOf(j)) ? sampleTents()[j] : 0.0f; },
+  classesOf([&](int j) { return bitOf(function.seen, supportPointOf(j)) ? sampleTents()[j] : 0.0f; },
             [&](int j) { return function.isValid(supportPointOf(j)); }, classes);
 }
 

@@ -167,7 +167,7 @@ TEST(TrainingData, MirrorsSamples) {
         const int from = p ^ (mirror * kOctantPointCount);
         image.phi[p] = function.phi[from];
         if (function.isValid(from)) image.validity[p / 8] |= 1 << p % 8;
-        if (function.isSeen(from)) seen[p / 8] |= 1 << p % 8;
+        if (function.seen[from / 8] >> (from % 8) & 1) seen[p / 8] |= 1 << p % 8;
       }
       StoredFunction view = image.view();
       view.seen = seen.data();
