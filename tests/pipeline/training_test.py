@@ -108,7 +108,9 @@ def check_stops(_):
             except subprocess.TimeoutExpired:
                 process.send_signal(stop)
             _, err = process.communicate()
-            if process.returncode == 0:  # it was done
+            if process.returncode == 0:  # it was done: the next one begins anew
+                check(folder_of(name) == folder_of(f"unstopped_{name}"), f"{name}: a stopped run leaves other bytes")
+                shutil.rmtree(f"{name}_run")
                 continue
             check(process.returncode == -stop, f"{name}, {stop}: {process.returncode}, {err!r}")
             stops[stop] += 1
