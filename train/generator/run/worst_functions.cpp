@@ -88,7 +88,7 @@ std::vector<WorstFunction> worstFunctions(GeneratorNetwork& network, const Repre
   std::vector<WorstFunction> worst(count);
   for (size_t i = 0; i < count; ++i) {
     const std::vector<Sample> sample{losses[i].second};
-    torch::Tensor theta = network->forward(coefficientBatch(held_out, sample).to(network->parameters().front().device())).cpu();
+    torch::Tensor theta = network->forward(inputBatch(held_out, sample).to(network->parameters().front().device())).cpu();
     if (std::get<1>(leastLosses(network, representation, held_out, sample, options.loss)).item<int64_t>() > 0)
       theta = solveLastLayers(theta, SampleTargets(representation, held_out, sample, options.loss));
     worst[i].function = static_cast<uint32_t>(sample.front().function);
