@@ -10,7 +10,7 @@
 
 #include "scene/quake/bsp_entities.h"
 #include "scene/quake/bsp_file.h"
-#include "scene/quake/pk3_archive.h"
+#include "scene/archive/pk3_archive.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
