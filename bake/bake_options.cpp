@@ -35,9 +35,10 @@ void describe(BakeOptions& o, OptionTable& table) {
       "align_lattice", &o.align_lattice,
       "put a probe at the low corner of extent_m, and the last ones a whole number of spacings away, instead of a random offset");
   table.add("air_only", &o.air_only, "leave out cells without air, and probes that only such cells read");
-  table.add("draft", &o.draft,
-            "a fast look: functions are predicted from 1,024 rays a probe, without diffusion, fits and check. Needs weights that read "
-            "samples");
+  table.add(
+      "draft", &o.draft,
+      "a fast look: functions are predicted from 1,024 rays a probe, without diffusion, fits and check. Needs weights that read "
+      "samples");
   table.group("Scene");
   describe(o.reading, table);
   describe(o.scene_light, table);

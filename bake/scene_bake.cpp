@@ -44,7 +44,8 @@ class Baking {
     std::vector<const Generator*> pointers;
     for (const Generator& generator : generators_) {
       if (options.draft && !generator.readsSamples())
-        throw UsageError("--draft", "weights that read samples", std::string(representationName(generator.representation())) + ", which reads coefficients");
+        throw UsageError("--draft", "weights that read samples",
+                         std::string(representationName(generator.representation())) + ", which reads coefficients");
       pointers.push_back(&generator);
     }
     for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(pointers, options_));

@@ -27,7 +27,8 @@ FunctionRows supportRows() {
 }  // namespace
 
 struct SceneFunctions::ThreadState {
-  ThreadState(const PreparedScene& scene, const BakeOptions& options) : builder(scene.rays, options.diffusion, nullptr, options.draft ? PointChoice::samples : PointChoice::all) {}
+  ThreadState(const PreparedScene& scene, const BakeOptions& options)
+      : builder(scene.rays, options.diffusion, nullptr, options.draft ? PointChoice::samples : PointChoice::all) {}
   WeightingBuilder builder;
   GeneratedFunction function;
   FunctionChecker checker;

@@ -8,9 +8,9 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include "scene/archive/pk3_archive.h"
 #include "scene/quake/bsp_entities.h"
 #include "scene/quake/bsp_file.h"
-#include "scene/archive/pk3_archive.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 

@@ -46,11 +46,11 @@ struct TexelLight {
 
 // A grid that an engine has.
 struct TexelFormat {
-  TexelLookUp look_up;         // with every texel valid where the engine leaves some out
-  bool is_directed = false;    // ambient and directed light and a direction; otherwise harmonics
-  std::vector<Texels> theirs;  // what the engine has without us
-  std::string record;          // name of the file that says what was written
-  Json place = {};             // where texels lie
+  TexelLookUp look_up;          // with every texel valid where the engine leaves some out
+  bool is_directed = false;     // ambient and directed light and a direction; otherwise harmonics
+  std::vector<Texels> theirs;   // what the engine has without us
+  std::string record;           // name of the file that says what was written
+  Json place = Json::object();  // where texels lie
   std::function<Texels(const std::string& name, const TexelLight& light)> pack;
 };
 

@@ -141,7 +141,8 @@ std::string addChannels(ModelBuilder& model, const std::string& phi, const std::
     inverse_tents.push_back(1.0f / std::max(kLeastTent, tent(supportPattern().points[supportPointOf(j)])));
   const auto number = [&](const std::string& name, float value) { return model.numbers(name, {1}, {value}); };
   const std::string factor = number("channel.factor", 0.3f);
-  const std::string ratio = model.apply("Mul", {phi, model.numbers("tents.inverse", {kSamplePointCount}, inverse_tents)}, "ratio");
+  const std::string ratio =
+      model.apply("Mul", {phi, model.numbers("tents.inverse", {kSamplePointCount}, inverse_tents)}, "ratio");
   const std::string visibility = model.apply("Min", {ratio, number("one", 1.0f)}, "visibility");
   const std::string centred = model.apply("Sub", {visibility, number("visibility.offset", 0.7f)}, "visibility.centred");
   const std::string masked = model.apply("Mul", {centred, valid}, "visibility.masked");

@@ -161,8 +161,9 @@ TEST_F(SceneBakeTest, ADraftIsTheNetworksWordOnWhatProbesSee) {
     generator.generate(&samples, 1, expected.data(), &scratch);
     roundTheta(generator.representation(), options.policy.theta_precision, expected.data());
     const float* theta = draft.grid.functionTheta(function);
-    // phi is a byte in a bake: a last bit of θ may differ by a step
-    for (size_t k = 0; k < expected.size(); ++k) ASSERT_NEAR(theta[k], expected[k], 0.02 * std::max(1.0f, std::fabs(expected[k])));
+    // phi is a byte in a bake: a number of θ may differ by a step of 1/32
+    for (size_t k = 0; k < expected.size(); ++k)
+      ASSERT_NEAR(theta[k], expected[k], 0.04 * std::max(1.0f, std::fabs(expected[k])));
     ++checked;
   }
   EXPECT_GT(checked, 20);

@@ -33,7 +33,8 @@ SampledFunction functionOf(const BasisData& basis, const Coefficient& coefficien
     for (const int end = k + basis.class_count[c]; k < end; ++k) {
       const double amount = coefficient(k, basis.coefficientCount()) * basis.deviation[k];
       for (int i = 0; i < (is_stored ? kOctantPointCount : kOctantSampleCount); ++i)
-        classes[c * kOctantPointCount + (is_stored ? i : octantSamples()[i])] += amount * basis.components[size_t(k) * length + i];
+        classes[c * kOctantPointCount + (is_stored ? i : octantSamples()[i])] +=
+            amount * basis.components[size_t(k) * length + i];
     }
   }
   return sampleFunction([&](int p) {

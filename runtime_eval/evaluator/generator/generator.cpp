@@ -28,7 +28,8 @@ std::vector<double> coefficientsReference(const BasisData& basis, const StoredFu
   for (int c = 0; c < kParityClassCount; ++c) {
     std::vector<double> parity(length, 0.0);
     for (int m = 0; m < kMirrorCount; ++m) {
-      for (int i = 0; i < length; ++i) parity[i] += mirrorSign(c, m) * inputReference(basis.input, function, m, i) / std::sqrt(8.0);
+      for (int i = 0; i < length; ++i)
+        parity[i] += mirrorSign(c, m) * inputReference(basis.input, function, m, i) / std::sqrt(8.0);
     }
     // standardised coefficients of the class (docs/theory/math.md §3)
     for (int k = 0; k < basis.class_count[c]; ++k) {

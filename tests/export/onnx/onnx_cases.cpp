@@ -47,8 +47,7 @@ void writeCase(const std::string& stem, const std::string& bytes, int count) {
       phi.push_back(static_cast<float>(functions[n].phi[p]) / 255.0f);
       valid.push_back(functions[n].isValid(p) ? 1.0f : 0.0f);
     }
-    projection.project(&functions[n], 1, &coefficients[size_t(n) * data.basis.coefficientCount()],
-                       &projection_scratch);
+    projection.project(&functions[n], 1, &coefficients[size_t(n) * data.basis.coefficientCount()], &projection_scratch);
   }
   write(stem + ".safetensors", bytes.data(), bytes.size());
   write(stem + ".phi.f32", phi);

@@ -14,7 +14,8 @@ TEST(Generator, AllocatesNothingAfterLoad) {
   const SampleFunctions samples = sampleFunctions(kCount);
   const std::vector<StoredFunction> functions = samples.views();
   for (const GeneratorInput input : {GeneratorInput::coefficients, GeneratorInput::samples}) {
-    const Representation representation = input == GeneratorInput::samples ? Representation::mlp() : Representation::productField(5);
+    const Representation representation =
+        input == GeneratorInput::samples ? Representation::mlp() : Representation::productField(5);
     const Generator generator(sampleGenerator(representation, 48, 3, 1, input));
     GeneratorScratch scratch(generator);
     std::vector<float> theta(size_t(kCount) * representation.thetaCount());

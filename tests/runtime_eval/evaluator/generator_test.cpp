@@ -98,7 +98,8 @@ TEST(Generator, GivesAFunctionTheSameBitsInEveryBatch) {
   const SampleFunctions samples = sampleFunctions(kCount);
   const std::vector<StoredFunction> functions = samples.views();
   for (const GeneratorInput input : {GeneratorInput::coefficients, GeneratorInput::samples}) {
-    const Representation representation = input == GeneratorInput::samples ? Representation::mlp() : Representation::productField(5);
+    const Representation representation =
+        input == GeneratorInput::samples ? Representation::mlp() : Representation::productField(5);
     // 600 inputs are more than one block of either product
     GeneratorData data = sampleGenerator(representation, 600, 3, 6, input);
     const int theta_count = data.representation.thetaCount();

@@ -175,7 +175,8 @@ TEST(TrainingData, MirrorsSamples) {
         visibility_only ? visibilityClasses(view, expected.data()) : sampleClasses(view, expected.data());
         samples.copyInput({.function = n, .mirror = mirror, .visibility_only = visibility_only}, mirrored.data());
         // eight terms in another order
-        for (int k = 0; k < kSampleInputCount; ++k) ASSERT_NEAR(mirrored[k], expected[k], 1e-6) << n << ", " << mirror << ", " << k;
+        for (int k = 0; k < kSampleInputCount; ++k)
+          ASSERT_NEAR(mirrored[k], expected[k], 1e-6) << n << ", " << mirror << ", " << k;
       }
     }
   }

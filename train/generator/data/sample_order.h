@@ -16,8 +16,8 @@ namespace nlg {
 struct Sample {
   int64_t function = 0;
   int mirror = 0;
-  int batch = 0;        // the first of them
-  int batch_count = 1;  // neighbours
+  int batch = 0;                 // the first of them
+  int batch_count = 1;           // neighbours
   bool visibility_only = false;  // a generator of samples reads what the probe sees, in place of phi
 };
 
@@ -50,9 +50,9 @@ class WindowedOrder {
 class SampleOrder {
  public:
   struct Options {
-    int batch = 256;            // samples a draw
-    int point_batch_count = 1;  // batches of points that there are to draw from
-    int point_batches = 1;      // of them a sample is judged on; a divisor of point_batch_count
+    int batch = 256;                // samples a draw
+    int point_batch_count = 1;      // batches of points that there are to draw from
+    int point_batches = 1;          // of them a sample is judged on; a divisor of point_batch_count
     double visibility_share = 0.0;  // of samples that show visibility only
     double part_share = 0.0;  // of every batch, rounded to whole samples: from an order of their own over a part of the functions
     uint64_t seed = 1;

@@ -38,8 +38,8 @@ torch::Tensor predictedCodes(const TrainingData& training, const std::vector<Sam
   std::vector<torch::Tensor> parts;
   for (size_t first = 0; first < samples.size(); first += kBatchCount) {
     const auto begin = samples.begin() + static_cast<ptrdiff_t>(first);
-    parts.push_back(network->forward(inputBatch(
-        training, {begin, begin + static_cast<ptrdiff_t>(std::min<size_t>(kBatchCount, samples.size() - first))})));
+    parts.push_back(network->forward(
+        inputBatch(training, {begin, begin + static_cast<ptrdiff_t>(std::min<size_t>(kBatchCount, samples.size() - first))})));
   }
   return torch::cat(parts).contiguous();
 }

@@ -93,8 +93,8 @@ GeneratorNetworkImpl::GeneratorNetworkImpl(const GeneratorShape& shape, const Th
   int input_count = shape.coefficient_count;
   if (shape.input == GeneratorInput::samples) {
     const int length = inputCount(shape.input);
-    components_ = register_parameter(
-        "components", torch::empty({kParityClassCount, shape.coefficient_count / kParityClassCount, length}));
+    components_ =
+        register_parameter("components", torch::empty({kParityClassCount, shape.coefficient_count / kParityClassCount, length}));
     initialise(components_, kComponentGain / std::sqrt(length), mixSeed(seed, 6));
   }
   for (int l = 0; l < shape.layer_count; ++l) {

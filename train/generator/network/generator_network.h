@@ -12,7 +12,7 @@ namespace nlg {
 
 struct GeneratorShape {
   GeneratorInput input = GeneratorInput::coefficients;
-  int coefficient_count = 512;    // of samples a multiple of 8: as many components in each parity class
+  int coefficient_count = 512;  // of samples a multiple of 8: as many components in each parity class
   int width = 512;
   int layer_count = 6;            // the last one yields theta
   double slope = 0.01;            // LeakyReLU

@@ -159,9 +159,10 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
             "exponent of each function's loss: 0.5 trains on blend RMSE; 1 weighs large errors more", 0.1, 4.0);
   table.add("point_batches", &o.point_batches,
             "eighths of the support points on which a sample's loss is computed, for networks: 1, 2, 4 or 8", 1, 8);
-  table.add("input", &o.input,
-            "what the generator reads of a function: samples, its values, visibility and validity at 1,024 points; or coefficients, "
-            "on the principal components of its values at all points");
+  table.add(
+      "input", &o.input,
+      "what the generator reads of a function: samples, its values, visibility and validity at 1,024 points; or coefficients, "
+      "on the principal components of its values at all points");
   table.add("coefficients", &o.coefficients,
             "number of coefficients used, those of largest variance; of samples, number of trained components, an eighth in each "
             "parity class. 0: as many as the basis has",
@@ -204,7 +205,8 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
 
 BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
   if (options.input == "samples") {
-    const int most = basis.data.coefficientCount(), asked = options.coefficients == 0 ? most : std::min(options.coefficients, most);
+    const int most = basis.data.coefficientCount(),
+              asked = options.coefficients == 0 ? most : std::min(options.coefficients, most);
     const int in_class = std::max(1, asked / kParityClassCount);
     BasisData trained{.input = GeneratorInput::samples};
     trained.class_count.fill(in_class);

@@ -26,11 +26,11 @@ struct TrainOptions {
   double gradient_clip = 1.0;    // largest norm of the whole gradient
   double average_decay = 0.999;  // of the averaged weights
   double error_power = 0.5;      // of a function's loss, before the mean over functions; 0.5: its blend RMSE
-  int point_batches = 1;   // eighths of a network's points that a sample is judged on: 1, 2, 4 or 8; fields take all of theirs
+  int point_batches = 1;  // eighths of a network's points that a sample is judged on: 1, 2, 4 or 8; fields take all of theirs
   std::string input = "samples";  // or coefficients: what the generator reads (GeneratorInput)
-  int coefficients = 0;    // of the basis, those of largest variance; of samples, trained components; 0: as many as the basis has
+  int coefficients = 0;  // of the basis, those of largest variance; of samples, trained components; 0: as many as the basis has
   double visibility_share = 0.25;  // of samples: drafts and moved doors show a generator no more than what probes see
-  double whitening = 0.5;  // 1: coefficients have deviation 1; 0: their own, but for one factor (basis_fit.h)
+  double whitening = 0.5;          // 1: coefficients have deviation 1; 0: their own, but for one factor (basis_fit.h)
   // Of every batch: drawn from the functions that take a theta at a bake alone. The others, for which the bare tent is enough, come
   // as often as the set has them in what is left, so that theta stays sane there.
   double theta_share = 0.95;
