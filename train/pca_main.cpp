@@ -64,13 +64,16 @@ class MeanFunction {
   uint64_t count_ = 0;
 };
 
-// The basis of a generator that goes on being trained; the spectrum stays that of the functions.
-void takeBasis(const std::string& path, Basis* basis) {
+// The basis of a generator that goes on being trained; the spectrum stays that of the functions. False where it reads samples: its
+// components are its own, and the functions' basis serves.
+bool takeBasis(const std::string& path, Basis* basis) {
   WeightsFile file;
   GeneratorData data;
   requireRead(path, readWeightsFile(path, &file), "the weights of a generator");
   requireRead(path, generatorFromWeights(file, &data), "the weights of a generator");
+  if (data.basis.input == GeneratorInput::samples) return false;
   basis->data = std::move(data.basis);
+  return true;
 }
 
 void fitBasis(const Request& request, const PcaOptions& options, const OptionTable& table) {
@@ -101,8 +104,9 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   BasisFile file;
   // wide enough for the table of variance kept; the file takes its first components
   Basis wide = fit.fit(std::max(counts.back(), options.components));
+  bool is_taken = false;
   if (!request.from.empty()) {
-    takeBasis(request.from, &wide);
+    is_taken = takeBasis(request.from, &wide);
     inputs["weights"] = fileSha256(request.from);
   }
   // how much the basis keeps of functions that it has not seen
@@ -114,7 +118,7 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
     file.kept_variance = keptVariance(wide, held_out.phi.data(), held_out.functionCount(), counts);
     file.kept_counts.assign(counts.begin(), counts.end());
   }
-  file.basis = request.from.empty() ? truncateBasis(wide, options.components) : wide;
+  file.basis = is_taken ? wide : truncateBasis(wide, options.components);
   file.pattern_hash = supportPattern().hash;
   mean.finish(&file);
   inputs["training_set"] = sha256(hashes);

@@ -109,8 +109,9 @@ std::optional<GeneratorData> readInit(const Request& request, Representation* re
   options->shape = shapeOf(data, options->shape);
   options->representation_slope = representation->slope = data.representation.slope;
   options->whitening = 1.0;
-  options->input = data.basis.input == GeneratorInput::samples ? "samples" : "coefficients";
-  options->coefficients = 0;
+  const bool reads_samples = data.basis.input == GeneratorInput::samples;
+  options->input = reads_samples ? "samples" : "coefficients";
+  options->coefficients = reads_samples ? data.basis.coefficientCount() : 0;
   options->begins_trained = true;
   return data;
 }
@@ -252,7 +253,7 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
   // a system that refuses threads is found before any data are read
   requireThreads(options.threads - 1 + (request.cache.empty() ? 0 : 1));  // one that reads the cache
   const BasisFile basis = readBasisFile(request.basis);
-  if (const int most = basis.basis.data.coefficientCount(); options.coefficients > most) {
+  if (const int most = basis.basis.data.coefficientCount(); options.input != "samples" && options.coefficients > most) {
     throw UsageError("coefficients", "at most the " + std::to_string(most) + " of the basis",
                      std::to_string(options.coefficients));
   }

@@ -20,7 +20,8 @@ from training_cases import poisoned_cache
 
 TOOLS = Tools(sys.argv[1])
 check = TOOLS.check
-OPTIONS = ["--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1", "--width", "24", "--layers", "2",
+# a poisoned coefficient is read by a generator of coefficients alone
+OPTIONS = ["--input", "coefficients", "--batch", "8", "--checkpoint-steps", "10", "--start-candidates", "1", "--width", "24", "--layers", "2",
            "--theta-share", "0.25"]
 INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
 CACHE = ["--cache", "functions.cache"]

@@ -28,7 +28,8 @@ INPUT_ERROR, NUMERICAL_ERROR = 3, 4  # tool/error.h
 HEAD, POINTS, VALIDITY, SUMS, BLOCK = 4096, 8192, 1024, 8192, 512  # docs/reference/formats.md, "Function cache"
 
 CHECKPOINT_STEPS = 10
-OPTIONS = ["--batch", "8", "--checkpoint-steps", str(CHECKPOINT_STEPS), "--start-candidates", "1", "--width", "24", "--layers", "2", "--theta-share", "0.25"]
+# a poisoned coefficient is read by a generator of coefficients alone
+OPTIONS = ["--input", "coefficients", "--batch", "8", "--checkpoint-steps", str(CHECKPOINT_STEPS), "--start-candidates", "1", "--width", "24", "--layers", "2", "--theta-share", "0.25"]
 INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
 LONG = 1000000  # steps that no run here comes to the end of
 
@@ -40,7 +41,7 @@ def changed_cache(source, path, change):
     footer_first = struct.unpack_from("<Q", whole, 16)[0]
     json_text, _, tail = bytes(whole[footer_first:]).partition(b"\n")
     values = json.loads(json_text)
-    size = POINTS + VALIDITY + SUMS + 4 * values["coefficient_count"]
+    size = POINTS + 2 * VALIDITY + SUMS + 4 * values["coefficient_count"]
     records = whole[HEAD:footer_first]
     change(records, size)
     values["block_sha256"] = [hashlib.sha256(records[i : i + BLOCK * size]).hexdigest() for i in range(0, len(records), BLOCK * size)]
@@ -52,7 +53,7 @@ def changed_cache(source, path, change):
 
 def poisoned_cache(source, path, function):
     """One function's first coefficient is 1e30."""
-    changed_cache(source, path, lambda records, size: struct.pack_into("<f", records, function * size + POINTS + VALIDITY + SUMS, 1e30))
+    changed_cache(source, path, lambda records, size: struct.pack_into("<f", records, function * size + POINTS + 2 * VALIDITY + SUMS, 1e30))
 
 
 def extreme_cache(source, path):

@@ -205,8 +205,7 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
 
 BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
   if (options.input == "samples") {
-    const int most = basis.data.coefficientCount(),
-              asked = options.coefficients == 0 ? most : std::min(options.coefficients, most);
+    const int asked = options.coefficients == 0 ? basis.data.coefficientCount() : options.coefficients;
     const int in_class = std::max(1, asked / kParityClassCount);
     BasisData trained{.input = GeneratorInput::samples};
     trained.class_count.fill(in_class);
