@@ -117,9 +117,9 @@ TEST_F(ShippedWeights, HaveStagesThatHalveTheErrorOfTheta0) {
 }
 
 TEST_F(ShippedWeights, AreThoseOfTheirCards) {
-  std::ifstream stream(fs::path(NLG_SOURCE_WEIGHTS) / "README.md");
-  const std::string cards{std::istreambuf_iterator<char>(stream), {}};
   for (const fs::path& path : paths_) {
+    std::ifstream stream(path.parent_path() / "README.md");
+    const std::string cards{std::istreambuf_iterator<char>(stream), {}};
     const std::string line = "| `" + path.filename().string() + "` | `" + fileSha256(path.string()) + "` |\n";
     EXPECT_NE(cards.find(line), std::string::npos) << "no card says " << line;
   }

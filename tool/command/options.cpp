@@ -170,7 +170,11 @@ nlohmann::ordered_json describeOption(const Option& option) {
 std::string limitsAndDefault(const nlohmann::ordered_json& option) {
   const nlohmann::ordered_json& value = option["default"];
   if (value == "" || value == nlohmann::ordered_json::array()) return "";
-  if (value.is_array()) return fmt::format(" (default {})", fmt::join(value.get<TextList>(), ","));
+  if (value.is_array()) {
+    TextList items;  // texts, or numbers
+    for (const nlohmann::ordered_json& item : value) items.push_back(item.is_string() ? item.get<std::string>() : item.dump());
+    return fmt::format(" (default {})", fmt::join(items, ","));
+  }
   if (value.is_string()) return fmt::format(" (default {})", value.get<std::string>());
   if (value.is_boolean()) return fmt::format(" (default {})", value.get<bool>());
   std::string limits;
