@@ -6,7 +6,6 @@
 
 #include "light/air.h"
 #include "runtime_eval/numbers/random.h"
-#include "tests/validate/light/lit_scenes.h"
 
 namespace nlg {
 namespace {
@@ -73,32 +72,6 @@ TEST(TexelLookUp, ScalesUpWhatIsLeftOfTexelsThatAreLeftOut) {
     if (weights.count > 0) EXPECT_GE(sum, TexelLookUp::kWhole - 1e-5f) << i;
     EXPECT_LE(sum, 1.0f + 1e-5f) << i;
   }
-}
-
-// Two rooms, one of them dark: texels with the light of their own place leak through the wall, those that were solved for hardly do.
-TEST(SolveTexels, ErrsLessThanPlacementWhereAWallStandsBetweenTexels) {
-  const LitScene lit(brightAndDarkRoom());
-  ProbeLightOptions options;
-  options.probe.rays = 256;
-  options.dark_share = 1.0, options.outlier = 3.0;  // evenly: the way that texel_command.cpp ships where it errs least
-  const std::vector<LightSh> light = measureLight(lit.transport, lit.air.places, options.place, 1, 2);
-  const MeasuredScene scene{lit.transport, lit.air, light, options, 2};
-  const Bounds bounds = boundsWithSky(lit.scene);
-  LightBox box;
-  for (int axis = 0; axis < 3; ++axis) {
-    box.low_m[axis] = bounds.min[axis] + lit.scene.origin_m[axis];
-    box.high_m[axis] = bounds.max[axis] + lit.scene.origin_m[axis];
-    box.texel_count[axis] = static_cast<uint32_t>(std::ceil(bounds.max[axis] - bounds.min[axis]));
-  }
-  const TexelJudge judge(scene, lightExtent(lit.scene, {}), 400, 256, 3);
-  const TextureFormat& format = textureFormats()[1];
-  const auto errorOf = [&](const LightVolume& volume) {
-    return judge.errorOf(format.shown(textureOfHalves(packShTexture(volume), shTextureSize(box.texel_count)), box));
-  };
-  const LightFigures placed = errorOf(placeTexels(scene, box, texelsInAir(scene, box)));
-  const LightFigures solved = errorOf({box, floatsOf(solveTexels(scene, {box}, light))});
-  EXPECT_LT(solved.air.rmse, 0.8 * placed.air.rmse);
-  EXPECT_LT(solved.surface.rmse, 0.8 * placed.surface.rmse);
 }
 
 }  // namespace
