@@ -28,6 +28,8 @@ struct BakeOptions {
   bool air_only = true;           // cells in solid, and probes that only they read, are left out
   // Functions are what probes see at 1,024 points, and their theta one pass of the network: no links, no diffusion, no fits, no check.
   bool draft = false;
+  PointChoice points() const { return draft ? PointChoice::samples : PointChoice::all; }
+  ThetaStage lastStage() const { return draft ? ThetaStage::network : ThetaStage::rounding; }
   DiffusionOptions diffusion;
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;

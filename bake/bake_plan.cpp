@@ -37,7 +37,7 @@ double thetaSeconds(const FunctionRows& rows, const std::vector<uint64_t>& with_
                     const std::vector<Generator>& generators) {
   std::vector<const Generator*> pointers;
   for (const Generator& generator : generators) pointers.push_back(&generator);
-  ThetaPolicy policy(pointers, options.policy, options.draft ? ThetaStage::network : ThetaStage::rounding);
+  ThetaPolicy policy(pointers, options.policy, options.lastStage());
   std::vector<StoredFunction> functions;
   for (const uint64_t row : with_theta) functions.push_back(storedFunction(rows, row));
   double seconds = 0.0;
@@ -56,7 +56,7 @@ double thetaSeconds(const FunctionRows& rows, const std::vector<uint64_t>& with_
 // Seconds of a thread that a probe's function and theta take, on average over a sample of probes.
 double functionSeconds(const PlacedSample& sample, const RayScene& rays, const BakeOptions& options,
                        const std::vector<Generator>& generators) {
-  WeightingBuilder builder(rays, options.diffusion, nullptr, options.draft ? PointChoice::samples : PointChoice::all);
+  WeightingBuilder builder(rays, options.diffusion, nullptr, options.points());
   ProbeLattice lattice(sample.frame);
   FunctionChecker checker;
   GeneratedFunction function;

@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 // Everything that one thread needs, for all stages.
 struct BakeThread {
   BakeThread(const std::vector<const Generator*>& generators, const BakeOptions& options)
-      : policy(generators, options.policy, options.draft ? ThetaStage::network : ThetaStage::rounding) {}
+      : policy(generators, options.policy, options.lastStage()) {}
   ThetaPolicy policy;
   std::vector<uint8_t> samples;
 };

@@ -28,7 +28,7 @@ FunctionRows supportRows() {
 
 struct SceneFunctions::ThreadState {
   ThreadState(const PreparedScene& scene, const BakeOptions& options)
-      : builder(scene.rays, options.diffusion, nullptr, options.draft ? PointChoice::samples : PointChoice::all) {}
+      : builder(scene.rays, options.diffusion, nullptr, options.points()) {}
   WeightingBuilder builder;
   GeneratedFunction function;
   FunctionChecker checker;
