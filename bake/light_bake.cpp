@@ -265,7 +265,7 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
         countText(statistics.buried_lamps_m.size(), "lamp"), at.x, at.y, at.z));
   }
   if (statistics.largest > kMaxEngineLight)
-    warnings.push_back(fmt::format("light reaches {:.3g}, and engines' files hold {:g}: give nlg-export engine --intensity {:g}",
+    warnings.push_back(fmt::format("light reaches {:.3g}, and engines' files hold {:g}: --intensity {:g} makes it fit",
                                    statistics.largest, kMaxEngineLight, intensityThatFits(statistics.largest)));
   return warnings;
 }

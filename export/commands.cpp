@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "export/engine/engine_format.h"
 #include "export/engine/texel_light.h"
 #include "export/shader/shader_export.h"
 #include "nlg/generator.h"
@@ -39,15 +38,14 @@ int infoMain(int argc, char** argv) {
   return fileInfoMain(argc, argv, {"nlg-export info", "weights (.safetensors)", "export", describeWeights});
 }
 
-constexpr Command kEachCommand[] = {{"info", infoMain}, {"shader", shaderMain}, {"engine", engineMain}, {"texels", texelsMain}};
+constexpr Command kEachCommand[] = {{"info", infoMain}, {"shader", shaderMain}, {"engine", engineMain}};
 
 }  // namespace
 
 const char* const kCommands =
     "nlg-export info FILE ...: verifies and describes weights.\n"
-    "nlg-export shader --grid GRID --out FOLDER: writes a light grid for shaders, with its look-up in GLSL.\n"
-    "nlg-export engine --grid GRID --format FORMAT --out FOLDER: writes a light grid as files that engines load.\n"
-    "nlg-export texels SCENE --format FORMAT --out FOLDER: lights the grid that an engine has, for its own look-up.";
+    "nlg-export shader --grid GRID --out FOLDER: writes a light grid with its look-up in GLSL, for three.js or in C.\n"
+    "nlg-export engine SCENE --format FORMAT --out FOLDER: lights the grid that an engine has, for its own look-up.";
 
 std::optional<int> runCommand(int argc, char** argv) { return runCommand(argc, argv, kEachCommand); }
 

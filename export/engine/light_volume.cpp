@@ -3,32 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
-#include "runtime_eval/light_grid/grid_summary.h"
 #include "runtime_eval/numbers/half.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
-
-// Six numbers of --extent-m.
-std::array<double, 6> cornersOf(const std::vector<std::string>& texts) {
-  const char* const expected = "x,y,z,X,Y,Z: six finite numbers, low below high";
-  std::array<double, 6> corners{};
-  if (texts.size() != corners.size()) throw UsageError("extent_m", expected, std::to_string(texts.size()) + " of them");
-  for (size_t i = 0; i < corners.size(); ++i) {
-    char* end = nullptr;
-    corners[i] = std::strtod(texts[i].c_str(), &end);
-    if (texts[i].empty() || *end != '\0' || !std::isfinite(corners[i]))
-      throw UsageError("extent_m", expected, "'" + texts[i] + "'");
-  }
-  for (size_t axis = 0; axis < 3; ++axis) {
-    if (!(corners[axis] < corners[axis + 3]))
-      throw UsageError("extent_m", expected, texts[axis] + " and " + texts[axis + 3] + " along one axis");
-  }
-  return corners;
-}
 
 std::string textOf(double number) {
   char text[32];
@@ -58,8 +38,7 @@ void forEachNeighbour(const std::array<uint32_t, 3>& count, size_t texel, const 
 enum class Texel : uint8_t { dark, next, has_light };
 
 // Round by round: those beside texels with light take the mean of what these have.
-size_t fillTexels(const std::array<uint32_t, 3>& count, std::vector<Texel>* texels, std::vector<float>* light) {
-  size_t filled = 0;
+void fillTexels(const std::array<uint32_t, 3>& count, std::vector<Texel>* texels, std::vector<float>* light) {
   std::vector<size_t> round, next;
   // a dark texel is queued once, by the first neighbour with light
   const auto findDark = [&](size_t texel) {
@@ -89,18 +68,7 @@ size_t fillTexels(const std::array<uint32_t, 3>& count, std::vector<Texel>* texe
     }
     for (const size_t texel : round) (*texels)[texel] = Texel::has_light;
     for (const size_t texel : round) findDark(texel);
-    filled += round.size();
   }
-  return filled;
-}
-
-// Whether the texel's light is sure: what is faint is better filled.
-bool isKnown(const LightGrid& grid, const LightBox& box, size_t texel, LightStatus status) {
-  if (status != LightStatus::outside) return status == LightStatus::lit;
-  const size_t row = box.texel_count[0], slice = row * box.texel_count[1];
-  ProbeWeights shares;
-  lookUpShares(grid, box.texelCentre(texel % row, texel % slice / row, texel / slice), &shares);
-  return shares.count > 0 && shares.certainty == 1.0f;
 }
 
 constexpr uint32_t kVolumes = 7, kPadding = 1;
@@ -108,23 +76,11 @@ constexpr size_t kChannels = 4;
 
 }  // namespace
 
-LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options) {
-  const double spacing_m = options.spacing_m > 0.0 ? options.spacing_m : kDefaultSpacing * grid.tree.frame().spacing_m;
-  LightBox box;
-  if (options.extent_m.empty()) {
-    // a texel around the used cells, so that filters at their border find light
-    const GridBounds bounds = boundsOf(grid.tree);
-    box = {bounds.low_m, bounds.high_m, {}};
-    for (size_t axis = 0; axis < 3; ++axis) box.low_m[axis] -= spacing_m, box.high_m[axis] += spacing_m;
-  } else {
-    const std::array<double, 6> corners = cornersOf(options.extent_m);
-    std::copy_n(corners.begin(), 3, box.low_m.begin());
-    std::copy_n(corners.begin() + 3, 3, box.high_m.begin());
-  }
+LightBox texelBox(const PositionM& low_m, const PositionM& high_m, double spacing_m) {
   std::array<double, 3> count;
   for (size_t axis = 0; axis < 3; ++axis) {
     // whole spacings stay so many where a rounding made them a little more
-    count[axis] = std::max(1.0, std::ceil((box.high_m[axis] - box.low_m[axis]) / spacing_m - 1e-6));
+    count[axis] = std::max(1.0, std::ceil((high_m[axis] - low_m[axis]) / spacing_m - 1e-6));
   }
   const double texels = count[0] * count[1] * count[2];
   if (!(texels <= kMaxBoxTexels)) {
@@ -132,7 +88,13 @@ LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options) {
                      textOf(spacing_m) + ", which makes " + textOf(count[0]) + " x " + textOf(count[1]) + " x " +
                          textOf(count[2]) + " = " + textOf(texels));
   }
+  LightBox box{low_m, high_m, {}};
   for (size_t axis = 0; axis < 3; ++axis) box.texel_count[axis] = static_cast<uint32_t>(count[axis]);
+  const TextureSize size = shTextureSize(box.texel_count);
+  if (*std::max_element(size.begin(), size.end()) > kMaxTextureSide) {
+    throw UsageError("spacing_m", "a texture of at most " + std::to_string(kMaxTextureSide) + " texels along each axis",
+                     std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]));
+  }
   return box;
 }
 
@@ -141,21 +103,12 @@ LightVolume filledVolume(const LightBox& box, std::vector<float> light, const st
   std::vector<Texel> texels(has_light.size());
   std::transform(has_light.begin(), has_light.end(), texels.begin(),
                  [](uint8_t has) { return has != 0 ? Texel::has_light : Texel::dark; });
-  volume.lit = static_cast<size_t>(std::count(texels.begin(), texels.end(), Texel::has_light));
-  if (volume.lit == 0) {
+  if (std::find(texels.begin(), texels.end(), Texel::has_light) == texels.end()) {
     std::fill(volume.light.begin(), volume.light.end(), 0.0f);
-    return volume;
+  } else {
+    fillTexels(box.texel_count, &texels, &volume.light);
   }
-  volume.filled = fillTexels(box.texel_count, &texels, &volume.light);
   return volume;
-}
-
-LightVolume makeLightVolume(const LightGrid& grid, const LightBox& box) {
-  LookUpScratch scratch;
-  ResampledLight resampled = resampleLight(grid, box, &scratch);
-  std::vector<uint8_t> has_light(resampled.status.size());
-  for (size_t i = 0; i < has_light.size(); ++i) has_light[i] = isKnown(grid, box, i, resampled.status[i]);
-  return filledVolume(box, std::move(resampled.light), has_light);
 }
 
 float largestLight(const LightVolume& volume) {

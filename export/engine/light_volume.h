@@ -1,9 +1,7 @@
-// Resamples the light of a grid into a box of texels, the source of all texture formats of this folder.
+// Light in a box of texels, the source of all texture formats of this folder.
 //
-// Texels where the grid gives no light stand in solid or where nobody needs light. A linear filter reads them all the same beside
-// walls, and three.js half a texel further: they are filled from their neighbours, outwards from where light is. Outside of all
-// cells the grid's own light of the nearest cell within a unit comes first: with it the textures of four scenes were up to a
-// seventh less wrong.
+// Texels in solid hold no light of their own. A linear filter reads them all the same beside walls, and three.js half a texel further:
+// they are filled from their neighbours, outwards from where light is.
 #pragma once
 
 #include <array>
@@ -17,34 +15,24 @@
 
 namespace nlg {
 
-inline constexpr double kMaxBoxTexels = 1 << 23;  // of a box: 470 MB of float16
-inline constexpr double kDefaultSpacing = 0.5;    // of a texel, in units of the grid
+inline constexpr double kMaxBoxTexels = 1 << 23;   // of a box: 470 MB of float16
+inline constexpr uint32_t kMaxTextureSide = 2048;  // what WebGPU promises, and WebGL 2 and desktop GPUs have
 
-struct VolumeOptions {
-  std::vector<std::string> extent_m;  // low and high corner, metres; none: the used cells and a texel on every side
-  double spacing_m = 0.0;             // no texel is wider; 0: kDefaultSpacing units
-};
-
-// The box, and texels that fill it: as few along each axis as are no wider than the spacing.
-// grid     with one used cell or more
-// throws   UsageError naming extent_m unless its texts are six finite numbers, low below high; naming spacing_m where the texels
-//          would be more than kMaxBoxTexels, with their count
-LightBox volumeBox(const LightGrid& grid, const VolumeOptions& options);
+// Texels that fill a box: as few along each axis as are no wider than the spacing.
+// spacing_m   > 0
+// throws      UsageError naming spacing_m where the texels would be more than kMaxBoxTexels, with their count, or a side of their
+//             texture above kMaxTextureSide
+LightBox texelBox(const PositionM& low_m, const PositionM& high_m, double spacing_m);
 
 struct LightVolume {
   LightBox box;
   std::vector<float> light;  // kShFloats a texel: radiance as spherical harmonics; x is the fastest index
-  size_t lit = 0;            // texels that the grid lights, those near a cell among them
-  size_t filled = 0;  // that have the mean of their neighbours, which had light before them; lit + filled: all of them, or 0
 };
 
 // Round by round, texels beside those with light take the mean of what these have. Where none has light, all are 0.
 // light       kShFloats a texel
 // has_light   by texel
 LightVolume filledVolume(const LightBox& box, std::vector<float> light, const std::vector<uint8_t>& has_light);
-
-// Resampled and filled.
-LightVolume makeLightVolume(const LightGrid& grid, const LightBox& box);
 
 // The largest |coefficient|.
 float largestLight(const LightVolume& volume);
@@ -73,8 +61,6 @@ inline uint64_t numberAt(std::string_view bytes, size_t place, size_t byte_count
 // A 3-D texture as a sampler sees it: what every format of this folder is decoded to.
 using TextureSize = std::array<uint32_t, 3>;  // texels along x, y, z
 using Rgba = std::array<float, 4>;
-
-inline constexpr uint32_t kMaxTextureSide = 2048;  // what WebGPU promises, and WebGL 2 and desktop GPUs have
 
 inline size_t texelsOf(const TextureSize& size) { return size_t{size[0]} * size[1] * size[2]; }
 

@@ -44,7 +44,7 @@ struct MeasuredScene {
 // By texel: whether it stands in air.
 std::vector<uint8_t> texelsInAir(const MeasuredScene& scene, const LightBox& box);
 
-// Light that arrives at each texel in air; the others have the mean of their neighbours, as makeLightVolume fills them.
+// Light that arrives at each texel in air; the others have the mean of their neighbours, as filledVolume fills them.
 LightVolume placeTexels(const MeasuredScene& scene, const LightBox& box, const std::vector<uint8_t>& is_in_air);
 
 // By texel, as the solve has it.
@@ -71,7 +71,7 @@ class TexelJudge {
   LightTruth truth_;
 };
 
-// The command nlg-export texels SCENE --format FORMAT --out FOLDER
-int texelsMain(int argc, char** argv);
+// The command nlg-export engine SCENE --format FORMAT --out FOLDER
+int engineMain(int argc, char** argv);
 
 }  // namespace nlg

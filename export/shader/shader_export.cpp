@@ -20,7 +20,48 @@ constexpr size_t kWord = sizeof(uint32_t), kCorners = 8;
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFiles[] = {"grid.bin", "look_up.glsl", "resample.comp", "resampled.glsl"};
+using Texts = std::vector<std::pair<std::string, std::string>>;  // file names and what they hold
+
+struct ShaderFormat {
+  const char* name;
+  Texts (*texts)(const ShaderGrid& grid);
+};
+
+const ShaderFormat kFormats[] = {
+    {"glsl",
+     [](const ShaderGrid& grid) {
+       return Texts{{"look_up.glsl", shaderText(grid)},
+                    {"resample.comp", std::string(kResampleText)},
+                    {"resampled.glsl", std::string(kResampledText)}};
+     }},
+    {"three-per-pixel",
+     [](const ShaderGrid& grid) {
+       return Texts{{"look_up.glsl", shaderText(grid)},
+                    {"three_light_grid.js", std::string(kThreeText)},
+                    {"three_light_grid_webgpu.js", std::string(kThreeWebgpuText)}};
+     }},
+    {"c-header",
+     [](const ShaderGrid& /*grid*/) {
+       return Texts{{"nlg_light_grid.h", std::string(kCHeaderText)}};
+     }},
+};
+
+std::string formatNames() {
+  std::string names;
+  for (const ShaderFormat& format : kFormats) names += (names.empty() ? "" : ", ") + std::string(format.name);
+  return names;
+}
+
+// grid.bin, then the format's own files.
+Texts filesOf(const ShaderGrid& grid, const std::string& name) {
+  for (const ShaderFormat& format : kFormats) {
+    if (format.name != name) continue;
+    Texts files = format.texts(grid);
+    files.insert(files.begin(), {"grid.bin", shaderGridBytes(grid)});
+    return files;
+  }
+  throw UsageError("--format", formatNames(), "'" + name + "'");
+}
 
 // By the head of grid.bin: axes of light, bits of a record's scale, groups (docs/reference/formats.md).
 bool isGrid(std::string_view bytes) {
@@ -32,18 +73,20 @@ bool isGrid(std::string_view bytes) {
   return bytes.size() >= 32 * kWord && bytes.size() % (4 * kWord) == 0 && word(16) <= 27 && word(17) <= 31 && word(19) <= 16;
 }
 
-void run(const std::string& grid_path, const std::string& folder, const std::vector<double>& origin_m) {
+void run(const std::string& grid_path, const std::string& folder, const std::string& format,
+         const std::vector<double>& origin_m) {
   // refusals before the grid is read
+  const Texts files = filesOf({}, format);
   requireOutputFolder(folder);
-  for (const char* name : kFiles) refuseToReplace((fs::path(folder) / name).string(), {grid_path}, kExportedFiles);
+  for (const auto& file : files) refuseToReplace((fs::path(folder) / file.first).string(), {grid_path}, kExportedFiles);
   LightGrid grid;
   GridMetadata metadata;
   requireRead(grid_path, readLightGridFile(grid_path, &grid, &metadata), "a light grid");
-  moveToOrigin(origin_m, &grid);
+  grid.tree.moveBy({-origin_m[0], -origin_m[1], -origin_m[2]});
   ShaderGrid packed;
   const FileResult result = packShaderGrid(grid, &packed);
   if (!result.ok()) throw InputError(grid_path, fileStatusName(result.status), "a grid that shaders can show", result.detail);
-  writeShader(packed, folder);
+  writeShader(packed, folder, format);
   // bytes that a pixel reads of the buffer
   const PixelReads reads = pixelReads(packed);
   const nlohmann::ordered_json line = {
@@ -87,21 +130,8 @@ std::string shaderGridBytes(const ShaderGrid& grid) {
   return bytes;
 }
 
-void writeShader(const ShaderGrid& grid, const std::string& folder) {
-  const std::string texts[] = {shaderGridBytes(grid), shaderText(grid), std::string(kResampleText), std::string(kResampledText)};
-  for (size_t i = 0; i < std::size(kFiles); ++i) writeFileAtomically((fs::path(folder) / kFiles[i]).string(), texts[i]);
-}
-
-void addOriginOption(CLI::App& app, std::vector<double>* origin_m) {
-  app.add_option("--origin-m", *origin_m,
-                 "origin of the engine's coordinates in the level: x,y,z, metres. For levels far from their origin, because "
-                 "engine files hold floats")
-      ->delimiter(',')
-      ->expected(3);
-}
-
-void moveToOrigin(const std::vector<double>& origin_m, LightGrid* grid) {
-  grid->tree.moveBy({-origin_m[0], -origin_m[1], -origin_m[2]});
+void writeShader(const ShaderGrid& grid, const std::string& folder, const std::string& format) {
+  for (const auto& [name, text] : filesOf(grid, format)) writeFileAtomically((fs::path(folder) / name).string(), text);
 }
 
 PixelReads pixelReads(const ShaderGrid& grid) {
@@ -114,14 +144,19 @@ PixelReads pixelReads(const ShaderGrid& grid) {
 }
 
 int shaderMain(int argc, char** argv) {
-  CLI::App app{"Writes a light grid for shaders, with the shader code of its look-up.", "nlg-export shader"};
-  std::string grid, out;
+  CLI::App app{"Writes a light grid with its look-up, for those who can change their shaders.", "nlg-export shader"};
+  std::string grid, out, format = "glsl";
   std::vector<double> origin_m(3, 0.0);
   OptionTable table("export");
   app.add_option("--grid", grid, "light grid that holds light (.safetensors)")->required();
-  app.add_option("--out", out, "folder for grid.bin, look_up.glsl, resample.comp and resampled.glsl")->required();
-  addOriginOption(app, &origin_m);
-  return runTool(argc, argv, app, table, [&] { run(grid, out, origin_m); });
+  app.add_option("--out", out, "folder for grid.bin and the format's files")->required();
+  app.add_option("--format", format, formatNames())->capture_default_str();
+  app.add_option("--origin-m", origin_m,
+                 "origin of the engine's coordinates in the level: x,y,z, metres. For levels far from their origin, because "
+                 "engine files hold floats")
+      ->delimiter(',')
+      ->expected(3);
+  return runTool(argc, argv, app, table, [&] { run(grid, out, format, origin_m); });
 }
 
 }  // namespace nlg

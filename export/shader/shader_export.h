@@ -1,28 +1,29 @@
-// The command `nlg-export shader`: writes a light grid for shaders.
+// The command `nlg-export shader`: writes a light grid with its own look-up, for those who can change their shaders.
 //
 //     grid.bin       the words of ShaderGrid (include/nlg/shader_grid.h), little-endian: what a buffer or a texture of
 //                    four 32-bit integers holds
-//     look_up.glsl   the look-up, with the defines of this grid before it
-//     resample.comp, resampled.glsl    the compute pass that fills a 3-D texture by it, and what reads that texture
+//
+// and by format
+//
+//     glsl              look_up.glsl, the look-up with the defines of this grid before it; resample.comp, resampled.glsl, the compute
+//                       pass that fills a 3-D texture by it, and what reads that texture
+//     three-per-pixel   look_up.glsl, and the modules that light materials of three.js (WebGLRenderer, WebGPURenderer) by it
+//     c-header          nlg_light_grid.h, for programs in C, which needs no library at all
 #pragma once
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "nlg/shader_grid.h"
 #include "tool/output_path.h"
-
-namespace CLI {
-class App;
-}
 
 namespace nlg {
 
 // What nlg-export may overwrite: texts and files that name their tool, and grid.bin.
 extern const OwnFiles kExportedFiles;
 
-extern const std::string_view kLookUpText, kResampleText, kResampledText;  // of runtime_eval/shader_grid/
+// of runtime_eval/shader_grid/, and of this folder
+extern const std::string_view kLookUpText, kResampleText, kResampledText, kCHeaderText, kThreeText, kThreeWebgpuText;
 
 // look_up.glsl of one grid.
 std::string shaderText(const ShaderGrid& grid);
@@ -30,8 +31,9 @@ std::string shaderText(const ShaderGrid& grid);
 // grid.bin.
 std::string shaderGridBytes(const ShaderGrid& grid);
 
-// Writes all of it into a folder, and makes that where it is missing.
-void writeShader(const ShaderGrid& grid, const std::string& folder);
+// Writes all files of a format into a folder, and makes that where it is missing.
+// throws   UsageError naming --format where there is none of that name
+void writeShader(const ShaderGrid& grid, const std::string& folder, const std::string& format = "glsl");
 
 // What one pixel reads of grid.bin at most, bytes, the head left out.
 struct PixelReads {
@@ -41,11 +43,7 @@ struct PixelReads {
 };
 PixelReads pixelReads(const ShaderGrid& grid);
 
-// --origin-m of the commands that export grids, and what it does: three numbers, world coordinates of what engines count from.
-void addOriginOption(CLI::App& app, std::vector<double>* origin_m);
-void moveToOrigin(const std::vector<double>& origin_m, LightGrid* grid);
-
-// The tool's command `shader`: nlg-export shader --grid GRID --out FOLDER.
+// The tool's command `shader`: nlg-export shader --grid GRID --out FOLDER --format FORMAT.
 int shaderMain(int argc, char** argv);
 
 }  // namespace nlg

@@ -156,10 +156,8 @@ void noteTooBright(const Scene& scene, std::vector<std::string>* notes) {
   // half of what is seen
   brightest = std::max({brightest, 0.5f * kOfRadiance * largestOf(sky.zenith), 0.5f * kOfRadiance * largestOf(sky.horizon)});
   if (brightest <= kMaxEngineLight) return;
-  notes->push_back(
-      fmt::format("light may reach {:.3g}, and files for engines hold {:.0f}: --intensity {:g} makes it fit, here or in "
-                  "nlg-export engine",
-                  brightest, kMaxEngineLight, intensityThatFits(brightest)));
+  notes->push_back(fmt::format("light may reach {:.3g}, and files for engines hold {:.0f}: --intensity {:g} makes it fit",
+                               brightest, kMaxEngineLight, intensityThatFits(brightest)));
 }
 
 const char* kBlenderExports =

@@ -34,8 +34,7 @@ CALLS = {
 }
 # the files among them, each with a sound one of another kind
 FOREIGN = {"training.h5": "basis.h5", "held_out.h5": "weights.safetensors", "basis.h5": "training.h5", "run.ckpt": "basis.h5", "weights.safetensors": "run.ckpt"}
-GRID_READERS = ["nlg-export shader --grid {} --out bad", "nlg-export engine --grid {} --format three --out bad",
-                "nlg-render house:1 --method grid --grid {} --out bad.png", "nlg-view house:1 --grid {} --out bad"]
+GRID_READERS = ["nlg-export shader --grid {} --out bad", "nlg-render house:1 --method grid --grid {} --out bad.png", "nlg-view house:1 --grid {} --out bad"]
 SECTIONS = {"nlg-datagen": "datagen", "nlg-pca": "basis", "nlg-train": "train", "nlg-export": "export", "nlg-bake": "bake", "nlg-validate": "validate"}
 # what else a good call may be given: tool, words added, words of the refusal
 ADDED = [
@@ -59,9 +58,9 @@ REFUSED = [
     (USAGE_ERROR, ["--out", "empty"], "nlg-datagen --scene house:1 --out ''"), (USAGE_ERROR, ["--out", "not an input"], "nlg-datagen --scene level.glb --out ./level.glb"),
     (USAGE_ERROR, ["--out", "folder"], "nlg-bake house:1 --weights weights.safetensors --out bad.folder/"),
     (USAGE_ERROR, ["--out", "not an input"], "nlg-bake house:1 --weights weights.safetensors --out ./weights.safetensors"),
-    (OUTPUT_ERROR, "file: ", "nlg-export shader --grid grid.safetensors --out file"), (OUTPUT_ERROR, "file/light.ktx2", "nlg-export engine --grid grid.safetensors --format ktx2-sh --out file"),
+    (OUTPUT_ERROR, "file: ", "nlg-export shader --grid grid.safetensors --out file"),
     # grids without light; an info of what is no shard
-    *((INPUT_ERROR, ["dark.safetensors", "without light"], reader.format("dark.safetensors")) for reader in GRID_READERS[:2]),
+    *((INPUT_ERROR, ["dark.safetensors", "without light"], reader.format("dark.safetensors")) for reader in GRID_READERS[:1]),
     (INPUT_ERROR, "basis.h5", "nlg-datagen info basis.h5"), (DAMAGED_FILE, "weights.safetensors", "nlg-datagen info weights.safetensors"),
 ]
 
@@ -165,7 +164,7 @@ def check_what_others_wrote(tools):
     os.mkdir("theirs")
     calls = [(call(tool, by={words.split()[-1]: "theirs.bin"}), "theirs.bin") for tool, words in CALLS.items() if tool in ("nlg-datagen", "nlg-pca", "nlg-cache", "nlg-export")]
     calls += [("nlg-export shader --grid grid.safetensors --out theirs", "theirs/grid.bin"), ("nlg-export shader --grid grid.safetensors --out theirs", "theirs/look_up.glsl"),
-              ("nlg-export engine --grid grid.safetensors --format ktx2-sh --out theirs", "theirs/light.ktx2"), ("nlg-export onnx --weights weights.safetensors --out theirs.onnx", "theirs.onnx")]
+              ("nlg-export onnx --weights weights.safetensors --out theirs.onnx", "theirs.onnx")]
     for command, out in calls:
         write(out, "the level's own buffer")
         tools.refuses(USAGE_ERROR, [out, "another kind of file"], command)

@@ -1,6 +1,4 @@
-// Light grids for engine_files_test.py: engine_cases FOLDER writes grid.safetensors, sets.safetensors, the same light as a light set, a
-// quarter of it as the lamp of another, and dark.safetensors and bright.safetensors,
-// which no format takes.
+// Light grids for engine_files_test.py: engine_cases FOLDER writes grid.safetensors, and dark.safetensors, which no format takes.
 
 #include <cstdlib>
 #include <iostream>
@@ -27,12 +25,6 @@ int main(int argc, char** argv) {
   const std::string folder = std::string(argv[1]) + "/";
   nlg::LightGrid grid = nlg::litGrid(nlg::smallTree(), 1);
   write(grid, folder + "grid.safetensors");
-  nlg::LightGrid sets = grid;
-  sets.groups = {{"day", grid.light}, {"night/lamp", grid.light, true}};
-  for (float& coefficient : sets.groups[1].light) coefficient *= 0.25f;
-  write(sets, folder + "sets.safetensors");
-  for (float& coefficient : grid.light) coefficient *= 1e6f;
-  write(grid, folder + "bright.safetensors");
   grid.light.clear();
   write(grid, folder + "dark.safetensors");
   return 0;

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What nlg-export engine and nlg-export texels write, read by readers that share nothing with it; and what it refuses.
+"""What nlg-export shader and nlg-export engine write, read by readers that share nothing with it; and what it refuses.
 
     engine_files_test.py BIN_FOLDER ENGINE_CASES KTX_PARSE
 
@@ -22,9 +22,7 @@ from tools import INPUT_ERROR, OUTPUT_ERROR, USAGE_ERROR, Tools
 
 TOOLS, CASES = Tools(sys.argv[1]), os.path.abspath(sys.argv[2])
 KTX_PARSE = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
-BOX = ["--extent-m=-2,10001,2,6,10007,12", "--spacing-m", "1"]  # 8 x 6 x 10 texels
-WITHOUT_TEXELS = ["three-per-pixel", "c-header"]
-RESOLUTION, SH_SIZE = [8, 6, 10], [8, 6, 7 * 12]
+FEW = ["--spacing-m", "1", "--places", "400", "--truth-rays", "64", "--light-rays", "64"]
 
 
 def must(condition, message):
@@ -32,25 +30,23 @@ def must(condition, message):
         sys.exit(f"engine_files_test: {message}")
 
 
-def export(*arguments):
-    return TOOLS.run(["nlg-export", "engine", *arguments])
+def engine(format_name, folder, *options, scene="two_rooms:0"):
+    return TOOLS.run(["nlg-export", "engine", scene, "--format", format_name, "--out", folder, *FEW, *options])
 
 
 def exported(format_name):
-    result = export("--grid", "grid.safetensors", "--format", format_name, "--out", format_name, "--error-samples", "2000", *([] if format_name in WITHOUT_TEXELS else BOX))
+    """Lit from the scene, for the engine's own look-up: what is shipped errs no more than texels with the light of their own place."""
+    result = engine(format_name, format_name)
     must(result.returncode == 0, f"{format_name}: exit code {result.returncode}\n{result.stderr}")
-    line = json.loads(result.stdout)
-    files = [os.path.join(format_name, name) for name in os.listdir(format_name)]
-    must(line["bytes"] == sum(map(os.path.getsize, files)), f"{format_name}: says {line['bytes']} bytes")
-    must(line["error"]["places"] > 1000 and 0 < line["error"]["rmse"] < 1, f"{format_name}: says {line['error']}")
-    if format_name not in WITHOUT_TEXELS:
-        place = json.load(open(os.path.join(format_name, "light.json")))
-        for key in ["low_m", "high_m", "resolution", "texture_size"]:
-            must(place[key] == line[key], f"{format_name}: light.json and the line differ in {key}")
-        must(place["low_m"] == [-2, 10001, 2] and place["high_m"] == [6, 10007, 12], f"{format_name}: {place}")
-        must(place["resolution"] == RESOLUTION, f"{format_name}: {place}")
-        must(place["texture_size"] == SH_SIZE, f"{format_name}: {place}")
-        must(line["texels"]["lit"] + line["texels"]["filled"] == 8 * 6 * 10, f"{format_name}: {line['texels']}")
+    line, record = json.loads(result.stdout), json.load(open(os.path.join(format_name, "light.json")))
+    for key in ["low_m", "high_m", "resolution", "texture_size", "mean_radiance", "error"]:
+        must(record[key] == line[key], f"{format_name}: light.json and the line differ in {key}")
+    texels_m = [(high - low) / count for low, high, count in zip(record["low_m"], record["high_m"], record["resolution"])]
+    nx, ny, nz = record["resolution"]
+    must(all(0 < texel_m <= 1 for texel_m in texels_m) and record["texture_size"] == [nx, ny, 7 * (nz + 2)], f"{format_name}: {record}")
+    must(all(0 < radiance < 10 for radiance in record["mean_radiance"]), f"{format_name}: {record['mean_radiance']}")
+    shipped, placed = line["error"][line["shipped"]], line["error"]["placed"]
+    must(line["shipped"] != "placed" and all(shipped[group] < placed[group] for group in ("air", "surface")), f"{format_name}: {line}")
     return line
 
 
@@ -81,18 +77,19 @@ def read_ktx2(path):
     return {"format": vk_format, "type_size": type_size, "size": [width, height, depth], "samples": samples, "texts": texts, "texels": data[place:]}
 
 
-def check_ktx2():
+def check_ktx2(line):
     file = read_ktx2("ktx2-sh/light.ktx2")
     one, minus_one = (struct.unpack("<I", struct.pack("<f", x))[0] for x in (1.0, -1.0))
-    must((file["format"], file["type_size"], file["size"]) == (97, 2, SH_SIZE), f"ktx2-sh: {file['format']}, {file['size']}")
+    must((file["format"], file["type_size"], file["size"]) == (97, 2, line["texture_size"]), f"ktx2-sh: {file['format']}, {file['size']}")
     must(file["samples"] == [(16 * i, 15, channel | 0xC0, 0, minus_one, one) for i, channel in enumerate([0, 1, 2, 15])], f"ktx2-sh: {file['samples']}")
-    must(file["texts"]["nlg.low_m"] == "-2.0 10001.0 2.0" and file["texts"]["nlg.resolution"] == "8 6 10", f"ktx2-sh: {file['texts']}")
-    must(file["texels"] == open("three/light.bin", "rb").read(), "ktx2-sh and three hold different texels")
+    numbers = {key: [float(number) for number in file["texts"]["nlg." + key].split()] for key in ("low_m", "high_m", "resolution")}
+    must(all(numbers[key] == line[key] for key in numbers), f"ktx2-sh: {file['texts']}")
+    must(len(file["texels"]) == os.path.getsize("three/light.bin"), "ktx2-sh and three hold other numbers of texels")
 
 
-def check_three():
+def check_three(line):
     data = open("three/light.bin", "rb").read()
-    nx, ny, nz = RESOLUTION
+    nx, ny, nz = line["resolution"]
     must(len(data) == 8 * nx * ny * 7 * (nz + 2), f"three: {len(data)} bytes")
     slices = [data[i * 8 * nx * ny : (i + 1) * 8 * nx * ny] for i in range(7 * (nz + 2))]
     for volume in range(7):
@@ -101,91 +98,41 @@ def check_three():
     must(all(slices[6 * (nz + 2)][i : i + 2] == b"\0\0" for i in range(6, 8 * nx * ny, 8)), "three: the last number of a texel is 0")
 
 
-def refuses(exit_code, names, *arguments):
-    TOOLS.refuses(exit_code, names, ["nlg-export", "engine", *arguments])
+def shader(format_name, folder, *options, grid="grid.safetensors"):
+    return TOOLS.run(["nlg-export", "shader", "--grid", grid, "--format", format_name, "--out", folder, *options])
+
+
+def check_shader():
+    files = {"glsl": ["grid.bin", "look_up.glsl", "resample.comp", "resampled.glsl"], "c-header": ["grid.bin", "nlg_light_grid.h"],
+             "three-per-pixel": ["grid.bin", "look_up.glsl", "three_light_grid.js", "three_light_grid_webgpu.js"]}
+    for name, expected in files.items():
+        must(shader(name, name).returncode == 0 and sorted(os.listdir(name)) == expected, f"{name}: its files")
+        must(open(f"{name}/grid.bin", "rb").read() == open("glsl/grid.bin", "rb").read(), f"{name} holds another grid than glsl")
+    # positions of engines are floats: a level far from its origin is moved
+    lines = [json.loads(shader("c-header", "moved", *origin).stdout) for origin in ([], ["--origin-m=-2,10000,1"])]
+    must(all(0 <= line["corner_error_m"] < 1e-3 for line in lines) and lines[1]["origin_m"] == [-2, 10000, 1], f"says {lines}")
 
 
 def check_refusals():
-    good = ["--grid", "grid.safetensors", "--format", "three", "--out", "bad"]
-    refuses(USAGE_ERROR, ["three, ktx2-sh, three-per-pixel, or c-header", "unity"], "--grid", "grid.safetensors", "--format", "unity", "--out", "bad")
-    for format_name in ["three", *WITHOUT_TEXELS]:
-        refuses(INPUT_ERROR, ["dark.safetensors", "without light"], "--grid", "dark.safetensors", "--format", format_name, "--out", "bad")
-    refuses(INPUT_ERROR, ["bright.safetensors", "32768", "--intensity"], "--grid", "bright.safetensors", "--format", "three", "--out", "bad", *BOX)
-    refuses(USAGE_ERROR, ["extent_m", "light"], *good, "--extent-m=0,0,0,1,1,1", "--spacing-m", "1")
-    for asked in ["dusk", "day=-1"]:
-        refuses(USAGE_ERROR, ["light_groups", "day, night/lamp", asked], "--grid", "sets.safetensors", "--format", "three", "--out", "bad", *BOX, "--light-groups", asked)
-    refuses(USAGE_ERROR, ["c-header", "light_groups"], "--grid", "sets.safetensors", "--format", "c-header", "--out", "bad", "--light-groups", "day")
+    grid = ["nlg-export", "shader", "--out", "bad", "--grid"]
+    TOOLS.refuses(USAGE_ERROR, ["glsl, three-per-pixel, c-header", "unity"], [*grid, "grid.safetensors", "--format", "unity"])
+    TOOLS.refuses(INPUT_ERROR, ["dark.safetensors"], [*grid, "dark.safetensors"])
+    TOOLS.refuses(USAGE_ERROR, ["--origin-m"], [*grid, "grid.safetensors", "--origin-m", "1,2"])
+    TOOLS.refuses(INPUT_ERROR, ["grid.safetensors", "--origin-m"], [*grid, "grid.safetensors", "--origin-m=5000000.13,0,0"])
+    scene = ["nlg-export", "engine", "two_rooms:0", *FEW, "--format"]
+    TOOLS.refuses(USAGE_ERROR, ["three, ktx2-sh, quake3-lightgrid", "unity"], [*scene, "unity", "--out", "bad"])
+    TOOLS.refuses(INPUT_ERROR, ["two_rooms"], [*scene, "quake3-lightgrid", "--out", "bad"])
+    TOOLS.refuses(USAGE_ERROR, ["intensity", "32768"], [*scene, "three", "--out", "bad", "--intensity", "1e6"])
     open("file", "w").close()
-    refuses(OUTPUT_ERROR, ["file/light.bin"], "--grid", "grid.safetensors", "--format", "three", "--out", "file", *BOX)
-    # an input under the name of an output
+    TOOLS.refuses(OUTPUT_ERROR, ["file/light.bin"], [*scene, "three", "--out", "file"])
+    # a stranger's file under the name of an output, and our own once more
     os.mkdir("folder")
-    shutil.copy("grid.safetensors", "folder/light.bin")
-    refuses(USAGE_ERROR, ["not an input"], "--grid", "folder/light.bin", "--format", "three", "--out", "folder", *BOX)
-    must(open("folder/light.bin", "rb").read() == open("grid.safetensors", "rb").read(), "an input was replaced")
-    must(os.listdir("folder") == ["light.bin"], "something was written beside an input that was not replaced")
-
-
-def check_intensity():
-    result = export("--grid", "grid.safetensors", "--format", "three", "--out", "half", "--error-samples", "2000", "--intensity", "0.5", *BOX)
-    must(result.returncode == 0 and json.loads(result.stdout)["intensity"] == 0.5, f"half as bright: {result.stderr}")
-    must(json.load(open("half/light.json"))["intensity"] == 0.5, "light.json says no intensity")
-    must(json.load(open("three/light.json"))["intensity"] == 1, "light.json says another intensity")
-    whole, half = (struct.unpack(f"<{len(data) // 2}e", data) for data in (open(f"{name}/light.bin", "rb").read() for name in ("three", "half")))
-    # a half float's own half, but for what is too small to be halved exactly
-    must(all(abs(h - 0.5 * w) <= 2**-24 for w, h in zip(whole, half)), "not half of the light")
-    refused = export("--grid", "bright.safetensors", "--format", "three", "--out", "bright", *BOX)
-    fits = re.search(r"--intensity (\S+) makes them fit", refused.stderr)
-    result = export("--grid", "bright.safetensors", "--format", "three", "--out", "bright", "--error-samples", "2000", "--intensity", fits[1], *BOX)
-    must(result.returncode == 0, f"the intensity that fits does not: {result.stderr}")
-
-
-def check_origin():
-    """What is written is moved, whatever the format: positions of engines are floats."""
-    result = export("--grid", "grid.safetensors", "--format", "three", "--out", "moved", "--error-samples", "2000", "--origin-m=-2,10000,1", "--extent-m=0,1,1,8,7,11", "--spacing-m", "1")
-    must(result.returncode == 0, f"--origin-m: {result.stderr}")
-    place = json.load(open("moved/light.json"))
-    must(place["origin_m"] == [-2, 10000, 1] and place["low_m"] == [0, 1, 1], f"moved: {place}")
-    must(open("moved/light.bin", "rb").read() == open("three/light.bin", "rb").read(), "moved: other light")
-    lines = [json.loads(export("--grid", "grid.safetensors", "--format", "c-header", "--out", "moved", "--error-samples", "2000", *origin).stdout) for origin in ([], ["--origin-m=-2,10000,1"])]
-    must(all(0 <= line["corner_error_m"] < 1e-3 for line in lines), f"says {lines}")
-    refuses(USAGE_ERROR, ["--origin-m"], "--grid", "grid.safetensors", "--format", "three", "--out", "bad", "--origin-m", "1,2", *BOX)
-    refuses(INPUT_ERROR, ["grid.safetensors", "--origin-m"], "--grid", "grid.safetensors", "--format", "c-header", "--out", "bad", "--origin-m=5000000.13,0,0")
-
-
-def check_light_groups():
-    def three(*groups):
-        result = export("--grid", "sets.safetensors", "--format", "three", "--out", "sets", "--error-samples", "2000", *groups, *BOX)
-        must(result.returncode == 0, f"{groups}: {result.stderr}")
-        must(json.load(open("sets/light.json"))["light_groups"] == json.loads(result.stdout)["light_groups"], "light.json says other groups")
-        data = open("sets/light.bin", "rb").read()
-        return json.loads(result.stdout)["light_groups"], struct.unpack(f"<{len(data) // 2}e", data)
-
-    groups, day = three()
-    must(groups == {"day": 1, "night/lamp": 0}, f"begins with {groups}")
-    groups, night = three("--light-groups", "night=2")
-    must(groups == {"day": 0, "night/lamp": 2}, f"night is {groups}")
-    largest = max(map(abs, day))
-    must(all(abs(n - 0.5 * d) < 2e-2 * largest for n, d in zip(night, day)), "the lamp at 2 is not half of the day")
-    must(three("--light-groups", "day,night")[0] == {"day": 1, "night/lamp": 1}, "both sets")
-    result = export("--grid", "sets.safetensors", "--format", "c-header", "--out", "sets_c", "--error-samples", "2000", "--intensity", "0.5")
-    must(result.returncode == 0 and json.loads(result.stdout)["error"]["rmse"] < 1e-4, f"half of all sets: {result.stdout}{result.stderr}")
-
-
-def check_texels():
-    """Lit from the scene, for the engine's own look-up: what is shipped errs no more than texels with the light of their own place."""
-    arguments = ["nlg-export", "texels", "two_rooms:0", "--format", "ktx2-sh", "--out", "texels", "--spacing-m", "1", "--places", "400", "--truth-rays", "64"]
-    lines = []
-    for _ in range(2):  # the second time over its own files
-        result = TOOLS.run(arguments)
-        must(result.returncode == 0, f"texels: exit code {result.returncode}\n{result.stderr}")
-        lines.append(json.loads(result.stdout))
-    line, file, record = lines[0], read_ktx2("texels/light.ktx2"), json.load(open("texels/light.json"))
-    must(lines[1] == line, "texels: another line the second time")
-    must(record["resolution"] == line["resolution"] and file["size"] == line["texture_size"], f"texels: {line}")
-    shipped, placed = line["error"][line["shipped"]], line["error"]["placed"]
-    must(line["shipped"] != "placed" and all(shipped[group] < placed[group] for group in ("air", "surface")), f"texels: {line}")
-    TOOLS.refuses(USAGE_ERROR, ["three, ktx2-sh, quake3-lightgrid", "unity"], ["nlg-export", "texels", "two_rooms:0", "--format", "unity", "--out", "bad"])
-    TOOLS.refuses(INPUT_ERROR, ["two_rooms"], ["nlg-export", "texels", "two_rooms:0", "--format", "quake3-lightgrid", "--out", "bad"])
+    with open("folder/light.bin", "w", encoding="ascii") as file:
+        file.write("a level's own buffer")
+    TOOLS.refuses(USAGE_ERROR, ["light.bin"], [*scene, "three", "--out", "folder"])
+    must(os.listdir("folder") == ["light.bin"], "something was written beside what was not replaced")
+    before = open("three/light.bin", "rb").read()
+    must(engine("three", "three").returncode == 0 and open("three/light.bin", "rb").read() == before, "other texels the second time")
 
 
 def check_ktx_parse():
@@ -212,17 +159,9 @@ try:
     if KTX_PARSE is not None:
         check_ktx_parse()
     else:
-        lines = {name: exported(name) for name in ["three", "ktx2-sh", *WITHOUT_TEXELS]}
-        for name in WITHOUT_TEXELS:
-            must(lines[name]["error"]["rmse"] < 1e-4, f"{name}: {lines[name]}")
-        must(sorted(os.listdir("three-per-pixel")) == ["grid.bin", "look_up.glsl", "three_light_grid.js", "three_light_grid_webgpu.js"], "three-per-pixel: its files")
-        must(open("three-per-pixel/grid.bin", "rb").read() == open("c-header/grid.bin", "rb").read(), "three-per-pixel and c-header hold different grids")
-        check_three()
-        check_ktx2()
-        check_intensity()
-        check_origin()
-        check_light_groups()
-        check_texels()
+        check_three(exported("three"))
+        check_ktx2(exported("ktx2-sh"))
+        check_shader()
         check_refusals()
         must(TOOLS.end() == 0, "what is refused")
 finally:

@@ -15,8 +15,13 @@ namespace {
 
 const LightVolume& sampleVolume() {
   static const LightVolume volume = [] {
-    const LightGrid grid = everyRepresentation(ThetaPrecision::int8, 3);
-    return makeLightVolume(grid, volumeBox(grid, {{"1", "101", "2", "17", "113", "21.5"}, 1.0}));
+    const LightBox box = texelBox({1, 101, 2}, {17, 113, 21.5}, 1.0);
+    LookUpScratch scratch;
+    ResampledLight light = resampleLight(everyRepresentation(ThetaPrecision::int8, 3), box, &scratch);
+    std::vector<uint8_t> is_lit(light.status.size());
+    std::transform(light.status.begin(), light.status.end(), is_lit.begin(),
+                   [](LightStatus status) { return status == LightStatus::lit; });
+    return filledVolume(box, std::move(light.light), is_lit);
   }();
   return volume;
 }
@@ -68,7 +73,7 @@ class TextureFormats : public testing::TestWithParam<size_t> {
   const TextureFormat& format() const { return textureFormats()[GetParam()]; }
 };
 
-TEST_P(TextureFormats, ShowTheIrradianceThatWasResampled) {
+TEST_P(TextureFormats, ShowTheIrradianceOfTheirTexels) {
   const LightVolume& volume = sampleVolume();
   const LightBox& box = volume.box;
   const EngineIrradiance irradiance = format().shown(textureOfHalves(packShTexture(volume), shTextureSize(box.texel_count)), box);

@@ -69,7 +69,9 @@ TEST(TexelLookUp, ScalesUpWhatIsLeftOfTexelsThatAreLeftOut) {
       EXPECT_TRUE(look_up.is_valid[weights.probe[j]]) << i;
       sum += weights.weight[j];
     }
-    if (weights.count > 0) EXPECT_GE(sum, TexelLookUp::kWhole - 1e-5f) << i;
+    if (weights.count > 0) {
+      EXPECT_GE(sum, TexelLookUp::kWhole - 1e-5f) << i;
+    }
     EXPECT_LE(sum, 1.0f + 1e-5f) << i;
   }
 }

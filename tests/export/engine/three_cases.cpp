@@ -5,7 +5,7 @@
 //
 //         position, normal    three floats each
 //         per_pixel           irradiance by lookUpIrradiance, OFFSET_M before the place
-//         resampled           irradiance that three.js shows of the light.json and light.bin in FOLDER
+//         texture             irradiance that three.js shows of the light.json and light.bin in FOLDER, where it has them
 //         bound               of what a GPU's linear filter may be off by there
 //
 // A filter's weights have eight bits behind the point, as Direct3D demands: a GPU reads up to 2^-8 of a texel away, along each axis.
@@ -23,6 +23,7 @@
 
 #include "export/engine/engine_format.h"
 #include "export/engine/light_volume.h"
+#include "runtime_eval/light_grid/grid_summary.h"
 #include "tests/runtime_eval/shader_grid/every_representation.h"
 #include "tool/atomic_file.h"
 
@@ -113,11 +114,15 @@ void writePlaces(const std::string& grid_path, const std::filesystem::path& fold
   LightGrid grid;
   GridMetadata metadata;
   require(readLightGridFile(grid_path, &grid, &metadata), grid_path);
-  const nlohmann::json place = nlohmann::json::parse(bytesOf(folder / "light.json"));
-  const LightBox box = {place.at("low_m").get<PositionM>(), place.at("high_m").get<PositionM>(),
-                        place.at("resolution").get<TextureSize>()};
-  const Texture3d texture = textureOfHalves(bytesOf(folder / "light.bin"), shTextureSize(box.texel_count));
-  const EngineIrradiance irradiance = textureFormats().front().shown(texture, box);
+  const GridBounds bounds = boundsOf(grid.tree);
+  LightBox box = texelBox(bounds.low_m, bounds.high_m, grid.tree.frame().spacing_m);
+  EngineIrradiance irradiance = [](const PositionM&, const float*) { return std::array<float, 3>{}; };
+  if (std::filesystem::exists(folder / "light.json")) {
+    const nlohmann::json place = nlohmann::json::parse(bytesOf(folder / "light.json"));
+    box = {place.at("low_m").get<PositionM>(), place.at("high_m").get<PositionM>(), place.at("resolution").get<TextureSize>()};
+    irradiance =
+        textureFormats().front().shown(textureOfHalves(bytesOf(folder / "light.bin"), shTextureSize(box.texel_count)), box);
+  }
   LevelPlaces places(grid, box, offset_m);
   nlohmann::json json = nlohmann::json::array();
   float largest = 0.0f;
@@ -125,12 +130,12 @@ void writePlaces(const std::string& grid_path, const std::filesystem::path& fold
     const auto [position_m, normal] = places.draw(i % kOutsideEvery == kOutsideEvery - 1);
     std::array<float, 3> per_pixel;
     lookUpIrradiance(grid, before(position_m, normal, offset_m), normal.data(), per_pixel.data());
-    const std::array<float, 3> resampled = irradiance(position_m, normal.data());
-    for (const float channel : resampled) largest = std::max(largest, channel);
+    const std::array<float, 3> shown = irradiance(position_m, normal.data());
+    for (const float channel : shown) largest = std::max(largest, channel);
     json.push_back({{"position", position_m},
                     {"normal", normal},
                     {"per_pixel", per_pixel},
-                    {"resampled", resampled},
+                    {"texture", shown},
                     {"bound", filterBound(irradiance, places, position_m, normal.data())}});
   }
   for (nlohmann::json& of : json) of["bound"] = of["bound"].get<float>() + 3 * 0x1p-11f * largest;

@@ -1,20 +1,26 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bake/light_bake.h"
-#include "export/engine/engine_folder.h"
 #include "export/engine/quake_light_grid.h"
 #include "export/engine/texel_light.h"
+#include "export/shader/shader_export.h"
 #include "light/air.h"
 #include "light/surface_cache.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
+#include "runtime_eval/light_grid/grid_summary.h"
+#include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
+#include "tool/atomic_file.h"
 #include "tool/command/tool_main.h"
 #include "tool/input_file.h"
+#include "tool/output_path.h"
 #include "tool/provenance.h"
 
 namespace nlg {
@@ -57,9 +63,17 @@ struct TexelFormat {
 TexelFormat textureFormat(const TextureFormat& texture, const LightBox& box) {
   TexelFormat format{{box, texture.bias}};
   format.record = "light.json";
-  format.place = placeJson(box);
+  format.place = {{"low_m", box.low_m},
+                  {"high_m", box.high_m},
+                  {"resolution", box.texel_count},
+                  {"texture_size", shTextureSize(box.texel_count)}};
   format.pack = [&texture, box](const std::string& name, const TexelLight& light) {
-    const std::string texels = packShTexture({box, floatsOf(light.light)});
+    const LightVolume volume{box, floatsOf(light.light)};
+    if (const float largest = largestLight(volume); largest > kMaxEngineLight) {
+      throw UsageError("intensity", "light of at most " + std::to_string(static_cast<int>(kMaxEngineLight)) + " in a texel",
+                       fmt::format("{:g}: {:g} times the present intensity makes it fit", largest, intensityThatFits(largest)));
+    }
+    const std::string texels = packShTexture(volume);
     return Texels{name, {texture.file(box, texels)}, texture.shown(textureOfHalves(texels, shTextureSize(box.texel_count)), box)};
   };
   return format;
@@ -107,6 +121,7 @@ class TexelWays {
     return ways;
   }
 
+ private:
   // Light of every texel by itself.
   Texels placed(const std::string& name, const LightVolume& volume, const std::vector<uint8_t>& is_valid) const {
     TexelLight texels{lightOf(volume), {}, is_valid};
@@ -117,7 +132,6 @@ class TexelWays {
     return format_.pack(name, texels);
   }
 
- private:
   static std::vector<glm::vec3> directionsOf(const std::vector<LightSh>& light) {
     std::vector<glm::vec3> directions(light.size());
     std::transform(light.begin(), light.end(), directions.begin(), mainDirection);
@@ -195,12 +209,39 @@ LightGrid readGrid(const std::string& path) {
   return grid;
 }
 
+// extent_m as it is; without one, where the scene would have probes, and a texel on every side: there filters find light.
 LightBox boxOf(const PreparedScene& scene, const BakeOptions& options) {
-  LightGrid grid;
-  grid.tree = scene.treeInWorld();
-  const LightBox box = volumeBox(grid, {options.extent_m, scene.spacing_m});
-  requireTexture(box);
-  return box;
+  if (const auto extent = extentFromNumbers(options.extent_m)) {
+    const glm::dvec3 low = extent->low_m, high = extent->high_m;
+    return texelBox({low.x, low.y, low.z}, {high.x, high.y, high.z}, scene.spacing_m);
+  }
+  GridBounds bounds = boundsOf(scene.treeInWorld());
+  for (size_t axis = 0; axis < 3; ++axis) bounds.low_m[axis] -= scene.spacing_m, bounds.high_m[axis] += scene.spacing_m;
+  return texelBox(bounds.low_m, bounds.high_m, scene.spacing_m);
+}
+
+// Mean radiance of what arrives at sample points, for an exposure.
+std::array<float, kShChannels> meanRadiance(const std::vector<LightSh>& place_light) {
+  constexpr float kY00 = 0.282095f;
+  glm::vec3 sum(0.0f);
+  for (const LightSh& light : place_light) sum += light[0];
+  sum *= kY00 / static_cast<float>(std::max<size_t>(1, place_light.size()));
+  return {sum.x, sum.y, sum.z};
+}
+
+// Texels alone bear no name: where the record is that this tool wrote beside them, they are replaced, and nothing else is.
+// inputs   files that must not be among those to come
+void writeFolder(const std::string& folder, const EngineFile& record, std::vector<EngineFile> files,
+                 const std::vector<std::string>& inputs) {
+  namespace fs = std::filesystem;
+  const auto pathOf = [&](const EngineFile& file) { return (fs::path(folder) / file.name).string(); };
+  const bool is_own = fs::exists(pathOf(record)) && mayReplace(pathOf(record), kExportedFiles);
+  files.push_back(record);
+  for (const EngineFile& file : files) {
+    refuseToReplaceInputs(pathOf(file), inputs);
+    if (!is_own) refuseToReplaceOthers(pathOf(file), kExportedFiles);
+  }
+  for (const EngineFile& file : files) writeFileAtomically(pathOf(file), file.bytes);
 }
 
 void run(const Request& request, const BakeOptions& options, const OptionTable& table) {
@@ -222,8 +263,7 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   const MeasuredScene measured{transport, scene.air, place_light, light, threads};
 
   // chosen at some places, reported at others
-  const TexelWays all_ways(measured, format);
-  std::vector<Texels> ways = all_ways.all();
+  std::vector<Texels> ways = TexelWays(measured, format).all();
   const ExtentBox extent = lightExtent(scene.source.scene, options.extent_m);
   const auto judgeOf = [&](uint64_t stream) {
     return TexelJudge(measured, extent, request.places, request.truth_rays, mixSeed(options.seed, stream));
@@ -234,8 +274,6 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   ways.insert(ways.end(), format.theirs.begin(), format.theirs.end());
   if (!request.grid.empty()) {
     const LightGrid grid = readGrid(request.grid);
-    ways.push_back(all_ways.placed("resampled", makeLightVolume(grid, format.look_up.box),
-                                   std::vector<uint8_t>(format.look_up.box.texelCount(), 1)));
     ways.push_back({"the light grid", {}, [grid](const PositionM& position_m, const float* normal_3) {
                       std::array<float, kShChannels> rgb;
                       lookUpIrradiance(grid, position_m, normal_3, rgb.data());
@@ -247,35 +285,36 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
 
   Json line = {{"scene", scene.source.id}, {"format", request.format}, {"shipped", shipped}};
   line.update(format.place);
+  line["mean_radiance"] = meanRadiance(place_light);
   line["places"] = report.placeCount();
   line["noise"] = report.noise();
   for (const Texels& way : ways) line["error"][way.name] = way.error;
   Json record = line;
-  record["provenance"] = provenance("nlg-export texels", table.toJson(), {{"scene", scene.source.sha256}});
-  writeEngineFolder(request.out, {format.record, record.dump(2) + "\n"}, files, {request.scene, request.grid});
+  record["provenance"] = provenance("nlg-export engine", table.toJson(), {{"scene", scene.source.sha256}});
+  writeFolder(request.out, {format.record, record.dump(2) + "\n"}, files, {request.scene, request.grid});
   std::cout << line.dump() << '\n';
   if (best == 0) std::cerr << "nlg-export: no solve errs less than texels with the light of their own place: these are written\n";
 }
 
 }  // namespace
 
-int texelsMain(int argc, char** argv) {
+int engineMain(int argc, char** argv) {
   CLI::App app{
       "Lights the grid that an engine has, for the look-up that it has, and measures the error against path tracing.\n"
       "Settings of the bake: section bake of the configuration. spacing_m is the largest width of a texel, extent_m the box.",
-      "nlg-export texels"};
+      "nlg-export engine"};
   Request request;
   BakeOptions options;
   options.spacing_m = 0.0;  // chosen by the scene, as nlg-bake does
   OptionTable table("bake");
   describe(options, table);
-  table.common({"format", "out", "grid", "spacing_m", "extent_m", "sky", "sun", "threads"});
+  table.common({"format", "out", "grid", "spacing_m", "extent_m", "sky", "sun", "intensity", "threads"});
   app.add_option("scene", request.scene, "scene, as for nlg-bake")->required();
   app.add_option("--format", request.format, textureNames() + kQuakeFormat)->required();
   app.add_option("--out", request.out,
                  "folder for the format's files; of quake3-lightgrid the game's, such as ~/.openarena/baseoa")
       ->required();
-  app.add_option("--grid", request.grid, "light grid of this scene, whose look-up and resampled light are measured, too");
+  app.add_option("--grid", request.grid, "light grid of this scene, whose own look-up is measured, too");
   app.add_option("--places", request.places, "sample points in air, and as many before surfaces, at which errors are measured")
       ->check(CLI::Range(100, 1000000))
       ->capture_default_str();

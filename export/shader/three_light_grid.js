@@ -59,7 +59,7 @@ export class NeuralLightGrid {
   #text;
   #materials = new Map(); // and the hooks that they had before
 
-  // folder   its URL; with what nlg-export engine --format three-per-pixel wrote
+  // folder   its URL; with what nlg-export shader --format three-per-pixel wrote
   // throws   Error where one of the two files is not there, or they are of different grids
   static async load(folder) {
     const [bytes, lookUp] = await Promise.all([read(`${folder}/grid.bin`, 'arrayBuffer'), read(`${folder}/look_up.glsl`, 'text')]);
