@@ -50,7 +50,7 @@ done
 source workflow/setup.sh
 mkdir -p build
 [ "$tests" = all ] && heavy=(machines) || heavy=()
-install_packages train pipeline package tests python "${heavy[@]}"
+install_packages train pipeline package tests "${heavy[@]}"
 
 if [ "$what" = tidy ]; then
   exec tests/tidy.sh

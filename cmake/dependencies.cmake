@@ -66,15 +66,6 @@ if(NLG_BUILD_TOOLS OR NLG_BUILD_FUZZERS)
   endif()
 endif()
 
-if(NLG_BUILD_PYTHON)
-  # Debian has pybind11 for its own Python, which is not always the first of the PATH
-  if(NOT Python_EXECUTABLE AND EXISTS /usr/bin/python3)
-    set(Python_EXECUTABLE /usr/bin/python3)
-  endif()
-  find_package(Python 3.9 REQUIRED COMPONENTS Interpreter Development.Module)
-  find_package(pybind11 2.10 CONFIG REQUIRED)
-endif()
-
 # The tests of the library alone. Debian has GoogleTest as sources, and what the others are is headers: they serve every machine. The folder
 # of these headers itself cannot be searched, since this machine's headers of C lie there, too.
 if(NLG_BUILD_TESTS AND NOT NLG_BUILD_TOOLS)

@@ -10,7 +10,7 @@ if [ "${1:-}" = --training ]; then
   install_packages package train
   build train nlg-datagen nlg-pca nlg-cache nlg-train nlg-export nlg-bake nlg-validate
 else
-  install_packages package python
-  build python installed
+  install_packages package
+  build package installed
 fi
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct) cpack --config "build/release/$config"

@@ -1,7 +1,7 @@
 # Set-up that nlg, pipeline.sh and test.sh share: packages, configuration, builds. Sourced; its functions run at the root of the checkout.
 #
 # A purpose is a word behind packages of cmake/packages.txt: `train`, `pipeline`, `package`, `tests`,
-# `machines`, `python`. A bake and the viewer need none.
+# `machines`. A bake and the viewer need none.
 
 # Installs what is missing of the packages for these purposes, and of those without one; asks for nothing when all of it is there.
 install_packages() {
@@ -36,8 +36,7 @@ build_jobs() {
 # The options of CMake that purposes need.
 options_for() {
   case " $* " in *" train "*) echo NLG_BUILD_TRAINING ;; esac
-  case " $* " in *" tests "*) echo NLG_BUILD_TRAINING NLG_BUILD_TESTS NLG_BUILD_PYTHON ;; esac
-  case " $* " in *" python "*) echo NLG_BUILD_PYTHON ;; esac
+  case " $* " in *" tests "*) echo NLG_BUILD_TRAINING NLG_BUILD_TESTS ;; esac
 }
 
 has_option() {
@@ -68,7 +67,7 @@ build() {
   wanted=" $(options_for "$1" | tr '\n' ' ')"
   shift
   [ $# -eq 0 ] || targets=(--target "$@")
-  for option in NLG_BUILD_TRAINING NLG_BUILD_TESTS NLG_BUILD_PYTHON; do
+  for option in NLG_BUILD_TRAINING NLG_BUILD_TESTS; do
     if [[ $wanted == *" $option "* ]] || has_option "$option"; then options+=("-D$option=ON"); else options+=("-D$option=OFF"); fi
   done
   require_writable

@@ -215,6 +215,10 @@ nlg_status nlg_light_grid_load_bytes(const void* bytes, size_t byte_count, nlg_l
 void nlg_light_grid_free(nlg_light_grid* grid);
 
 size_t nlg_light_grid_probe_count(const nlg_light_grid* grid);
+/* Where the probes stand.
+ *
+ * positions_m   probe_count x 3 doubles, overwritten: world coordinates, metres */
+void nlg_light_grid_probe_positions(const nlg_light_grid* grid, double* positions_m);
 /* Returns 1 if the grid has light, else 0: all its positions are then unlit. */
 int nlg_light_grid_has_light(const nlg_light_grid* grid);
 

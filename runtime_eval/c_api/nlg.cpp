@@ -362,6 +362,14 @@ void nlg_light_grid_free(nlg_light_grid* grid) { delete grid; }
 
 size_t nlg_light_grid_probe_count(const nlg_light_grid* grid) { return grid == nullptr ? 0 : grid->grid.tree.probeCount(); }
 
+void nlg_light_grid_probe_positions(const nlg_light_grid* grid, double* positions_m) {
+  if (isAnyNull(grid, positions_m)) return;
+  for (size_t p = 0; p < grid->grid.tree.probeCount(); ++p) {
+    const nlg::PositionM at = grid->grid.tree.probePosition(p);
+    std::copy(at.begin(), at.end(), &positions_m[3 * p]);
+  }
+}
+
 int nlg_light_grid_has_light(const nlg_light_grid* grid) { return grid == nullptr || grid->grid.light.empty() ? 0 : 1; }
 
 void nlg_light_grid_bounds(const nlg_light_grid* grid, double* low_m, double* high_m) {
