@@ -11,7 +11,6 @@
 #include <iostream>
 
 #include "bake/again/bake_provenance.h"
-#include "bake/again/kept_functions_file.h"
 #include "bake/again/own_files.h"
 #include "bake/again/relight.h"
 #include "bake/bake_plan.h"
@@ -38,7 +37,6 @@ struct Request {
   std::string scene, out, config, json;
   std::string inputs;   // a file to name all others in that were read
   std::string relit;    // a grid whose light is made anew; empty: everything is
-  std::string kept;     // a file of theta, read and written; empty: none is
   std::string checked;  // a grid that is only asked whether it is what would be baked
   std::vector<std::string> weights;
   bool out_is_given = false, is_verbose = false;
@@ -115,15 +113,9 @@ void checkOutput(const std::string& path, const OwnFiles& own, const char* flag,
 // Before anything is read: a bake takes minutes.
 void checkOutputs(const Request& request, const std::vector<std::string>& inputs) {
   if (request.out_is_given) checkOutput(request.out, kGridFiles, "--out", inputs);
-  if (!request.kept.empty()) {
-    refuseToReplaceInputs(request.kept, inputs, "--keep");
-    requireOutputFile(request.kept);
-  }
   if (!request.json.empty() && request.json != "-") {
     checkOutput(request.json, kReportFiles, "--json", inputs);
-    if (!request.kept.empty() && isSameFile(request.json, request.kept))
-      throw UsageError("--json and --keep name the same file: " + request.json);
-    if (isSameFile(request.json, request.out)) throw UsageError("--json and --out name the same file: " + request.json);
+    if (request.out_is_given && isSameFile(request.json, request.out)) throw UsageError("--json and --out name the same file: " + request.json);
   }
 }
 
@@ -132,8 +124,6 @@ void chooseOut(const PreparedScene& scene, const std::vector<std::string>& input
     request->out = scene.source.id + ".safetensors";
     checkOutput(request->out, kGridFiles, "--out", inputs);
   }
-  if (!request->kept.empty() && isSameFile(request->kept, request->out))
-    throw UsageError("--keep and --out name the same file: " + request->kept);
 }
 
 // generators   of the functions that will be made; none: light alone is
@@ -163,8 +153,8 @@ std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const G
 
 // Whether a grid is what this command line would bake.
 void runCheck(Request request, const BakeOptions& options, const OptionTable& table) {
-  for (const auto& [is_given, what] : {std::pair(!request.relit.empty(), "--relight"), std::pair(request.out_is_given, "--out"),
-                                       std::pair(!request.kept.empty(), "--keep")}) {
+  for (const auto& [is_given, what] :
+       {std::pair(!request.relit.empty(), "--relight"), std::pair(request.out_is_given, "--out")}) {
     if (is_given) throw UsageError(std::string("--check cannot be combined with ") + what + ": nothing is baked");
   }
   checkOutputs(request, {request.scene, request.config, request.checked});
@@ -195,7 +185,6 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   checkOutputs(request, inputs);
   if (!request.weights.empty())
     throw UsageError("--relight cannot be combined with --weights: it reuses the functions of the grid");
-  if (!request.kept.empty()) throw UsageError("--relight cannot be combined with --keep: it reuses the functions of the grid");
   if (options.light == "none") throw UsageError("--relight cannot be combined with --light none: it computes light only");
   if (!request.out_is_given) throw UsageError("--relight needs --out: the grid to write");
   const auto start = std::chrono::steady_clock::now();
@@ -223,13 +212,6 @@ void runRelight(Request request, const BakeOptions& options, const OptionTable& 
   writeJson(request.json, toJson(report));
 }
 
-std::vector<Representation> representationsOf(const std::vector<Generator>& generators) {
-  std::vector<Representation> representations;
-  representations.reserve(generators.size());
-  for (const Generator& generator : generators) representations.push_back(generator.representation());
-  return representations;
-}
-
 void run(Request request, const BakeOptions& options, const OptionTable& table) {
   const auto start = std::chrono::steady_clock::now();
   if (request.weights.empty()) {
@@ -240,9 +222,6 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
   inputs.insert(inputs.end(), {request.scene, request.config});
   checkOutputs(request, inputs);
-  if (!request.kept.empty() && options.refine_seconds > 0.0)
-    throw UsageError("--keep cannot be combined with --refine-seconds: the result of a time limit cannot be reused");
-  if (!request.kept.empty() && options.draft) throw UsageError("--keep cannot be combined with --draft: a draft fits no theta");
   if (options.light == "none" && !options.light_set.empty()) throw UsageError("--light-set cannot be combined with --light none");
   if (options.light == "none" && (options.thin_error > 0.0 || options.max_bytes > 0.0))
     throw UsageError(std::string(options.thin_error > 0.0 ? "--thin-error" : "--max-bytes") +
@@ -259,32 +238,14 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
   std::map<std::string, std::string> weights_sha256;
   for (const WeightsUsed& used : weights) weights_sha256[kWeightsRole + used.representation] = used.sha256;
 
-  // kept theta hold for the same options but those of light, the same weights and the same program
   const int threads = threadsOf(options);
-  const bool is_keeping = !request.kept.empty();
-  nlohmann::ordered_json origin;
-  KeptThetas kept;
-  std::string told;
-  if (is_keeping) {
-    origin = functionOrigin(table, weights_sha256);
-    try {
-      kept = readKept(request.kept, origin, representationsOf(generators), &told);
-    } catch (const DamageError& error) {
-      // whoever bakes again and again, as the viewer does, then removes it
-      throw ToolError(ExitCode::damaged_file, error.what());
-    }
-  }
   const PreparedScene scene = readScene(request, options, generators, threads);
-  if (!told.empty()) std::cerr << "kept: " << told << '\n';
   const double load_s = secondsSince(start);
   chooseOut(scene, inputs, &request);
   const GridMetadata metadata = bakeMetadata(scene, bakedOptions(table), weights_sha256);
-  Bake bake = bakeScene(scene, generators, options, temporaryFolder(), metadata, is_keeping ? &kept : nullptr);
-
-  // the grid first: kept theta are of use to the next bake alone
+  Bake bake = bakeScene(scene, generators, options, temporaryFolder(), metadata);
   const std::string bytes = fileBytes(bake.grid, options, metadata);
   writeFileAtomically(request.out, bytes);
-  if (is_keeping) writeFileAtomically(request.kept, keptBytes(kept, origin));
 
   BakeReport report;
   report.scene = scene.source.id;
@@ -313,8 +274,7 @@ void run(Request request, const BakeOptions& options, const OptionTable& table) 
 void bakeOrCheck(const Request& request, const BakeOptions& options, const OptionTable& table) {
   if (!request.inputs.empty()) {
     std::vector<std::string> others = request.weights;
-    others.insert(others.end(),
-                  {request.scene, request.config, request.relit, request.checked, request.out, request.json, request.kept});
+    others.insert(others.end(), {request.scene, request.config, request.relit, request.checked, request.out, request.json});
     checkOutput(request.inputs, kInputsFiles, "--inputs", others);
   }
   const auto writeInputs = [&] {
@@ -336,7 +296,6 @@ void bakeOrCheck(const Request& request, const BakeOptions& options, const Optio
 }
 
 nlohmann::ordered_json describeFile(const std::string& path) {
-  if (const auto kept = describeKept(path)) return *kept;
   auto [grid, metadata] = readBakedGrid(path);
   nlohmann::ordered_json json = {{"scene", metadata["scene"]},
                                  {"probes", grid.tree.probeCount()},
@@ -370,7 +329,6 @@ int main(int argc, char** argv) {
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own weights; the scene comes first, because --weights takes "
       "several files.\n"
       "nlg-bake SCENE --relight GRID: computes only the light of a baked grid again.\n"
-      "nlg-bake SCENE --keep FILE: incremental; fits only functions that a change affects.\n"
       "nlg-bake SCENE --check GRID: whether a grid is up to date.\n"
       "nlg-bake info GRID ...: verifies and describes light grids.\n"
       "nlg-bake probes GRID: prints the probes of a grid as a table.",
@@ -391,9 +349,6 @@ int main(int argc, char** argv) {
   app.add_option("--relight", request.relit,
                  "light grid of this scene, baked with the same settings: its probes and functions are reused, and only light is "
                  "computed again");
-  app.add_option("--keep", request.kept,
-                 "file of the incremental bake, read and rewritten by every bake: only functions that a change of the level "
-                 "affects are fitted again. The grid equals that of a whole bake, byte for byte");
   app.add_option("--check", request.checked,
                  "light grid to compare with what this command would bake; nothing is baked. Exit code 6 if it is out of date, "
                  "with what has changed");

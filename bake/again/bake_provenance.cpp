@@ -2,9 +2,7 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <iterator>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,22 +10,12 @@
 #include "bake/bake_options.h"
 #include "nlg/simd.h"
 #include "scene/lights/light_sets.h"
-#include "tool/atomic_file.h"
-#include "tool/error.h"
 #include "tool/provenance.h"
 
 namespace nlg {
 namespace {
 
 constexpr const char* kSpacing = "spacing_m";  // in metadata, where boxes made the lattice finer than it
-
-// Not by fileSha256: the program is no input of a bake that somebody watches.
-std::string programSha256() {
-  std::ostringstream bytes;
-  if (!(bytes << std::ifstream("/proc/self/exe", std::ios::binary).rdbuf()))
-    throw InputError("/proc/self/exe", "open", "this program", "no bytes");
-  return sha256(bytes.str());
-}
 
 }  // namespace
 
@@ -55,14 +43,6 @@ std::set<std::string> lightSettings(const OptionTable& table) {
     if (option.at("group") == kLightGroup) names.insert(option.at("name").get<std::string>());
   }
   return names;
-}
-
-nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<std::string, std::string>& weights) {
-  nlohmann::ordered_json options = bakedOptions(table);
-  for (const std::string& name : lightSettings(table)) options.erase(name);
-  // a revision says nothing of sources that were changed since, or that came without one
-  return {{"revision", sourceRevision()},     {"program", programSha256()}, {"simd", chosenSimdTarget()},
-          {"pattern", supportPattern().hash}, {"options", options},         {"weights", weights}};
 }
 
 GridMetadata bakeMetadata(const PreparedScene& scene, const nlohmann::ordered_json& options,

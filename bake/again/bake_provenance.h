@@ -26,10 +26,6 @@ inline constexpr const char* kOfFunctions[] = {"refine_seconds", "simd"};
 // Settings that functions do not depend on, and those.
 std::set<std::string> lightSettings(const OptionTable& table);
 
-// What functions depend on beside the level: settings, the bake's own program, the instructions, the pattern, weights.
-// weights   SHA-256 by kWeightsRole + representation
-nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<std::string, std::string>& weights);
-
 // options   as bakedOptions has them
 // weights   SHA-256 by kWeightsRole + representation
 GridMetadata bakeMetadata(const PreparedScene& scene, const nlohmann::ordered_json& options,
