@@ -3,46 +3,20 @@
 #include <cstring>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <chrono>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iostream>
 
 #include "bake/again/bake_provenance.h"
-#include "bake/again/kept_functions_file.h"
-#include "bake/again/own_files.h"
-#include "bake/again/relight.h"
-#include "bake/bake_plan.h"
-#include "bake/load_generators.h"
+#include "bake/bake_command.h"
 #include "bake/policy_options.h"
 #include "bake/probe_list.h"
-#include "bake/report/bake_report.h"
 #include "nlg/simd.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
-#include "scene/lights/light_sets.h"
-#include "tool/atomic_file.h"
 #include "tool/command/file_info.h"
 #include "tool/command/tool_main.h"
 #include "tool/error.h"
-#include "tool/input_file.h"
-#include "tool/output_path.h"
-#include "tool/parallel_for.h"
-#include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
-
-struct Request {
-  std::string scene, out, config, json;
-  std::string inputs;   // a file to name all others in that were read
-  std::string relit;    // a grid whose light is made anew; empty: everything is
-  std::string kept;     // a file of theta, read and written; empty: none is
-  std::string checked;  // a grid that is only asked whether it is what would be baked
-  std::vector<std::string> weights;
-  bool out_is_given = false, is_verbose = false;
-};
 
 void chooseSimd(const std::string& name) {
   // the variable first, whatever the option says: later Generator::load would read it and override the option
@@ -56,287 +30,7 @@ void chooseSimd(const std::string& name) {
   if (status != SimdStatus::ok) throw UsageError("--simd", "a SIMD target of this machine", simdRefusal(name, status));
 }
 
-// Not by getrusage: that begins with what the program had that started this one, Blender say.
-uint64_t peakMemoryBytes() {
-  std::ifstream status("/proc/self/status");
-  std::string word;
-  uint64_t kib = 0;
-  while (status >> word) {
-    if (word == "VmHWM:" && status >> kib) return kib * 1024;
-  }
-  return 0;
-}
-
-// What a bake may come to without an error, and is seldom what was meant.
-void warn(const PreparedScene& scene, const std::string& what) {
-  std::cerr << "nlg-bake: " << scene.source.id << ": " << what << '\n';
-}
-
-void warnOfDarkness(const PreparedScene& scene, const BakeOptions& options, const LightStatistics& statistics) {
-  for (const std::string& warning : lightWarnings(statistics)) warn(scene, warning);
-  const std::vector<const Scene*> lit = litScenes(scene.source);
-  const bool has_own =
-      std::any_of(lit.begin(), lit.end(), [](const Scene* set) { return !set->light.lamps.empty() || !set->light.suns.empty(); });
-  if (options.light_direct != "all" && options.light_direct != "reflected" && !has_own)
-    warn(scene, "light_direct leaves nothing out: the scene has no lamps and no suns of its own");
-}
-
-void warnOfNothing(const PreparedScene& scene, const BakeOptions& options, const BakeStatistics& statistics) {
-  if (statistics.counts.functions + statistics.bare_tents.count == 0)
-    warn(scene,
-         "no probe has a weighting function; check that extent_m covers the scene, and that spacing_m is smaller than its rooms");
-  warnOfDarkness(scene, options, statistics.light);
-}
-
-// path   "-": stdout; empty: nowhere
-void writeJson(const std::string& path, const nlohmann::ordered_json& json) {
-  // a name that the level's file brings may be no UTF-8
-  const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  if (path == "-") {
-    std::cout << text;
-  } else if (!path.empty()) {
-    writeFileAtomically(path, text);
-  }
-}
-
-bool isSameFile(const std::string& a, const std::string& b) {
-  const auto whole = [](const std::string& name) {
-    std::error_code error;
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(name), error);
-  };
-  return whole(a) == whole(b);
-}
-
-void checkOutput(const std::string& path, const OwnFiles& own, const char* flag, const std::vector<std::string>& inputs) {
-  refuseToReplace(path, inputs, own, flag);
-  requireOutputFile(path);
-}
-
-// Before anything is read: a bake takes minutes.
-void checkOutputs(const Request& request, const std::vector<std::string>& inputs) {
-  if (request.out_is_given) checkOutput(request.out, kGridFiles, "--out", inputs);
-  if (!request.kept.empty()) {
-    refuseToReplaceInputs(request.kept, inputs, "--keep");
-    requireOutputFile(request.kept);
-  }
-  if (!request.json.empty() && request.json != "-") {
-    checkOutput(request.json, kReportFiles, "--json", inputs);
-    if (!request.kept.empty() && isSameFile(request.json, request.kept))
-      throw UsageError("--json and --keep name the same file: " + request.json);
-    if (isSameFile(request.json, request.out)) throw UsageError("--json and --out name the same file: " + request.json);
-  }
-}
-
-void chooseOut(const PreparedScene& scene, const std::vector<std::string>& inputs, Request* request) {
-  if (!request->out_is_given) {
-    request->out = scene.source.id + ".safetensors";
-    checkOutput(request->out, kGridFiles, "--out", inputs);
-  }
-  if (!request->kept.empty() && isSameFile(request->kept, request->out))
-    throw UsageError("--keep and --out name the same file: " + request->kept);
-}
-
-// generators   of the functions that will be made; none: light alone is
-PreparedScene readScene(const Request& request, const BakeOptions& options, const std::vector<Generator>& generators, int threads,
-                        const KnownAir& known = {}) {
-  SceneSource source = loadLitScene(request.scene, options);
-  try {
-    std::cerr << toText(planBake(source, options, generators, threads), threads);
-  } catch (const ToolError&) {
-    // they may say what is wrong with it
-    tellNotes("nlg-bake", source);
-    throw;
-  }
-  for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
-  tellNotes("nlg-bake", source);
-  for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
-  return {std::move(source), options, known};
-}
-
-std::string fileBytes(const LightGrid& grid, const BakeOptions& options, const GridMetadata& metadata) {
-  std::string bytes;
-  const FileResult result = serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes);
-  if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": a number that the file cannot hold");
-  NLG_CHECK(options.max_bytes == 0.0 || static_cast<double>(bytes.size()) <= options.max_bytes, ==, true);
-  return bytes;
-}
-
-// Whether a grid is what this command line would bake.
-void runCheck(Request request, const BakeOptions& options, const OptionTable& table) {
-  for (const auto& [is_given, what] : {std::pair(!request.relit.empty(), "--relight"), std::pair(request.out_is_given, "--out"),
-                                       std::pair(!request.kept.empty(), "--keep")}) {
-    if (is_given) throw UsageError(std::string("--check cannot be combined with ") + what + ": nothing is baked");
-  }
-  checkOutputs(request, {request.scene, request.config, request.checked});
-  const BakedGrid baked = readBakedGrid(request.checked);
-  if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders(options.draft));
-  std::map<std::string, std::string> weights;
-  const auto [generators, weight_files] = loadGenerators(request.weights);
-  for (size_t g = 0; g < generators.size(); ++g)
-    weights[kWeightsRole + std::string(representationName(generators[g].representation()))] = fileSha256(weight_files[g]);
-  SceneSource source = loadLitScene(request.scene, options);
-  std::vector<std::string> changes = changesSince(request.checked, baked, source, table, weights);
-  // other lamps may move probes: the scene is set up to see where they would stand
-  if (changes == std::vector<std::string>{kLightChanged} &&
-      !standsWhere({std::move(source), options, knownAir(request.checked, baked)}, baked))
-    changes.push_back("probes would stand elsewhere");
-  writeJson(request.json, {{"schema_version", 1}, {"grid", request.checked}, {"changes", changes}});
-  if (request.json != "-") {
-    if (changes.empty()) std::cout << request.checked << ": fresh\n";
-    for (const std::string& change : changes) std::cout << request.checked << ": " << change << '\n';
-  }
-  if (!changes.empty()) throw ToolError(ExitCode::check_failed, request.checked + ": out of date");
-}
-
-// Light alone, for a grid whose functions stay.
-void runRelight(Request request, const BakeOptions& options, const OptionTable& table) {
-  std::vector<std::string> inputs = filesOfLight(options.light_set, options.scene_light);
-  inputs.insert(inputs.end(), {request.scene, request.config, request.relit});
-  checkOutputs(request, inputs);
-  if (!request.weights.empty())
-    throw UsageError("--relight cannot be combined with --weights: it reuses the functions of the grid");
-  if (!request.kept.empty()) throw UsageError("--relight cannot be combined with --keep: it reuses the functions of the grid");
-  if (options.light == "none") throw UsageError("--relight cannot be combined with --light none: it computes light only");
-  if (!request.out_is_given) throw UsageError("--relight needs --out: the grid to write");
-  const auto start = std::chrono::steady_clock::now();
-  BakedGrid baked = readBakedGrid(request.relit);
-  const int threads = threadsOf(options);
-  // cells that the bake of the grid found without air are not searched again
-  const PreparedScene scene = readScene(request, options, {}, threads, knownAir(request.relit, baked));
-  requireFunctionsOf(scene, table, options.representation, request.relit, baked);
-  if (!baked.grid.groups.empty() && lightGroupNames(scene.source).empty())
-    std::cerr << "light: the grid's " << baked.grid.groups.size()
-              << " groups of light become one; to keep them, give --light-groups as in its bake\n";
-  RelightReport report;
-  report.light = relight(scene, options, table, &baked);
-  const std::string bytes = fileBytes(baked.grid, options, baked.metadata);
-  writeFileAtomically(request.out, bytes);
-  warnOfDarkness(scene, options, report.light);
-  report.scene = scene.source.id;
-  report.grid = request.relit;
-  report.probes = baked.grid.tree.probeCount();
-  report.file_bytes = bytes.size();
-  report.peak_memory_bytes = peakMemoryBytes();
-  report.notes = scene.source.notes.size();
-  report.wall_s = secondsSince(start);
-  std::cerr << toSummary(report, request.out);
-  writeJson(request.json, toJson(report));
-}
-
-std::vector<Representation> representationsOf(const std::vector<Generator>& generators) {
-  std::vector<Representation> representations;
-  representations.reserve(generators.size());
-  for (const Generator& generator : generators) representations.push_back(generator.representation());
-  return representations;
-}
-
-void run(Request request, const BakeOptions& options, const OptionTable& table) {
-  const auto start = std::chrono::steady_clock::now();
-  if (request.weights.empty()) {
-    request.weights = shippedWeights(options.representation, weightsFolders(options.draft));
-  }
-  // outputs and contradictions before any file is read: a bake takes minutes
-  std::vector<std::string> inputs = filesOfLight(options.light_set, options.scene_light);
-  inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
-  inputs.insert(inputs.end(), {request.scene, request.config});
-  checkOutputs(request, inputs);
-  if (!request.kept.empty() && options.refine_seconds > 0.0)
-    throw UsageError("--keep cannot be combined with --refine-seconds: the result of a time limit cannot be reused");
-  if (!request.kept.empty() && options.draft) throw UsageError("--keep cannot be combined with --draft: a draft fits no theta");
-  if (options.light == "none" && !options.light_set.empty()) throw UsageError("--light-set cannot be combined with --light none");
-  if (options.light == "none" && (options.thin_error > 0.0 || options.max_bytes > 0.0))
-    throw UsageError(std::string(options.thin_error > 0.0 ? "--thin-error" : "--max-bytes") +
-                     " cannot be combined with --light none: thinning needs light");
-  const GridPrecision stored{options.policy.theta_precision, options.light_error};
-  const auto [generators, weight_files] = loadGenerators(request.weights);
-  // the hashes of the weights belong to the grid's provenance
-  std::vector<WeightsUsed> weights;
-  for (size_t g = 0; g < generators.size(); ++g) {
-    weights.push_back({representationName(generators[g].representation()), fileSha256(weight_files[g]),
-                       std::filesystem::file_size(weight_files[g])});
-  }
-
-  std::map<std::string, std::string> weights_sha256;
-  for (const WeightsUsed& used : weights) weights_sha256[kWeightsRole + used.representation] = used.sha256;
-
-  // kept theta hold for the same options but those of light, the same weights and the same program
-  const int threads = threadsOf(options);
-  const bool is_keeping = !request.kept.empty();
-  nlohmann::ordered_json origin;
-  KeptThetas kept;
-  std::string told;
-  if (is_keeping) {
-    origin = functionOrigin(table, weights_sha256);
-    try {
-      kept = readKept(request.kept, origin, representationsOf(generators), &told);
-    } catch (const DamageError& error) {
-      // whoever bakes again and again, as the viewer does, then removes it
-      throw ToolError(ExitCode::damaged_file, error.what());
-    }
-  }
-  const PreparedScene scene = readScene(request, options, generators, threads);
-  if (!told.empty()) std::cerr << "kept: " << told << '\n';
-  const double load_s = secondsSince(start);
-  chooseOut(scene, inputs, &request);
-  const GridMetadata metadata = bakeMetadata(scene, bakedOptions(table), weights_sha256);
-  Bake bake = bakeScene(scene, generators, options, temporaryFolder(), metadata, is_keeping ? &kept : nullptr);
-
-  // the grid first: kept theta are of use to the next bake alone
-  const std::string bytes = fileBytes(bake.grid, options, metadata);
-  writeFileAtomically(request.out, bytes);
-  if (is_keeping) writeFileAtomically(request.kept, keptBytes(kept, origin));
-
-  BakeReport report;
-  report.scene = scene.source.id;
-  report.notes = scene.source.notes.size();
-  report.weights = weights;
-  std::vector<uint64_t> weights_bytes;
-  weights_bytes.reserve(weights.size());
-  for (const WeightsUsed& used : weights) weights_bytes.push_back(used.bytes);
-  report.threads = threads;
-  // savings read the statistics, which the report then takes over
-  report.savings = savingsOf(bake, generators, options.policy, stored, weights_bytes, report.threads);
-  report.statistics = std::move(bake.statistics);
-  report.statistics.load_wall_s = load_s;
-  report.policy = options.policy;
-  report.file_bytes = bytes.size();
-  report.theta_bytes = lightGridBytes(bake.grid, {stored.theta, {}}).theta;  // light would be coded for nothing
-  report.peak_memory_bytes = peakMemoryBytes();
-  report.simd = chosenSimdTarget();
-  warnOfNothing(scene, options, report.statistics);
-  if (request.is_verbose) std::cerr << toTable(report);
-  std::cerr << toSummary(report, request.out);
-  writeJson(request.json, toJson(report));
-}
-
-// One of the three, and whatever comes of it the files that it asked for.
-void bakeOrCheck(const Request& request, const BakeOptions& options, const OptionTable& table) {
-  if (!request.inputs.empty()) {
-    std::vector<std::string> others = request.weights;
-    others.insert(others.end(),
-                  {request.scene, request.config, request.relit, request.checked, request.out, request.json, request.kept});
-    checkOutput(request.inputs, kInputsFiles, "--inputs", others);
-  }
-  const auto writeInputs = [&] {
-    if (!request.inputs.empty()) writeFileAtomically(request.inputs, inputsText(inputsSoFar()));
-  };
-  try {
-    if (!request.checked.empty()) {
-      runCheck(request, options, table);
-    } else if (!request.relit.empty()) {
-      runRelight(request, options, table);
-    } else {
-      run(request, options, table);
-    }
-  } catch (const std::exception&) {
-    writeInputs();
-    throw;
-  }
-  writeInputs();
-}
-
 nlohmann::ordered_json describeFile(const std::string& path) {
-  if (const auto kept = describeKept(path)) return *kept;
   auto [grid, metadata] = readBakedGrid(path);
   nlohmann::ordered_json json = {{"scene", metadata["scene"]},
                                  {"probes", grid.tree.probeCount()},
@@ -370,12 +64,11 @@ int main(int argc, char** argv) {
       "nlg-bake SCENE --weights W1 [W2 ...] --out GRID: with your own weights; the scene comes first, because --weights takes "
       "several files.\n"
       "nlg-bake SCENE --relight GRID: computes only the light of a baked grid again.\n"
-      "nlg-bake SCENE --keep FILE: incremental; fits only functions that a change affects.\n"
       "nlg-bake SCENE --check GRID: whether a grid is up to date.\n"
       "nlg-bake info GRID ...: verifies and describes light grids.\n"
       "nlg-bake probes GRID: prints the probes of a grid as a table.",
       "nlg-bake"};
-  nlg::Request request;
+  nlg::BakeRequest request;
   nlg::BakeOptions options;
   options.spacing_m = 0.0;  // chosen by the scene
   nlg::OptionTable table("bake");
@@ -391,9 +84,6 @@ int main(int argc, char** argv) {
   app.add_option("--relight", request.relit,
                  "light grid of this scene, baked with the same settings: its probes and functions are reused, and only light is "
                  "computed again");
-  app.add_option("--keep", request.kept,
-                 "file of the incremental bake, read and rewritten by every bake: only functions that a change of the level "
-                 "affects are fitted again. The grid equals that of a whole bake, byte for byte");
   app.add_option("--check", request.checked,
                  "light grid to compare with what this command would bake; nothing is baked. Exit code 6 if it is out of date, "
                  "with what has changed");
@@ -409,6 +99,6 @@ int main(int argc, char** argv) {
     if (config->count() > 0) request.config = config->as<std::string>();
     nlg::takeThetaPrecision(&options);
     nlg::chooseSimd(options.simd);
-    nlg::bakeOrCheck(request, options, table);
+    nlg::runBakeCommand(request, options, table);
   });
 }

@@ -7,13 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "bake/bake_plan.h"
-#include "datagen/probes/probe_placement.h"
 #include "light/air.h"
 #include "light/light_transport.h"
 #include "light/probe_light.h"
 #include "runtime_eval/probe_tree/probe_tree_data.h"
 #include "scene/lights/light_sets.h"
+#include "scene/scene_size.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
@@ -23,9 +22,21 @@
 namespace nlg {
 namespace {
 
-ProbeTree placeProbes(const SceneSource& source, const BakeOptions& options, double* spacing_m) {
-  const Progress progress("probe tree");
-  return placeProbes(source.scene, placementOf(source, options), options.seed, spacing_m);
+constexpr double kWidestChosenM = 10.0;
+constexpr double kMarginShare = 0.05;  // of a spacing: with so much air over a roof its cells find places in it (air_places.h)
+
+// As far as the lamps of all light sets; none where somebody named the extent.
+std::optional<ExtentBox> reachOf(const SceneSource& source, const ProbePlacementOptions& placement) {
+  std::optional<ExtentBox> reach;
+  if (placement.extent || source.scene.extent) return reach;
+  for (const Scene* lit : litScenes(source)) {
+    const std::optional<ExtentBox> of_lit = reachBeyondBounds(*lit, kMarginShare * placement.spacing_min_m);
+    if (!of_lit) continue;
+    if (!reach) reach = of_lit;
+    reach->low_m = glm::min(reach->low_m, of_lit->low_m);
+    reach->high_m = glm::max(reach->high_m, of_lit->high_m);
+  }
+  return reach;
 }
 
 // So many places at least in the whole scene: a grid of a few probes has few cells, and its light would be fitted to next to
@@ -125,29 +136,62 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   return source;
 }
 
-ProbeTree PreparedScene::treeInWorld() const {
-  ProbeTree moved = tree;
-  const glm::dvec3& origin_m = source.scene.origin_m;
-  moved.moveBy({origin_m.x, origin_m.y, origin_m.z});
-  return moved;
+PlacedScene::PlacedScene(SceneSource lit, const BakeOptions& options)
+    : source(std::move(lit)), full_tree(place(options)), rays(source.scene) {}
+
+ProbeTree PlacedScene::place(const BakeOptions& options) {
+  const Progress progress("probe tree");
+  const NearbyTriangles nearby(source.scene);
+  ProbePlacementOptions placement;
+  placement.density_growth = options.density_growth;
+  placement.align_lattice = options.align_lattice;
+  placement.max_probes = options.max_probes;
+  placement.extent = extentFromNumbers(options.extent_m);
+  placement.density = source.scene.density;
+  const auto takeSpacing = [&](double finest_m) {
+    placement.spacing_min_m = placement.spacing_max_m = finest_m;
+    placement.reach = reachOf(source, placement);
+  };
+  // to choose a spacing needs a placement: first with the one that is asked for, or the default
+  takeSpacing(options.spacing_m > 0.0 ? options.spacing_m : BakeOptions().spacing_m);
+  if (options.spacing_m == 0.0) {
+    chosen = chooseSpacing(nearby, placement);
+    // rooms of a few metres are lost in it: more likely a unit is
+    if (chosen->spacing_m > kWidestChosenM && source.unit_m > 0.0 && options.reading.unit_m == 0.0) {
+      throw UsageError(fmt::format(
+          "{}: probes would be {:.3g} m apart; give --unit 0.01 if it was made in centimetres, --unit 1 if in metres, "
+          "or --spacing-m",
+          source.id, chosen->spacing_m));
+    }
+    takeSpacing(chosen->spacing_m);
+  }
+  spacing_m = static_cast<float>(placement.spacing_min_m);  // as the lattice has it
+  extent = probeExtent(source.scene, placement);
+  return placeProbes(nearby, placement, options.seed, &boxes);
 }
 
 PreparedScene::PreparedScene(const std::string& request, const BakeOptions& options)
     : PreparedScene(loadLitScene(request, options), options) {}
 
-PreparedScene::PreparedScene(SceneSource lit, const BakeOptions& options, const KnownAir& known)
-    : source(std::move(lit)),
-      rays(source.scene),
-      full_tree(placeProbes(source, options, &spacing_m)),
-      searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {
+PreparedScene::PreparedScene(SceneSource lit, const BakeOptions& options, const KnownAir& known,
+                             const std::function<void(const PlacedScene&)>& onPlaced)
+    : PlacedScene(std::move(lit), options), searched_sha256(searchedSha256(full_tree, source.scene.light.sky_faces)) {
+  if (onPlaced) onPlaced(*this);
   const auto start = std::chrono::steady_clock::now();
   AirPlaceOptions air_options = airPlaceOptions(options, full_tree.cellCount());
   // an earlier search of the same cells says which hold no air
   if (known.searched_sha256 == searched_sha256 && options.air_only) air_options.known = known.tree;
-  air = findAirPlaces(rays, full_tree, air_options, options.threads > 0 ? options.threads : machineThreadCount());
+  air = findAirPlaces(rays, full_tree, air_options, threadsOf(options));
   air.spacing_m = spacing_m;
   tree = options.air_only ? treeOfAir(full_tree, air) : full_tree;
   air_wall_s = secondsSince(start);
+}
+
+ProbeTree PreparedScene::treeInWorld() const {
+  ProbeTree moved = tree;
+  const glm::dvec3& origin_m = source.scene.origin_m;
+  moved.moveBy({origin_m.x, origin_m.y, origin_m.z});
+  return moved;
 }
 
 }  // namespace nlg

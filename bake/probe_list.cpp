@@ -6,7 +6,7 @@
 #include <iostream>
 #include <iterator>
 
-#include "bake/again/relight.h"
+#include "bake/again/bake_provenance.h"
 #include "tool/command/tool_main.h"
 
 namespace nlg {

@@ -26,21 +26,18 @@ struct BakeThread {
 struct FunctionInWork {
   MadeTheta made;
   uint8_t chosen_first = 0;  // the generator before refinement
-  bool is_final = false;     // an earlier bake has made its theta, to the end
-  KeptKey key = {};          // where the bake keeps
 };
 
 class Baking {
  public:
   Baking(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-         const std::string& spool_folder, const GridMetadata& metadata, KeptThetas* kept)
+         const std::string& spool_folder, const GridMetadata& metadata)
       : scene_(scene),
         generators_(generators),
         options_(options),
         thread_count_(threadsOf(options)),
         functions_(scene, options, thread_count_, spool_folder),
-        metadata_(metadata),
-        kept_(kept) {
+        metadata_(metadata) {
     std::vector<const Generator*> pointers;
     for (const Generator& generator : generators_) {
       if (options.draft && !generator.readsSamples())
@@ -66,7 +63,6 @@ class Baking {
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     roundAll();
     finishStatistics();
-    if (kept_ != nullptr) keepAll();
     LightGrid grid = makeGrid();
     statistics_.light = bakeLight(scene_, options_, &grid, metadata_);
     if (!options_.draft) statistics_.blend = blendErrors(targets, grid);
@@ -76,38 +72,20 @@ class Baking {
 
  private:
   std::function<void()> makeTheta(const FunctionRows& chunk, ThetaPolicy& policy) {
-    std::vector<FunctionInWork> work(chunk.functionCount());
     std::vector<StoredFunction> functions;
-    for (uint64_t n = 0; n < work.size(); ++n) {
-      const StoredFunction function = storedFunction(chunk, n);
-      // functions with the same samples as before keep their theta
-      if (kept_ == nullptr || !takeKept(keyOf(function), &work[n])) functions.push_back(function);
-    }
+    for (uint64_t n = 0; n < chunk.functionCount(); ++n) functions.push_back(storedFunction(chunk, n));
     std::vector<MadeTheta> made(functions.size());
-    if (!made.empty()) policy.make(functions.data(), static_cast<int>(functions.size()), made.data());
-    auto next = made.begin();
-    for (FunctionInWork& function : work) {
-      if (function.is_final) continue;
-      function.made = std::move(*next++);
-      function.chosen_first = function.made.generator;
-    }
-    return [this, work = std::move(work)] { in_work_.insert(in_work_.end(), work.begin(), work.end()); };
-  }
-
-  bool takeKept(const KeptKey& key, FunctionInWork* function) const {
-    function->key = key;
-    const auto known = kept_->find(key);
-    function->is_final = known != kept_->end();
-    if (function->is_final) function->made = known->second.made, function->chosen_first = known->second.chosen_first;
-    return function->is_final;
+    policy.make(functions.data(), static_cast<int>(functions.size()), made.data());
+    return [this, made = std::move(made)] {
+      for (const MadeTheta& theta : made) in_work_.push_back({theta, theta.generator});
+    };
   }
 
   // Worst first, so that a limit of time leaves the least trouble behind; without one the order changes nothing.
   void refineWorstFirst() {
     std::vector<FunctionCheck> checks;
     for (const FunctionInWork& function : in_work_) checks.push_back(function.made.check());
-    std::vector<uint32_t> order = worstFirst(checks, options_.policy.check());
-    std::erase_if(order, [this](uint32_t function) { return in_work_[function].is_final; });
+    const std::vector<uint32_t> order = worstFirst(checks, options_.policy.check());
     const Clock::time_point start = Clock::now();
     std::atomic<uint64_t> left_for_time{0};
     Progress progress("functions refined", static_cast<int64_t>(order.size()));
@@ -132,7 +110,7 @@ class Baking {
       if (options_.draft) {
         const Representation& representation = generators_[function.made.generator].representation();
         roundTheta(representation, options_.policy.theta_precision, function.made.theta.data());
-      } else if (!function.is_final) {
+      } else {
         thread.policy.round(functions_.read(number, &thread.samples), &function.made);
       }
       progress.advance();
@@ -153,18 +131,6 @@ class Baking {
     for (const FunctionInWork& function : in_work_) {
       const MadeTheta& made = function.made;
       statistics_.functions.push_back({made.record, made.generator, made.larger_ran, made.generator != function.chosen_first});
-      statistics_.kept_thetas += function.is_final;
-    }
-    statistics_.is_keeping = kept_ != nullptr;
-  }
-
-  void keepAll() {
-    kept_->clear();
-    for (const FunctionInWork& function : in_work_) {
-      KeptTheta& theta = (*kept_)[function.key] = {function.made, function.chosen_first};
-      // times are of the bake that made it, and would make equal files differ
-      theta.made.record.word_us = {};
-      theta.made.record.stage_us = {};
     }
   }
 
@@ -193,7 +159,6 @@ class Baking {
   const GridMetadata& metadata_;
   std::vector<std::unique_ptr<BakeThread>> threads_;
   std::vector<FunctionInWork> in_work_;
-  KeptThetas* kept_;
   BakeStatistics statistics_;
 };
 
@@ -247,8 +212,8 @@ std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
 }
 
 Bake bakeScene(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const GridMetadata& metadata, KeptThetas* kept) {
-  return Baking(scene, generators, options, spool_folder, metadata, kept).run();
+               const std::string& spool_folder, const GridMetadata& metadata) {
+  return Baking(scene, generators, options, spool_folder, metadata).run();
 }
 
 }  // namespace nlg

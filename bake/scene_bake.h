@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "bake/again/kept_functions.h"
 #include "bake/blend_error.h"
 #include "bake/light_bake.h"
 #include "bake/scene_functions.h"
@@ -39,9 +38,7 @@ struct BakeStatistics {
   uint64_t left_for_time = 0;      // functions that failed the check and were not refined: refine_seconds were over
   TentCounts bare_tents;           // functions without theta: not in the list below
   std::vector<FunctionOutcome> functions;
-  bool is_keeping = false;   // whether theta of an earlier bake were taken where their functions are known again
-  uint64_t kept_thetas = 0;  // functions whose theta is of one
-  BlendErrors blend;         // of the grid as it is
+  BlendErrors blend;  // of the grid as it is
 
   double stageSeconds(ThetaStage stage) const;
   // Of the stages that bring theta to a word, of all representations; without checks and without refinement.
@@ -63,10 +60,8 @@ struct Bake {
 
 // generators   one a representation, by rising D; at least one
 // metadata     that the file is going to have: max_bytes counts it
-// kept         theta that an earlier bake made with these generators and settings of functions, perhaps none; then those of this one.
-//              The grid is the same with and without. Null: nobody asks. refine_seconds must be 0
 // throws       as SceneFunctions does
 Bake bakeScene(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const GridMetadata& metadata = {}, KeptThetas* kept = nullptr);
+               const std::string& spool_folder, const GridMetadata& metadata = {});
 
 }  // namespace nlg

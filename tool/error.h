@@ -21,7 +21,7 @@ enum class ExitCode : int {
   numerical_error = 4,  // NaN, divergence; the last good state has been saved
   output_error = 5,     // a file that cannot be written; nothing half-written is left behind
   check_failed = 6,     // a comparison that the tool makes by itself did not hold (export parity)
-  damaged_file = 7,     // `info`, and nlg-bake of its --keep: a file whose own bytes prove damage; it may be made again
+  damaged_file = 7,     // `info`: a file whose own bytes prove damage; it may be made again
 };
 
 // Base of the errors below: what() is the one line that the user sees.

@@ -21,7 +21,7 @@
 #include <sys/stat.h>
 
 #include "bake/again/own_files.h"
-#include "bake/again/relight.h"
+#include "bake/again/check.h"
 #include "bake/load_generators.h"
 #include "tool/atomic_file.h"
 #include "tool/command/tool_main.h"
@@ -125,13 +125,12 @@ class Watch {
         programs_(fs::read_symlink("/proc/self/exe").parent_path()),
         own_(fs::path(request.out) / "watch"),
         preview_((own_ / "preview.safetensors").string()),
-        kept_((own_ / "functions.kept").string()),
         settings_((own_ / "settings.yaml").string()),
         inputs_((own_ / "inputs.json").string()),
         settings_text_(nlohmann::ordered_json{{"bake", table.toJson()}}.dump(1) + "\n"),  // JSON is YAML
         server_(request.port) {
-    for (const auto& [path, own] : {std::pair(preview_, kGridFiles), std::pair(kept_, kKeptFiles),
-                                    std::pair(settings_, kSettingsFiles), std::pair(inputs_, kInputsFiles)})
+    for (const auto& [path, own] :
+         {std::pair(preview_, kGridFiles), std::pair(settings_, kSettingsFiles), std::pair(inputs_, kInputsFiles)})
       refuseToReplaceOthers(path, own);
     writeFileAtomically(settings_, settings_text_);
     files_.watch({request.scene}, nowNs());
@@ -212,9 +211,6 @@ class Watch {
     return End::failed;
   }
 
-  // Whether a bake ended because what the one before kept is damaged.
-  bool isOfKept(const Ran& ran) const { return ran.end == End::done && ran.code == static_cast<int>(ExitCode::damaged_file); }
-
   Words weights() const {
     if (request_.weights.empty()) return {};
     Words words = {"--weights"};
@@ -274,20 +270,13 @@ class Watch {
       const GridBake& bake = bakes[i];
       tellDoing("baking: " + bake.name);
       Words words = bake.words;
-      const auto has = [&](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
-      // functions that stay have theirs
-      if (!has("--relight")) {
+      // functions that stay need no weights
+      if (std::find(words.begin(), words.end(), "--relight") == words.end()) {
         const Words given = weights();
         words.insert(words.end(), given.begin(), given.end());
-        if (options_.refine_seconds == 0.0 && !has("--draft")) words.insert(words.end(), {"--keep", kept_});
       }
       words.insert(words.end(), {"--out", bake.grid});
-      Ran baked = runBake(words);
-      if (isOfKept(baked) && mayReplace(kept_, kKeptFiles)) {
-        tellDoing(lastLine(baked.errors) + "; it is made anew");
-        fs::remove(kept_);
-        baked = runBake(words);
-      }
+      const Ran baked = runBake(words);
       const bool is_last = i + 1 == bakes.size();
       if (is_last) std::cerr << baked.errors;
       if (const End end = judge(baked, "nlg-bake"); end != End::done) return end;
@@ -306,7 +295,7 @@ class Watch {
   const ViewRequest& request_;
   const BakeOptions& options_;
   const fs::path programs_, own_;
-  const std::string preview_, kept_, settings_, inputs_, settings_text_;
+  const std::string preview_, settings_, inputs_, settings_text_;
   PageServer server_;
   WatchedFiles files_;
   std::string shown_;  // what the page shows, in words

@@ -2,37 +2,28 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bake/bake_options.h"
 #include "nlg/simd.h"
+#include "runtime_eval/probe_tree/probe_tree_data.h"
 #include "scene/lights/light_sets.h"
-#include "tool/atomic_file.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 #include "tool/provenance.h"
 
 namespace nlg {
 namespace {
 
-constexpr const char* kSpacing = "spacing_m";  // in metadata, where boxes made the lattice finer than it
+using Json = nlohmann::ordered_json;
 
-// Not by fileSha256: the program is no input of a bake that somebody watches.
-std::string programSha256() {
-  std::ostringstream bytes;
-  if (!(bytes << std::ifstream("/proc/self/exe", std::ios::binary).rdbuf()))
-    throw InputError("/proc/self/exe", "open", "this program", "no bytes");
-  return sha256(bytes.str());
-}
+constexpr const char* kSpacing = "spacing_m";  // in metadata, where boxes made the lattice finer than it
 
 }  // namespace
 
-nlohmann::ordered_json bakedOptions(const OptionTable& table) {
-  nlohmann::ordered_json options = table.toJson();
+Json bakedOptions(const OptionTable& table) {
+  Json options = table.toJson();
   // what the grid holds does not depend on the threads, but on the instructions that were chosen; the hashes say which weights
   options.erase("threads");
   options.erase("max_probes");
@@ -43,30 +34,7 @@ nlohmann::ordered_json bakedOptions(const OptionTable& table) {
   return options;
 }
 
-std::set<std::string> lightSettings(const OptionTable& table) {
-  std::set<std::string> names(std::begin(kOfFunctions), std::end(kOfFunctions));
-  names.insert({"light_error", "max_bytes", "light_set"});
-  LightOptions of_scene;
-  OptionTable scene_table("bake");
-  describe(of_scene, scene_table);
-  const nlohmann::ordered_json of_scene_all = scene_table.describeAsJson(), all = table.describeAsJson();
-  for (const auto& option : of_scene_all) names.insert(option.at("name").get<std::string>());
-  for (const auto& option : all) {
-    if (option.at("group") == kLightGroup) names.insert(option.at("name").get<std::string>());
-  }
-  return names;
-}
-
-nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<std::string, std::string>& weights) {
-  nlohmann::ordered_json options = bakedOptions(table);
-  for (const std::string& name : lightSettings(table)) options.erase(name);
-  // a revision says nothing of sources that were changed since, or that came without one
-  return {{"revision", sourceRevision()},     {"program", programSha256()}, {"simd", chosenSimdTarget()},
-          {"pattern", supportPattern().hash}, {"options", options},         {"weights", weights}};
-}
-
-GridMetadata bakeMetadata(const PreparedScene& scene, const nlohmann::ordered_json& options,
-                          const std::map<std::string, std::string>& weights) {
+GridMetadata bakeMetadata(const PreparedScene& scene, const Json& options, const std::map<std::string, std::string>& weights) {
   std::map<std::string, std::string> inputs = weights;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
   inputs[kLightRole] = lightSha256(scene.source);
@@ -77,10 +45,63 @@ GridMetadata bakeMetadata(const PreparedScene& scene, const nlohmann::ordered_js
   return metadata;
 }
 
+BakedGrid readBakedGrid(const std::string& path) {
+  BakedGrid baked;
+  requireRead(path, readLightGridFile(path, &baked.grid, &baked.metadata), "a light grid");
+  return baked;
+}
+
 double bakedSpacing(const LightGrid& grid, const GridMetadata& metadata) {
   const auto found = metadata.find(kSpacing);
   const double spacing_m = found == metadata.end() ? 0.0 : std::strtod(found->second.c_str(), nullptr);
   return spacing_m > 0.0 && std::isfinite(spacing_m) ? spacing_m : grid.tree.frame().spacing_m;
+}
+
+Json originOf(const std::string& path, const BakedGrid& baked) {
+  const auto found = baked.metadata.find("provenance");
+  Json origin = found == baked.metadata.end() ? Json() : Json::parse(found->second, nullptr, false);
+  if (!origin.is_object() || !origin["options"].is_object() || !origin["inputs"].is_object())
+    throw InputError(path, "has no provenance; bake the grid again");
+  if (!origin["inputs"].contains(kLightRole))
+    throw InputError(path, "was baked by another version of nlg-bake; bake the grid again");
+  return origin;
+}
+
+std::map<std::string, std::string> weightsOf(const Json& origin) {
+  std::map<std::string, std::string> weights;
+  for (const auto& [role, sha256] : origin.at("inputs").items()) {
+    if (role.starts_with(kWeightsRole)) weights[role] = sha256.get<std::string>();
+  }
+  return weights;
+}
+
+std::vector<ChangedSetting> changedSettings(const OptionTable& table, const Json& origin) {
+  std::vector<ChangedSetting> changed;
+  const Json options = bakedOptions(table);
+  for (const auto& [name, now] : options.items()) {
+    const Json before = origin["options"].value(name, Json());
+    if (before != now) changed.push_back({name, before.dump(), now.dump()});
+  }
+  return changed;
+}
+
+bool sameGeometry(const SceneSource& source, const BakedGrid& baked, const Json& origin) {
+  const std::string sha256 = origin["inputs"].value("scene", std::string());
+  if (!sha256.empty() || !source.sha256.empty()) return sha256 == source.sha256;
+  // procedural scenes are their names
+  const auto id = baked.metadata.find("scene");
+  return id != baked.metadata.end() && id->second == source.id;
+}
+
+KnownAir knownAir(const std::string& path, const BakedGrid& baked) {
+  return {originOf(path, baked)["inputs"].value(kSearchedRole, std::string()), &baked.grid.tree};
+}
+
+bool standsWhere(const PreparedScene& scene, const BakedGrid& baked) {
+  const ProbeTreeData here = probeTreeData(scene.treeInWorld()), there = probeTreeData(baked.grid.tree);
+  return here.frame.first_m == there.frame.first_m && here.frame.spacing_m == there.frame.spacing_m &&
+         here.frame.root_count == there.frame.root_count && here.child_mask == there.child_mask &&
+         here.used_mask == there.used_mask && here.cell_count == there.cell_count;
 }
 
 }  // namespace nlg

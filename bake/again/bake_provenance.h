@@ -1,13 +1,14 @@
-// Provenance of a bake in the file of its light grid.
+// What a grid's file says of its bake, for who bakes again.
 #pragma once
 
 #include <map>
-#include <set>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "bake/prepared_scene.h"
+#include "runtime_eval/grid_file/light_grid_file.h"
 #include "tool/command/options.h"
 
 namespace nlg {
@@ -21,21 +22,41 @@ inline constexpr const char* kSearchedRole = "cells searched for air";          
 // The settings that what a grid holds depends on.
 nlohmann::ordered_json bakedOptions(const OptionTable& table);
 
-// Settings that no relight changes and none can ask for: what functions took, on which machine.
-inline constexpr const char* kOfFunctions[] = {"refine_seconds", "simd"};
-// Settings that functions do not depend on, and those.
-std::set<std::string> lightSettings(const OptionTable& table);
-
-// What functions depend on beside the level: settings, the bake's own program, the instructions, the pattern, weights.
-// weights   SHA-256 by kWeightsRole + representation
-nlohmann::ordered_json functionOrigin(const OptionTable& table, const std::map<std::string, std::string>& weights);
-
 // options   as bakedOptions has them
 // weights   SHA-256 by kWeightsRole + representation
 GridMetadata bakeMetadata(const PreparedScene& scene, const nlohmann::ordered_json& options,
                           const std::map<std::string, std::string>& weights);
 
+struct BakedGrid {
+  LightGrid grid;
+  GridMetadata metadata;
+};
+
+// throws   InputError when the file is no light grid
+BakedGrid readBakedGrid(const std::string& path);
+
 // Finest distance between the probes of a baked grid, metres, outside boxes with a spacing of their own (nlg_density).
 double bakedSpacing(const LightGrid& grid, const GridMetadata& metadata);
+
+// The grid's provenance: `options` and `inputs`. path   of the grid, for messages
+// throws   InputError where the grid does not say what it was baked of
+nlohmann::ordered_json originOf(const std::string& path, const BakedGrid& baked);
+
+// Of an origin: SHA-256 by kWeightsRole + representation.
+std::map<std::string, std::string> weightsOf(const nlohmann::ordered_json& origin);
+
+// Of an origin: the settings that are others now, as JSON.
+struct ChangedSetting {
+  std::string name, before, now;
+};
+std::vector<ChangedSetting> changedSettings(const OptionTable& table, const nlohmann::ordered_json& origin);
+
+bool sameGeometry(const SceneSource& source, const BakedGrid& baked, const nlohmann::ordered_json& origin);
+
+// throws   as originOf
+KnownAir knownAir(const std::string& path, const BakedGrid& baked);
+
+// Whether the probes of a bake would stand where those of the grid do: light may move them, since probes reach as far as lamps do.
+bool standsWhere(const PreparedScene& scene, const BakedGrid& baked);
 
 }  // namespace nlg

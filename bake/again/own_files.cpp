@@ -9,16 +9,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-template <const char* kKind>
-bool areTensorsOf(std::string_view bytes) {
-  return bytes.size() > 8 && bytes.substr(8).starts_with(R"({"__metadata__":{)") &&
-         bytes.find(std::string("\"kind\":\"") + kKind + '"') != std::string_view::npos;
+bool areGrids(std::string_view bytes) {
+  return bytes.size() > 8 && bytes.substr(8).starts_with(R"({"__metadata__":{)") && hold(bytes, R"("kind":"nlg-light-grid")");
 }
-constexpr char kGrid[] = "nlg-light-grid", kKept[] = "nlg-kept-functions";
 
-bool areReports(std::string_view bytes) {
-  return bytes.starts_with("{\"scene\":") && bytes.find("\"peak_memory_bytes\":") != std::string_view::npos;
-}
+bool areReports(std::string_view bytes) { return bytes.starts_with("{\"scene\":") && hold(bytes, "\"peak_memory_bytes\":"); }
 
 bool areInputs(std::string_view bytes) {
   const Json list = Json::parse(bytes, nullptr, false);
@@ -28,7 +23,7 @@ bool areInputs(std::string_view bytes) {
 
 }  // namespace
 
-const OwnFiles kGridFiles = {"a light grid", areTensorsOf<kGrid>}, kReportFiles = {"what a bake said of itself", areReports},
-               kKeptFiles = {"functions that a bake kept", areTensorsOf<kKept>}, kInputsFiles = {"a list of inputs", areInputs};
+const OwnFiles kGridFiles = {"a light grid", areGrids}, kReportFiles = {"what a bake said of itself", areReports},
+               kInputsFiles = {"a list of inputs", areInputs};
 
 }  // namespace nlg

@@ -5,6 +5,6 @@
 
 namespace nlg {
 
-extern const OwnFiles kGridFiles, kKeptFiles, kReportFiles, kInputsFiles;
+extern const OwnFiles kGridFiles, kReportFiles, kInputsFiles;
 
 }  // namespace nlg

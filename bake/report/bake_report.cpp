@@ -43,11 +43,6 @@ nlohmann::ordered_json errorsJson(const BakeReport& report, ThetaWord word) {
 
 constexpr ThetaWord kWords[] = {ThetaWord::network, ThetaWord::corrected, ThetaWord::fitted, ThetaWord::stored};
 
-nlohmann::ordered_json keptJson(const BakeStatistics& s) {
-  if (!s.is_keeping) return nullptr;
-  return {{"functions_anew", s.counts.functions - s.kept_thetas}};
-}
-
 nlohmann::ordered_json thinnedJson(const LightStatistics& light) {
   if (light.thin_error == 0.0) return nullptr;
   const Thinned& thinned = light.thinned;
@@ -238,7 +233,6 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
           {"refinement_stops", stops},
           {"left_for_time", s.left_for_time},
           {"raised", s.raised()},
-          {"kept", keptJson(s)},
           {"still_failing", s.failing(ThetaWord::stored, report.policy.check())},
           {"bytes", report.file_bytes},
           {"theta_bytes", report.theta_bytes},
@@ -251,10 +245,6 @@ nlohmann::ordered_json toJson(const BakeReport& report) {
 std::string toSummary(const BakeReport& report, const std::string& path) {
   const BakeStatistics& s = report.statistics;
   std::string text = firstLine(path, s.counts.grid_probes, report.file_bytes, s.load_wall_s + s.wall_s, report.peak_memory_bytes);
-  if (s.is_keeping) {
-    text += fmt::format("theta of {} of {} made anew\n", countText(s.counts.functions - s.kept_thetas),
-                        countText(s.counts.functions, "function"));
-  }
   text += countText(s.counts.functions, "function").append(" stored");
   if (s.counts.functions > 0) {
     const nlohmann::ordered_json errors = errorsJson(report, ThetaWord::stored);

@@ -43,7 +43,7 @@ struct UnitCosts {
     function_s = each(spent.functions_s + spent.bare_tent_s, generated);
     double theta_us = 0.0;
     for (const FunctionOutcome& function : s.functions) theta_us += function.record.elapsedUs(ThetaWord::stored);
-    theta_s = each(1e-6 * theta_us, counts.functions - s.kept_thetas);
+    theta_s = each(1e-6 * theta_us, counts.functions);
     probe_s = each(spent.visibility_s + spent.functions_s + spent.bare_tent_s + spent.duplicates_s + 1e-6 * theta_us,
                    counts.grid_probes);
   }
@@ -73,7 +73,6 @@ class SavingsCount {
   }
 
   std::vector<Saving> run() {
-    addKept();
     addAir();
     addProbes();
     addGeometry();
@@ -108,13 +107,6 @@ class SavingsCount {
     }
     return count > 0 ? sum / static_cast<double>(count)
                      : coded_share_ * static_cast<double>(thetaForm(representation, stored_.theta).bytes());
-  }
-
-  // By what each of the others took: there is no price where nothing was done anew.
-  void addKept() {
-    if (!statistics_.is_keeping) return;
-    add("theta that an earlier bake made", statistics_.kept_thetas, counts_.functions,
-        times(statistics_.kept_thetas, unit_.theta_s), {}, "--keep: of functions with the same samples");
   }
 
   void addAir() {

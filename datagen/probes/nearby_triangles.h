@@ -11,7 +11,9 @@ namespace nlg {
 // The scene must outlive it. Takes about 40 bytes a triangle.
 class NearbyTriangles {
  public:
-  explicit NearbyTriangles(const Scene& scene);
+  NearbyTriangles(const Scene& scene);  // NOLINT(google-explicit-constructor): a scene of which one thing is asked is enough
+
+  const Scene& scene() const { return scene_; }
 
   // True when a triangle is closer to the box than distance_m. Errs to one side only: what is closer is always found, but the
   // distance of a corner to a corner or an edge may be taken for less than it is. The same answer on every machine, whatever

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "datagen/probes/nearby_triangles.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/printable.h"
@@ -94,9 +93,9 @@ bool overlaps(const ExtentBox& a, const ExtentBox& b) {
 }
 
 // Boxes with a spacing of their own that reach into the extent, relative to the scene's origin; their spacing is the nearest that cells
-// can have. outside   receives the nodes of the others, when given
+// can have. outside   receives the nodes of the others
 std::vector<DensityBox> boxesIn(const ExtentBox& extent, const Scene& scene, const ProbePlacementOptions& options,
-                                double spacing_m, std::vector<std::string>* outside = nullptr) {
+                                double spacing_m, std::vector<std::string>* outside) {
   std::vector<DensityBox> boxes;
   for (DensityBox of : options.density) {
     if (of.spacing_m > 0.0) {
@@ -111,7 +110,7 @@ std::vector<DensityBox> boxesIn(const ExtentBox& extent, const Scene& scene, con
     of.box = {of.box.low_m - scene.origin_m, of.box.high_m - scene.origin_m};
     if (overlaps(of.box, extent)) {
       boxes.push_back(of);
-    } else if (outside != nullptr) {
+    } else {
       outside->push_back(of.node);
     }
   }
@@ -193,17 +192,12 @@ glm::dvec3 evenlySpread(int i) {
 }
 
 constexpr int kEstimatePlaces = 4096;
-constexpr size_t kSampledProbes = 256;
 
 // Cells by evenly spread places, each with the share of the extent that one cell there is; probes as a box of cells has.
 // boxes   none of them finer than the lattice
-double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double growth, const std::vector<DensityBox>& boxes = {},
-                PlacedSample* sample = nullptr) {
-  const bool is_uniform = growth == 0.0 && boxes.empty();
-  if (is_uniform && sample == nullptr) return lattice.probeLimit();
+double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double growth, const std::vector<DensityBox>& boxes = {}) {
+  if (growth == 0.0 && boxes.empty()) return lattice.probeLimit();
   const Density density(nearby, lattice, growth, boxes);
-  std::vector<ProbeCell> cells;
-  std::vector<double> shares;  // of all cells up to each
   double share = 0.0;
   for (int i = 0; i < kEstimatePlaces; ++i) {
     const glm::dvec3 at = evenlySpread(i);
@@ -213,20 +207,10 @@ double probesOn(const Lattice& lattice, const NearbyTriangles& nearby, double gr
     const int32_t side = cellSideAt(unit, density);
     // the low corner of a cell: sides are powers of two
     for (int axis = 0; axis < 3; ++axis) unit[axis] &= -side;
-    if (density.judge({unit, side}) == CellVerdict::unneeded) continue;
-    cells.push_back({unit, side});
     // places meet a cell in proportion to its volume: the inverse counts every cell once
-    shares.push_back(share += 1.0 / (static_cast<double>(side) * side * side));
+    if (density.judge({unit, side}) != CellVerdict::unneeded) share += 1.0 / (static_cast<double>(side) * side * side);
   }
-  // a sample of probes takes cells by number, not by volume
-  for (size_t n = 0; sample != nullptr && !cells.empty() && n < kSampledProbes; ++n) {
-    const double at = share * (static_cast<double>(n) + 0.5) / static_cast<double>(kSampledProbes);
-    const ProbeCell& cell = cells[static_cast<size_t>(std::lower_bound(shares.begin(), shares.end() - 1, at) - shares.begin())];
-    const ProbeTreeFrame& frame = lattice.frame;
-    const auto along = [&](int axis) { return frame.first_m[axis] + frame.spacing_m * cell.low[axis]; };
-    sample->probes.push_back({{along(0), along(1), along(2)}, static_cast<float>(frame.spacing_m * cell.side)});
-  }
-  return is_uniform ? lattice.probeLimit() : lattice.probeLimit() * share / kEstimatePlaces;
+  return lattice.probeLimit() * share / kEstimatePlaces;
 }
 
 // The share of a box in which it rules: no finer one does, and none as fine before it. Boxes may stand in each other.
@@ -339,8 +323,9 @@ std::string farObjects(const Scene& scene) {
   return "";
 }
 
-[[noreturn]] void refuse(const Scene& scene, const ExtentBox& box, double spacing_m, double probes, const NearbyTriangles& nearby,
+[[noreturn]] void refuse(const NearbyTriangles& nearby, const ExtentBox& box, double spacing_m, double probes,
                          const ProbePlacementOptions& options, double of_boxes = 0.0) {
+  const Scene& scene = nearby.scene();
   const double others = std::max(0.0, static_cast<double>(options.max_probes) - std::max(0.0, of_boxes));
   const double fitting = fittingSpacing(box, nearby, spacing_m, options.density_growth, static_cast<uint64_t>(others));
   const std::string expected = "at most " + std::to_string(options.max_probes) + " probes" +
@@ -355,18 +340,16 @@ std::string farObjects(const Scene& scene) {
                        " x " + numberText(side_m.z) + " m" + (smaller.empty() ? "" : "; " + smaller));
 }
 
-// The estimate, where it is not far beyond the limit; a uniform tree's is no estimate.
-double acceptedEstimate(const Scene& scene, const ExtentBox& box, const Lattice& lattice, const std::vector<DensityBox>& boxes,
-                        const NearbyTriangles& nearby, const ProbePlacementOptions& options, PlacedSample* sample = nullptr) {
+// Refuses what is far beyond the limit by an estimate; a uniform tree's is none.
+void refuseFarTooMany(const NearbyTriangles& nearby, const ExtentBox& box, const Lattice& lattice,
+                      const std::vector<DensityBox>& boxes, const ProbePlacementOptions& options) {
   const auto limit = static_cast<double>(options.max_probes);
   std::vector<DensityBox> fine, coarse;
   for (const DensityBox& of : boxes) (of.spacing_m > 0.0 && of.spacing_m < lattice.frame.spacing_m ? fine : coarse).push_back(of);
   const double of_boxes = probesOfFine(lattice, fine, coarse, nearby, options.density_growth);
-  const double probes = probesOn(lattice, nearby, options.density_growth, coarse, sample) + of_boxes;
+  const double probes = probesOn(lattice, nearby, options.density_growth, coarse) + of_boxes;
   const bool is_certain = options.density_growth == 0.0 && boxes.empty() && lattice.cellCount() > limit;
-  if (is_certain || probes > kCertainlyMore * limit)
-    refuse(scene, box, lattice.frame.spacing_m, probes, nearby, options, of_boxes);
-  return probes;
+  if (is_certain || probes > kCertainlyMore * limit) refuse(nearby, box, lattice.frame.spacing_m, probes, options, of_boxes);
 }
 
 // What a seed draws.
@@ -422,29 +405,11 @@ ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options) 
   return box;
 }
 
-double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, PlacedSample* sample) {
-  checkOptions(options);
-  if (sample != nullptr) *sample = {};
-  if (!hasExtent(scene, options)) return 0.0;
-  const Draw draw = drawOf(options, seed);
-  const ExtentBox box = extentToCover(scene, options, draw.spacing_m);
-  const NearbyTriangles nearby(scene);
-  const std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
-  if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
-  const std::vector<DensityBox> boxes =
-      boxesIn(box, scene, options, draw.spacing_m, sample != nullptr ? &sample->boxes_outside : nullptr);
-  if (sample != nullptr) {
-    sample->frame = lattice->frame;
-    sample->boxes = boxes.size();
-  }
-  return acceptedEstimate(scene, box, *lattice, boxes, nearby, options, sample);
-}
-
-ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options) {
+ChosenSpacing chooseSpacing(const NearbyTriangles& nearby, ProbePlacementOptions options) {
   constexpr double kRoomSpacing = 0.5, kCellsOfSmall = 8.0, kOrdinary = 1.0;
+  const Scene& scene = nearby.scene();
   ChosenSpacing chosen;
   if (!hasExtent(scene, options)) return chosen;
-  const NearbyTriangles nearby(scene);
   const ExtentBox box = probeExtent(scene, options);
   const glm::dvec3 sides = box.high_m - box.low_m;
   const double largest = std::max({sides.x, sides.y, sides.z});
@@ -470,29 +435,32 @@ ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options) {
   return chosen;
 }
 
-ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, double* spacing_m) {
+ProbeTree placeProbes(const NearbyTriangles& nearby, const ProbePlacementOptions& options, uint64_t seed,
+                      PlacedBoxes* placed_boxes) {
+  const Scene& scene = nearby.scene();
   checkOptions(options);
   ProbeTree tree;
   if (!hasExtent(scene, options)) return tree;
   const Draw draw = drawOf(options, seed);
   const ExtentBox box = extentToCover(scene, options, draw.spacing_m);
-  if (spacing_m != nullptr) *spacing_m = draw.spacing_m;
-  const NearbyTriangles nearby(scene);
   std::optional<Lattice> lattice = latticeOver(box, draw.spacing_m, draw.shift_units, options.align_lattice);
-  if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
-  const std::vector<DensityBox> boxes = boxesIn(box, scene, options, draw.spacing_m);
+  if (!lattice) refuse(nearby, box, draw.spacing_m, 0.0, options);
+  PlacedBoxes none;
+  if (placed_boxes == nullptr) placed_boxes = &none;
+  const std::vector<DensityBox> boxes = boxesIn(box, scene, options, draw.spacing_m, &placed_boxes->outside);
+  placed_boxes->inside = boxes.size();
   // what is far too much is known without building it for minutes
   if (lattice->probeLimit() > static_cast<double>(options.max_probes) || !boxes.empty())
-    acceptedEstimate(scene, box, *lattice, boxes, nearby, options);
+    refuseFarTooMany(nearby, box, *lattice, boxes, options);
   if (const int count = halvings(boxes, draw.spacing_m); count > 0) {
     lattice = latticeOver(box, std::ldexp(draw.spacing_m, -count), draw.shift_units, options.align_lattice);
-    if (!lattice) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
+    if (!lattice) refuse(nearby, box, draw.spacing_m, 0.0, options);
     lattice->least_side = 1 << count;
   }
   const Density density(nearby, *lattice, options.density_growth, boxes);
   const CellJudge judge = [&](const ProbeCell& cell) { return density.judge(cell); };
   const ProbeTreeStatus status = ProbeTree::build(lattice->frame, judge, options.max_probes, &tree);
-  if (status != ProbeTreeStatus::ok) refuse(scene, box, draw.spacing_m, 0.0, nearby, options);
+  if (status != ProbeTreeStatus::ok) refuse(nearby, box, draw.spacing_m, 0.0, options);
   return tree;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datagen/probes/nearby_triangles.h"
 #include "nlg/probe_tree.h"
 #include "scene/model/scene.h"
 
@@ -30,22 +31,6 @@ std::optional<ExtentBox> extentFromNumbers(const std::vector<std::string>& numbe
 // What the tree below covers at least, relative to the scene's origin.
 ExtentBox probeExtent(const Scene& scene, const ProbePlacementOptions& options);
 
-// How many probes the tree below will have: by a few thousand places, without building it. Within some percent, and more where
-// geometry is a speck of the extent. 0 for a scene without extent.
-// throws   UsageError as placeProbes does; of max_probes, when it is far beyond them
-// sample   where some of them will stand, in proportion to how many there are of each spacing; overwritten. Null: nobody asks
-struct PlacedSample {
-  ProbeTreeFrame frame;
-  struct Probe {
-    glm::dvec3 position_m;  // relative to the scene's origin
-    float spacing_m;
-  };
-  std::vector<Probe> probes;
-  size_t boxes = 0;                        // with a spacing of their own that reach into the extent
-  std::vector<std::string> boxes_outside;  // nodes of the others
-};
-double estimateProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, PlacedSample* sample = nullptr);
-
 // A finest spacing for who names none: half a metre, which rooms are well lit with, or the root of half where that takes more than
 // kManyProbes; else a metre, and more where that takes more than kMostChosenProbes. Finer for what is smaller than four metres.
 // options   but for their spacing and boxes
@@ -55,7 +40,13 @@ struct ChosenSpacing {
   double finer_m = 0.0, probes_of_finer = 0.0;      // … and the next finer one
 };
 inline constexpr double kManyProbes = 12000, kMostChosenProbes = 200000;
-ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options);
+ChosenSpacing chooseSpacing(const NearbyTriangles& nearby, ProbePlacementOptions options);
+
+// What became of boxes with a spacing of their own.
+struct PlacedBoxes {
+  size_t inside = 0;                 // that reach into the extent
+  std::vector<std::string> outside;  // nodes of the others
+};
 
 // The tree over the extent, its frame relative to the scene's origin. The finest spacing, and the shift of the lattice by up to
 // one root node (none with align_lattice), are drawn from seed; the tree is a pure function of (scene, options, seed), the same on every machine.
@@ -69,10 +60,11 @@ ChosenSpacing chooseSpacing(const Scene& scene, ProbePlacementOptions options);
 // spacing. In a box cells are as large as it allows, whatever is near; cells that also reach out of it are no larger than elsewhere. An
 // estimate counts what several fine boxes share for each.
 //
-// spacing_m   receives the finest outside boxes; may be null
+// boxes    receives what became of options.density; may be null
 // throws   UsageError when an option lies outside its range, when a box asks for less than a 32nd of the spacing, or when the tree
-//          would hold more than max_probes probes (it names a spacing that fits; what is far too much is refused without building it)
-//          or reach over more than kMaxLatticeSide spacings
-ProbeTree placeProbes(const Scene& scene, const ProbePlacementOptions& options, uint64_t seed, double* spacing_m = nullptr);
+//          would hold more than max_probes probes (it names a spacing that fits; what is far too much is refused by an estimate, without
+//          building it) or reach over more than kMaxLatticeSide spacings
+ProbeTree placeProbes(const NearbyTriangles& nearby, const ProbePlacementOptions& options, uint64_t seed,
+                      PlacedBoxes* boxes = nullptr);
 
 }  // namespace nlg

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "bake/report/bake_report.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/scene/built_scenes.h"
 
@@ -29,30 +28,35 @@ TEST(BakePlan, SeesWhatFunctionsTake) {
   options.spacing_m = 0.5;
   std::vector<Generator> generators;
   generators.emplace_back(sampleGenerator(Representation::tentMlp(0.01f), 32, 3, 1));
-  const double without = planBake(source, options, {}, 1).seconds;
-  const BakePlan plan = planBake(source, options, generators, 1);
+  options.threads = 1;
+  const PlacedScene scene(std::move(source), options);
+  const double without = planBake(scene, options, {}).seconds, with = planBake(scene, options, generators).seconds;
   // a function takes a tenth of a millisecond at the very least
-  EXPECT_GT(plan.seconds, without + 0.3e-4 * plan.probes);
+  EXPECT_GT(with, without + 0.3e-4 * static_cast<double>(scene.full_tree.probeCount()));
   options.policy.refine_rounds = options.policy.adam_steps = 0;
-  EXPECT_LT(planBake(source, options, generators, 1).seconds, plan.seconds) << "fits take most of it";
+  EXPECT_LT(planBake(scene, options, generators).seconds, with) << "fits take most of it";
 }
 
-TEST(BakePlan, ReachesAsFarAsTheLampsOfAllLightSets) {
+TEST(PlacedScene, ReachesAsFarAsTheLampsOfAllLightSets) {
   SceneSource source = groundOf(20);
-  const double by_day_m = planBake(source, {}, {}, 1).extent_m.y;
+  const auto heightOf = [](const SceneSource& of) {
+    const ExtentBox extent = PlacedScene(of, {}).extent;
+    return extent.high_m.y - extent.low_m.y;
+  };
+  const double by_day_m = heightOf(source);
   source.light_sets = {"day", "night"};
   source.lit_otherwise = {source.scene};
   Lamp lamp;
   lamp.position = {0, 9, 0};
   source.lit_otherwise[0].light.lamps.push_back(lamp);
-  const double with_night_m = planBake(source, {}, {}, 1).extent_m.y;
+  const double with_night_m = heightOf(source);
   EXPECT_GT(with_night_m, by_day_m + 4.0);
   std::swap(source.scene, source.lit_otherwise[0]);
-  EXPECT_EQ(planBake(source, {}, {}, 1).extent_m.y, with_night_m);
+  EXPECT_EQ(heightOf(source), with_night_m);
 }
 
 // A roof of 2.995 m, over cells that end at 3 m: half a centimetre of air, in which no place is found, would leave it dark.
-TEST(BakePlan, HoldsTheAirOverARoofThatEndsWithItsCells) {
+TEST(PlacedScene, HoldsTheAirOverARoofThatEndsWithItsCells) {
   SceneSource source;
   source.scene = sceneOfMaterial(false);
   Scene& house = source.scene;
@@ -60,11 +64,10 @@ TEST(BakePlan, HoldsTheAirOverARoofThatEndsWithItsCells) {
   addBox(house, {0, 2.5f, 0}, {6, 2.995f, 6});
   BakeOptions options;
   options.align_lattice = true;
-  const ProbePlacementOptions placement = placementOf(source, options);
+  const PlacedScene placed(source, options);
   ProbesAround around;
-  EXPECT_TRUE(placeProbes(house, placement, 1).lookUp({3, 3.02, 3}, &around));
-  ProbePlacementOptions bounds_alone = placement;
-  bounds_alone.reach.reset();
+  EXPECT_TRUE(placed.full_tree.lookUp({3, 3.02, 3}, &around));
+  const ProbePlacementOptions bounds_alone{.spacing_min_m = 1.0, .spacing_max_m = 1.0, .align_lattice = true};
   EXPECT_FALSE(placeProbes(house, bounds_alone, 1).lookUp({3, 3.02, 3}, &around));
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "bake/again/relight.h"
+#include "bake/again/bake_provenance.h"
 #include "bake/scene_bake.h"
 #include "tests/bake/house_corner.h"
 #include "tests/input_error.h"

@@ -1,12 +1,11 @@
 #!/usr/bin/python3
-"""Nothing stale is called fresh: whatever changes of a level, its light, its images or the settings, --check, --relight and --keep agree with a whole bake, byte for byte.
+"""Nothing stale is called fresh: whatever changes of a level, its light, its images or the settings, --check and --relight agree with a whole bake, byte for byte.
 
     mutations_test.py FOLDER_OF_TOOLS short|whole    short: every fourth mutation
 
 A row of MUTATIONS is a level, what changes of it, and how. For each the level is baked whole, and then:
     --check     says fresh only where that is the grid of before
     --relight   refuses, or leaves those bytes
-    --keep      leaves those bytes
     --inputs    of the bake before names every file that changed, came or went: what --watch looks at
 """
 import copy
@@ -354,10 +353,10 @@ class Base:
         self.files = level_with(kind, change).files()
         self.command = [kind.path, *QUICK, *kind.arguments]
         save(self.folder, self.files)
-        done = run(self.folder, "nlg-bake", *self.command, "--keep", "kept", "--inputs", "inputs", "--out", "grid")
+        done = run(self.folder, "nlg-bake", *self.command, "--inputs", "inputs", "--out", "grid")
         if done.returncode != 0:
             sys.exit(f"{kind.__name__}: {done.stderr}")
-        self.grid, self.kept = (bytes_of(self.folder / name) for name in ("grid", "kept"))
+        self.grid = bytes_of(self.folder / "grid")
         self.inputs = names_of((self.folder / "inputs").read_text(encoding="utf-8"))
 
 
@@ -380,7 +379,6 @@ class Case:
         folder = Path(tempfile.mkdtemp(dir=root))
         save(folder, self.files)
         (folder / "grid").write_bytes(self.base.grid)
-        (folder / "kept").write_bytes(self.base.kept)
         baked = run(folder, "nlg-bake", *self.command, "--out", "whole")
         self.whole = bytes_of(folder / "whole")
         self.check((baked.returncode == 0) == (self.whole is not None) and baked.returncode in (0, 2, INPUT_ERROR), f"a bake ends with {baked.returncode}: {baked.stderr[-300:]}")
@@ -392,8 +390,6 @@ class Case:
         self.relights = relit.returncode == 0
         self.check(not self.relights or bytes_of(folder / "relit") == self.whole, "--relight leaves another grid than a bake")
         self.check(relit.returncode in (0, 2, INPUT_ERROR), f"--relight ends with {relit.returncode}: {relit.stderr[-300:]}")
-        kept = run(folder, "nlg-bake", *self.command, "--keep", "kept", "--out", "keeping")
-        self.check(bytes_of(folder / "keeping") == self.whole, f"--keep leaves another grid than a bake: {kept.stderr[-300:]}")
         for path in self.changed:
             holder = path.rpartition("/")[0]
             self.check(path in self.base.inputs or f"./{path}" in self.base.inputs or holder in self.base.inputs, f"{path} is none of the inputs {sorted(self.base.inputs)}")

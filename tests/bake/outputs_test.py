@@ -61,8 +61,8 @@ class Outputs(unittest.TestCase):
                 self.assert_refused(self.bake(flag, name, *others), flag)
                 self.assertEqual((self.folder / name).read_bytes(), content)
         # nor what it wrote of another kind
-        self.assert_baked(self.bake("--out", "grid", "--json", "report", "--inputs", "inputs", "--keep", "kept"))
-        for flag, name in (("--out", "report"), ("--out", "inputs"), ("--out", "kept"), ("--json", "grid"), ("--json", "inputs"), ("--inputs", "report"), ("--inputs", "kept")):
+        self.assert_baked(self.bake("--out", "grid", "--json", "report", "--inputs", "inputs"))
+        for flag, name in (("--out", "report"), ("--out", "inputs"), ("--json", "grid"), ("--json", "inputs"), ("--inputs", "report")):
             before = (self.folder / name).read_bytes()
             self.assert_refused(self.bake(flag, name, *([] if flag == "--out" else ["--out", "other"])), flag)
             self.assertEqual((self.folder / name).read_bytes(), before)

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "bake/again/relight.h"
+#include "bake/again/bake_provenance.h"
 #include "bake/scene_bake.h"
 #include "light/air.h"
 #include "nlg/look_up.h"

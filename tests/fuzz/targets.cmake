@@ -6,7 +6,6 @@
 set(NLG_FUZZED_DAILY light_grid)
 nlg_fuzz_target(weights RUNS 8000 OPTIONS -max_len=4096 SOURCES weights_seeds.cpp digests.cpp LINKS fuzzed_generator)
 nlg_fuzz_target(light_grid RUNS 20000 OPTIONS -max_len=12000 SOURCES light_grid_seeds.cpp digests.cpp LINKS fuzzed_light_grid)
-nlg_fuzz_target(kept RUNS 8000 OPTIONS -max_len=8192 SOURCES digests.cpp LINKS fuzzed_kept)
 nlg_fuzz_target(gltf RUNS 20000 OPTIONS -max_len=4096 -dict=gltf.dict LINKS fuzzed_scene GTest::gtest)
 nlg_fuzz_target(obj RUNS 20000 OPTIONS -max_len=4096 LINKS fuzzed_scene)
 nlg_fuzz_target(bsp RUNS 20000 OPTIONS -max_len=8192 LINKS fuzzed_scene)

@@ -146,9 +146,6 @@ def checks_and_relights():
     check(operators().state.said[-1] == "geometry changed", f"a wall that moved is geometry that changed: {operators().state.said[-1]}")
     check(grid.read_bytes() == relit and sorted(os.listdir(FOLDER)) == ["rooms.blend", "rooms.safetensors"], f"nothing else was written: {sorted(os.listdir(FOLDER))}")
     bpy.ops.nlg.bake()
-    anew = next(words for words in operators().state.said if "made anew" in words)
-    made, functions = (int(words.split()[0].replace(",", "")) for words in anew.split(" of ")[1:])
-    check(0 < made < functions, f"a bake after that fits again what it touches: {anew}")
     bpy.data.objects["between"].location.x -= 0.5
     bpy.ops.nlg.bake()
     check(grid.read_bytes() == relit, "moved back, it is the grid that it was")

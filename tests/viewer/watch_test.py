@@ -176,15 +176,6 @@ class Served(Case):
         moved = watch.final_after(lit["shown"])
         self.assertNotEqual(watch.get(f"/scene.js?{moved['shown']}")[1], scene)
         self.assert_as_baked_by_hand()
-        # what the bake before kept is damaged: said, and made anew
-        kept = self.folder / "level/watch/functions.kept"
-        whole = kept.read_bytes()
-        kept.write_bytes(whole[:len(whole) // 2])
-        self.level.save_walls(.5)
-        moved = watch.final_after(moved["shown"])
-        self.assertRegex(watch.said(), r"nlg-view: .*nlg-bake: error: level/watch/functions\.kept: .*; it is made anew …\n")
-        self.assertGreater(len(kept.read_bytes()), len(whole) // 2)
-        self.assert_as_baked_by_hand()
         # what is no scene, and one whose buffer is gone; each is said, and what was shown stays
         for break_it in (lambda: replace(self.level.path, b"{"), self.level.bin.unlink):
             break_it()

@@ -1,6 +1,5 @@
 """The command lines of the tools, all of them."""
 
-import os
 import shlex
 import shutil
 
@@ -28,7 +27,7 @@ def tool(context, name):
 
 
 # A .blend may be anybody's: what it says in More must not say which files are written, or replaced.
-OF_FILES = ["--out", "--json", "--inputs", "--keep", "--relight", "--check", "--config"]
+OF_FILES = ["--out", "--json", "--inputs", "--relight", "--check", "--config"]
 
 
 def of_bake(scene, exported):
@@ -48,14 +47,6 @@ def of_bake(scene, exported):
 
 def bake(context, exported, out):
     return [tool(context, "nlg-bake"), *of_bake(context.scene, exported), "--out", out]
-
-
-def keeping(context, exported, name):
-    """Theta for the next bake while Blender runs: only those of functions that have changed since are made anew."""
-    # a limit of time leaves functions that no other bake may take
-    if "--refine-seconds" in settings.of(context.scene).more:
-        return []
-    return ["--keep", os.path.join(exported.folder, f"{settings.scene_name()}.{name}.kept")]
 
 
 def relight(context, exported, grid, out):

@@ -162,7 +162,7 @@ class NLG_OT_bake(GridOperator):
 
     def commands(self, context, exported):
         self.grid = self.made = settings.grid_path(context.scene)
-        return [[*command.bake(context, exported, self.made), *command.keeping(context, exported, "bake")], command.probes(context, self.made)]
+        return [command.bake(context, exported, self.made), command.probes(context, self.made)]
 
 
 class NLG_OT_preview(GridOperator):
@@ -172,7 +172,7 @@ class NLG_OT_preview(GridOperator):
 
     def commands(self, context, exported):
         self.grid = self.made = os.path.join(exported.folder, f"{settings.scene_name()}.preview.safetensors")
-        return [[*command.bake(context, exported, self.made), *command.PREVIEW, *command.keeping(context, exported, "preview")], command.probes(context, self.made)]
+        return [[*command.bake(context, exported, self.made), *command.PREVIEW], command.probes(context, self.made)]
 
 
 class NLG_OT_relight(GridOperator):

@@ -1,10 +1,9 @@
-// Light made anew for a grid: what a whole bake with that light would have left, or a refusal that says what differs.
-#include "bake/again/relight.h"
+// What a check says of a grid that was baked of something else.
+#include "bake/again/check.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "bake/again/bake_provenance.h"
 #include "bake/scene_bake.h"
 #include "tests/bake/house_corner.h"
 #include "tool/error.h"
