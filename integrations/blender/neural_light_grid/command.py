@@ -8,11 +8,8 @@ import bpy
 from . import settings
 from .errors import ToolError
 
-# While a level is worked on: no fits, 16 rays a place, a third of the places. docs/guide/blender.md says what that costs and saves.
-PREVIEW = [
-    "--lm-iterations", "0", "--lm-theta0-iterations", "0", "--adam-steps", "0", "--code-iterations", "0", "--refine-rounds", "0",
-    "--light-rays", "16", "--light-samples", "4",
-]
+# While a level is worked on: a draft, 16 rays a sample point, a third of these points. docs/guide/blender.md says what that costs and saves.
+PREVIEW = ["--draft", "--light-rays", "16", "--light-samples", "4"]
 # The page is for walking through: no baselines, and no ground truth.
 PAGE = ["--baselines", "none", "--truth-views", "0", "--truth-samples", "0"]
 
