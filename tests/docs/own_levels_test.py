@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The Python of docs/guide/own_levels.md does what the page says, on a shard of nlg-datagen's. own_levels_test.py BIN_FOLDER"""
+"""The Python of docs/guide/training.md does what the page says, on a shard of nlg-datagen's. own_levels_test.py BIN_FOLDER"""
 import importlib.util
 import re
 import subprocess
@@ -16,7 +16,7 @@ def main():
     if missing:
         print(f"skipped: {', '.join(missing)} not installed")
         return 77
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/guide/own_levels.md").read_text(), flags=re.DOTALL)
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/guide/training.md").read_text(), flags=re.DOTALL)
     assert len(blocks) == 2, blocks
     with tempfile.TemporaryDirectory() as folder:
         datagen = [Path(sys.argv[1]) / "nlg-datagen", "--scene", "house:0", "--max-functions", "48", "--out", f"{folder}/SHARD.h5"]
