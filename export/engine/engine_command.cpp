@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <optional>
 
 #include <fmt/format.h>
+#include <glm/gtc/type_ptr.hpp>
 #include <nlohmann/json.hpp>
 
 #include "bake/light_bake.h"
@@ -47,16 +49,15 @@ struct Texels {
 struct TexelLight {
   std::vector<LightSh> light;
   std::vector<glm::vec3> directions;  // of a basis that has some
-  std::vector<uint8_t> is_valid;      // where the engine leaves out what holds nothing
 };
 
 // A grid that an engine has.
 struct TexelFormat {
-  TexelLookUp look_up;          // with every texel valid where the engine leaves some out
-  bool is_directed = false;     // ambient and directed light and a direction; otherwise harmonics
-  std::vector<Texels> theirs;   // what the engine has without us
-  std::string record;           // name of the file that says what was written
-  Json place = Json::object();  // where texels lie
+  TexelLookUp look_up;           // with every texel valid where the engine leaves some out
+  bool is_directed = false;      // ambient and directed light and a direction; otherwise harmonics
+  std::string record;            // name of the file that says what was written
+  Json place = Json::object();   // where texels lie
+  std::optional<Texels> placed;  // plain placement that is there already; none: light of every texel by itself
   std::function<Texels(const std::string& name, const TexelLight& light)> pack;
 };
 
@@ -79,13 +80,40 @@ TexelFormat textureFormat(const TextureFormat& texture, const LightBox& box) {
   return format;
 }
 
-TexelFormat quakeFormat(const QuakeLevel& level) {
+// The points of a level's grid, and what of its light places in air have.
+struct CompiledPlaces {
+  std::vector<glm::dvec3> places;
+  std::vector<LightSh> light;
+  std::vector<uint8_t> is_read;  // by point: whether some place reads it
+};
+
+CompiledPlaces compiledPlaces(const CompiledLight& compiled, const std::vector<glm::dvec3>& places, const glm::dvec3& origin_m) {
+  CompiledPlaces result;
+  TexelLookUp whole = compiled.grid().lookUp();
+  result.is_read.resize(whole.box.texelCount());
+  whole.is_valid.assign(whole.box.texelCount(), 1);
+  constexpr float kUp[3] = {0.0f, 1.0f, 0.0f};
+  for (const glm::dvec3& place : places) {
+    ProbeWeights read, seen;
+    const glm::dvec3 world = place + origin_m;
+    whole.weightsAt({world.x, world.y, world.z}, kUp, &read);
+    for (int i = 0; i < read.count; ++i) result.is_read[read.probe[i]] = 1;
+    compiled.weightsAt(place, &seen);
+    if (seen.count == 0) continue;
+    result.places.push_back(place);
+    result.light.push_back(compiled.grid().light(seen));
+  }
+  return result;
+}
+
+// Points that no place reads stay as they are. All others hold light, also in solid: they serve the air around them.
+TexelFormat quakeFormat(const QuakeLevel& level, const CompiledPlaces& compiled) {
   TexelFormat format{{level.box, 0.0, std::vector<uint8_t>(level.box.texelCount(), 1)}, true};
   const std::string maps = "maps/" + level.name;
   format.record = maps + "/light.json";
-  format.theirs.push_back({"the level's own", {}, quakeIrradiance(level, {{}, lightGridOf(level)})});
-  format.pack = [&level, maps](const std::string& name, const TexelLight& light) {
-    const QuakeGridBytes bytes = quakeGridBytes(level, light.light, light.directions, light.is_valid);
+  format.placed = {"the level's own", {{maps + ".bsp", level.bytes}}, quakeIrradiance(level, {{}, lightGridOf(level)})};
+  format.pack = [&level, maps, is_read = compiled.is_read](const std::string& name, const TexelLight& light) {
+    const QuakeGridBytes bytes = quakeGridBytes(level, light.light, light.directions, is_read);
     return Texels{name,
                   {{maps + "/lightgrid.raw", bytes.raw}, {maps + ".bsp", withLightGrid(level, bytes.lump)}},
                   quakeIrradiance(level, bytes)};
@@ -99,9 +127,14 @@ class TexelWays {
   TexelWays(const MeasuredScene& scene, const TexelFormat& format) : scene_(scene), format_(format) {}
 
   std::vector<Texels> all() const {
-    const std::vector<uint8_t> is_in_air = texelsInAir(scene_, format_.look_up.box);
-    const LightVolume placement = placeTexels(scene_, format_.look_up.box, is_in_air);
-    std::vector<Texels> ways = {placed("placed", placement, is_in_air)};
+    std::vector<LightSh> placement;
+    std::vector<Texels> ways;
+    if (format_.placed) {
+      ways.push_back(*format_.placed);
+    } else {
+      placement = lightOf(placeTexels(scene_, format_.look_up.box));
+      ways.push_back(format_.pack("placed", {placement, {}}));
+    }
     // as a bake weighs errors, in shares of the light where they stand; and more as they are, which squares of errors ask for
     ProbeLightOptions evenly = scene_.options;
     evenly.dark_share = 1.0, evenly.outlier = 3.0;
@@ -109,29 +142,12 @@ class TexelWays {
       const std::string name = word;
       const TexelLight solution = solved(options, format_.look_up);
       ways.push_back(format_.pack(name, solution));
-      // where texels may be left out, those in solid are, or serve the air around them
-      if (!format_.look_up.is_valid.empty()) {
-        TexelLookUp in_air = format_.look_up;
-        in_air.is_valid = is_in_air;
-        ways.push_back(format_.pack(name + ", in air", solved(options, in_air)));
-      } else {
-        ways.push_back(format_.pack("half " + name, halfWay(lightOf(placement), solution)));
-      }
+      if (!placement.empty()) ways.push_back(format_.pack("half " + name, halfWay(placement, solution)));
     }
     return ways;
   }
 
  private:
-  // Light of every texel by itself.
-  Texels placed(const std::string& name, const LightVolume& volume, const std::vector<uint8_t>& is_valid) const {
-    TexelLight texels{lightOf(volume), {}, is_valid};
-    if (format_.is_directed) {
-      texels.directions = directionsOf(texels.light);
-      for (size_t t = 0; t < texels.light.size(); ++t) texels.light[t] = meanAndDirected(texels.light[t], texels.directions[t]);
-    }
-    return format_.pack(name, texels);
-  }
-
   static std::vector<glm::vec3> directionsOf(const std::vector<LightSh>& light) {
     std::vector<glm::vec3> directions(light.size());
     std::transform(light.begin(), light.end(), directions.begin(), mainDirection);
@@ -147,14 +163,14 @@ class TexelWays {
   }
 
   TexelLight solved(const ProbeLightOptions& options, const TexelLookUp& look_up) const {
-    const MeasuredScene scene{scene_.transport, scene_.air, scene_.place_light, options, scene_.thread_count};
-    TexelLight texels{solveTexels(scene, look_up, scene.place_light), {}, look_up.is_valid};
+    const MeasuredScene scene{scene_.transport, scene_.places, scene_.place_light, options, scene_.thread_count};
+    TexelLight texels{solveTexels(scene, look_up, scene.place_light), {}};
     if (!format_.is_directed) return texels;
     // directions first: once they are known, the rest is linear
     texels.directions = directionsOf(texels.light);
     std::vector<LightSh> place_light(scene.place_light.size());
     for (size_t i = 0; i < place_light.size(); ++i)
-      place_light[i] = meanAndDirected(scene.place_light[i], blended(scene.air.places[i], look_up, texels.directions));
+      place_light[i] = meanAndDirected(scene.place_light[i], blended(scene.places[i], look_up, texels.directions));
     texels.light = solveTexels(scene, look_up, place_light);
     return texels;
   }
@@ -252,26 +268,45 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   const PreparedScene scene(request.scene, options);
   tellNotes("nlg-export", scene.source);
   const int threads = threadsOf(options);
-  const TexelFormat format = texture == nullptr ? quakeFormat(level) : textureFormat(*texture, boxOf(scene, options));
-
-  // light at places in air, as a bake measures it
   const LightTransport transport(scene.source.scene, scene.rays);
+  const glm::dvec3& origin_m = scene.source.scene.origin_m;
+  std::optional<CompiledLight> compiled;
   ProbeLightOptions light = probeLightOptions(options, scene.air.places.size());
-  const std::unique_ptr<SurfaceCache> cache = makeSurfaceCache(transport, scene.air.places, scene.air.spacing_m, light, threads);
-  light.place.cache = light.probe.cache = cache.get();
-  const std::vector<LightSh> place_light = measureLight(transport, scene.air.places, light.place, light.seed, threads);
-  const MeasuredScene measured{transport, scene.air, place_light, light, threads};
+  std::unique_ptr<SurfaceCache> cache;
+  CompiledPlaces at;
+  if (texture == nullptr) {
+    compiled.emplace(level, scene.rays, origin_m);
+    at = compiledPlaces(*compiled, scene.air.places, origin_m);
+  } else {
+    // as a bake measures it
+    at.places = scene.air.places;
+    cache = makeSurfaceCache(transport, at.places, scene.air.spacing_m, light, threads);
+    light.place.cache = light.probe.cache = cache.get();
+    at.light = measureLight(transport, at.places, light.place, light.seed, threads);
+  }
+  const TexelFormat format = texture == nullptr ? quakeFormat(level, at) : textureFormat(*texture, boxOf(scene, options));
+  const MeasuredScene measured{transport, at.places, at.light, light, threads};
 
   // chosen at some places, reported at others
   std::vector<Texels> ways = TexelWays(measured, format).all();
   const ExtentBox extent = lightExtent(scene.source.scene, options.extent_m);
   const auto judgeOf = [&](uint64_t stream) {
-    return TexelJudge(measured, extent, request.places, request.truth_rays, mixSeed(options.seed, stream));
+    TexelJudge judge(measured, extent, request.places, mixSeed(options.seed, stream));
+    if (!compiled) {
+      judge.trace(request.truth_rays);
+      return judge;
+    }
+    judge.take([&](const glm::dvec3& position_m, const float* normal_3, glm::vec3* irradiance) {
+      ProbeWeights seen;
+      compiled->weightsAt(position_m, &seen);
+      *irradiance = glm::make_vec3(compiled->grid().shown(seen, normal_3).data());
+      return seen.count > 0;
+    });
+    return judge;
   };
   const size_t best = bestOf(ways, judgeOf(kChoiceStream));
   const std::string shipped = ways[best].name;
   const std::vector<EngineFile> files = ways[best].files;
-  ways.insert(ways.end(), format.theirs.begin(), format.theirs.end());
   if (!request.grid.empty()) {
     const LightGrid grid = readGrid(request.grid);
     ways.push_back({"the light grid", {}, [grid](const PositionM& position_m, const float* normal_3) {
@@ -285,7 +320,7 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
 
   Json line = {{"scene", scene.source.id}, {"format", request.format}, {"shipped", shipped}};
   line.update(format.place);
-  line["mean_radiance"] = meanRadiance(place_light);
+  line["mean_radiance"] = meanRadiance(at.light);
   line["places"] = report.placeCount();
   line["noise"] = report.noise();
   for (const Texels& way : ways) line["error"][way.name] = way.error;
@@ -293,7 +328,10 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   record["provenance"] = provenance("nlg-export engine", table.toJson(), {{"scene", scene.source.sha256}});
   writeFolder(request.out, {format.record, record.dump(2) + "\n"}, files, {request.scene, request.grid});
   std::cout << line.dump() << '\n';
-  if (best == 0) std::cerr << "nlg-export: no solve errs less than texels with the light of their own place: these are written\n";
+  if (best == 0)
+    std::cerr << "nlg-export: no solve errs less than "
+              << (compiled ? "the level's own light grid: it is" : "texels with the light of their own place: these are")
+              << " written\n";
 }
 
 }  // namespace

@@ -165,21 +165,27 @@ LightSh meanAndDirected(const LightSh& light, const glm::vec3& direction) {
 }
 
 QuakeGridBytes quakeGridBytes(const QuakeLevel& level, const std::vector<LightSh>& mean_and_directed,
-                              const std::vector<glm::vec3>& directions, const std::vector<uint8_t>& is_valid) {
+                              const std::vector<glm::vec3>& directions, const std::vector<uint8_t>& is_made) {
   const size_t count = level.box.texelCount();
+  const std::string own = lightGridOf(level);
   QuakeGridBytes bytes{std::string(kRawBytes * count, '\0'), std::string(kLumpBytes * count, '\0')};
   for (size_t texel = 0; texel < count; ++texel) {
-    if (!is_valid[texel]) continue;
-    const auto [ambient, directed] = storedCodes(mean_and_directed[texel]);
-    std::string raw, lump;
-    for (const glm::vec3& colour : {ambient, directed}) {
-      for (int c = 0; c < kShChannels; ++c) {
-        appendNumber(std::bit_cast<uint32_t>(colour[c]), 4, &raw);
-        appendNumber(static_cast<uint64_t>(std::lround(colour[c])), 1, &lump);
-      }
-    }
-    for (const uint8_t angle : anglesOf(directions[texel])) appendNumber(angle, 1, &lump);
     const size_t point = pointOf(level.box, texel);
+    std::string raw, lump;
+    const auto hold = [&](float code) {
+      appendNumber(std::bit_cast<uint32_t>(code), 4, &raw);
+      appendNumber(static_cast<uint64_t>(std::lround(code)), 1, &lump);
+    };
+    if (!is_made[texel]) {
+      for (size_t i = 0; i < 6; ++i) hold(static_cast<float>(numberAt(own, kLumpBytes * point + i, 1)));
+      lump += own.substr(kLumpBytes * point + 6, 2);
+    } else {
+      const auto [ambient, directed] = storedCodes(mean_and_directed[texel]);
+      for (const glm::vec3& colour : {ambient, directed}) {
+        for (int c = 0; c < kShChannels; ++c) hold(colour[c]);
+      }
+      for (const uint8_t angle : anglesOf(directions[texel])) appendNumber(angle, 1, &lump);
+    }
     bytes.raw.replace(kRawBytes * point, kRawBytes, raw);
     bytes.lump.replace(kLumpBytes * point, kLumpBytes, lump);
   }
@@ -198,13 +204,10 @@ std::string withLightGrid(const QuakeLevel& level, const std::string& grid) {
   return bytes.replace(lump.offset, lump.size, grid);
 }
 
-EngineIrradiance quakeIrradiance(const QuakeLevel& level, const QuakeGridBytes& bytes) {
+QuakeGrid::QuakeGrid(const QuakeLevel& level, const QuakeGridBytes& bytes) {
   const size_t count = level.box.texelCount();
-  struct Point {
-    glm::vec3 ambient{0.0f}, directed{0.0f}, direction{0.0f};
-  };
-  std::vector<Point> points(count);  // by texel, in codes that are shown
-  TexelLookUp look_up{level.box, 0.0, std::vector<uint8_t>(count)};
+  look_up_ = {level.box, 0.0, std::vector<uint8_t>(count)};
+  points_.resize(count);
   for (size_t texel = 0; texel < count; ++texel) {
     const size_t point = pointOf(level.box, texel);
     std::array<float, 6> codes;
@@ -212,26 +215,76 @@ EngineIrradiance quakeIrradiance(const QuakeLevel& level, const QuakeGridBytes& 
       codes[i] = bytes.raw.empty()
                      ? static_cast<float>(numberAt(bytes.lump, kLumpBytes * point + i, 1))
                      : std::bit_cast<float>(static_cast<uint32_t>(numberAt(bytes.raw, kRawBytes * point + 4 * i, 4)));
-      look_up.is_valid[texel] |= codes[i] > 0.0f;
+      look_up_.is_valid[texel] |= codes[i] > 0.0f;
     }
     const auto angle = [&](size_t i) { return static_cast<uint8_t>(numberAt(bytes.lump, kLumpBytes * point + i, 1)); };
-    points[texel] = {shownCodes({codes[0], codes[1], codes[2]}), shownCodes({codes[3], codes[4], codes[5]}),
-                     directionOf(angle(6), angle(7))};
+    points_[texel] = {shownCodes({codes[0], codes[1], codes[2]}), shownCodes({codes[3], codes[4], codes[5]}),
+                      directionOf(angle(6), angle(7))};
   }
-  return [look_up = std::move(look_up), points = std::move(points)](const PositionM& position_m, const float* normal_3) {
+}
+
+QuakeGrid::Point QuakeGrid::blended(const ProbeWeights& weights) const {
+  Point sum;
+  for (int i = 0; i < weights.count; ++i) {
+    const Point& point = points_[weights.probe[i]];
+    sum.ambient += weights.weight[i] * point.ambient;
+    sum.directed += weights.weight[i] * point.directed;
+    sum.direction += weights.weight[i] * point.direction;
+  }
+  return {kAmbientScale * sum.ambient + kLeastCodes, sum.directed, unitOr(sum.direction, glm::vec3(0.0f))};
+}
+
+std::array<float, kShChannels> QuakeGrid::shown(const ProbeWeights& weights, const float* normal_3) const {
+  const Point point = blended(weights);
+  const float lobe = std::max(0.0f, glm::dot(point.direction, glm::make_vec3(normal_3)));
+  const glm::vec3 shown = kCode * (point.ambient + lobe * point.directed);
+  return {shown.r, shown.g, shown.b};
+}
+
+LightSh QuakeGrid::light(const ProbeWeights& weights) const {
+  const Point point = blended(weights);
+  const std::array<float, kShCount> basis = shBasis(point.direction.x, point.direction.y, point.direction.z);
+  LightSh light{};
+  for (int k = 0; k < kShCount; ++k) light[k] = basis[k] * kCode * point.directed;
+  light[0] += kCode / kMeanUnit * point.ambient;
+  return light;
+}
+
+EngineIrradiance quakeIrradiance(const QuakeLevel& level, const QuakeGridBytes& bytes) {
+  return [grid = QuakeGrid(level, bytes)](const PositionM& position_m, const float* normal_3) {
     ProbeWeights weights;
-    look_up.weightsAt(position_m, normal_3, &weights);
-    Point sum;
-    for (int i = 0; i < weights.count; ++i) {
-      const Point& point = points[weights.probe[i]];
-      sum.ambient += weights.weight[i] * point.ambient;
-      sum.directed += weights.weight[i] * point.directed;
-      sum.direction += weights.weight[i] * point.direction;
-    }
-    const float lobe = std::max(0.0f, glm::dot(unitOr(sum.direction, glm::vec3(0.0f)), glm::make_vec3(normal_3)));
-    const glm::vec3 shown = kCode * (kAmbientScale * sum.ambient + kLeastCodes + lobe * sum.directed);
-    return std::array<float, kShChannels>{shown.r, shown.g, shown.b};
+    grid.lookUp().weightsAt(position_m, normal_3, &weights);
+    return grid.shown(weights, normal_3);
   };
+}
+
+CompiledLight::CompiledLight(const QuakeLevel& level, const RayScene& rays, const glm::dvec3& origin_m)
+    : grid_(level, {{}, lightGridOf(level)}), rays_(rays), origin_m_(origin_m) {}
+
+void CompiledLight::weightsAt(const glm::dvec3& position_m, ProbeWeights* weights) const {
+  // less is an answer from far away
+  constexpr float kLeastSeen = 0.05f;
+  constexpr double kBesideM = 0.15;
+  constexpr float kUp[3] = {0.0f, 1.0f, 0.0f};
+  const LightBox& box = grid_.lookUp().box;
+  const size_t row = box.texel_count[0], slice = row * box.texel_count[1];
+  const glm::dvec3 world = position_m + origin_m_;
+  ProbeWeights all;
+  grid_.lookUp().weightsAt({world.x, world.y, world.z}, kUp, &all);
+  weights->count = 0;
+  float seen = 0.0f;
+  for (int i = 0; i < all.count; ++i) {
+    const size_t texel = all.probe[i];
+    const PositionM at = box.texelCentre(texel % row, texel % slice / row, texel / slice);
+    const glm::dvec3 way = glm::dvec3(at[0], at[1], at[2]) - origin_m_ - position_m;
+    const double left = std::max(0.0, 1.0 - kBesideM / std::max(kBesideM, glm::length(way)));
+    if (rays_.isBlocked(glm::vec3(position_m), glm::vec3(position_m + left * way))) continue;
+    weights->probe[weights->count] = all.probe[i];
+    weights->weight[weights->count++] = all.weight[i];
+    seen += all.weight[i];
+  }
+  if (seen < kLeastSeen) weights->count = 0;
+  for (int i = 0; i < weights->count; ++i) weights->weight[i] /= seen;
 }
 
 }  // namespace nlg

@@ -82,18 +82,12 @@ void TexelLookUp::weightsAt(const PositionM& position_m, const float* normal_3, 
   for (int i = 0; i < weights->count; ++i) weights->weight[i] /= sum;
 }
 
-std::vector<uint8_t> texelsInAir(const MeasuredScene& scene, const LightBox& box) {
-  const std::vector<glm::dvec3> centres = centresOf(box, scene.transport.scene().origin_m);
-  std::vector<uint8_t> is_in_air(centres.size());
-  parallelFor(centres.size(), scene.thread_count,
-              [&](uint64_t t, int) { is_in_air[t] = isInAir(scene.transport.rays(), centres[t]); });
-  return is_in_air;
-}
-
-LightVolume placeTexels(const MeasuredScene& scene, const LightBox& box, const std::vector<uint8_t>& is_in_air) {
+LightVolume placeTexels(const MeasuredScene& scene, const LightBox& box) {
   const std::vector<glm::dvec3> centres = centresOf(box, scene.transport.scene().origin_m);
   std::vector<LightSh> light(centres.size());
+  std::vector<uint8_t> is_in_air(centres.size());
   parallelFor(centres.size(), scene.thread_count, [&](uint64_t t, int) {
+    is_in_air[t] = isInAir(scene.transport.rays(), centres[t]);
     if (!is_in_air[t]) return;
     light[t] = scene.transport.gather(centres[t], scene.options.probe, mixSeed(scene.options.seed, kTexelStream, t)).light;
   });
@@ -121,18 +115,36 @@ std::vector<LightSh> solveTexels(const MeasuredScene& scene, const TexelLookUp& 
                               all.weightsAt(inWorld(scene, position_m), &normalOf(position_m)[0], weights);
                             },
                             *std::min_element(texel_m.begin(), texel_m.end())};
-  return lightProbes(scene.transport, texels, scene.air.places, place_light, weights_at, scene.options, scene.thread_count).light;
+  return lightProbes(scene.transport, texels, scene.places, place_light, weights_at, scene.options, scene.thread_count).light;
 }
 
-TexelJudge::TexelJudge(const MeasuredScene& scene, const ExtentBox& extent, int places, int rays, uint64_t seed) : scene_(scene) {
+TexelJudge::TexelJudge(const MeasuredScene& scene, const ExtentBox& extent, int places, uint64_t seed)
+    : scene_(scene), seed_(seed) {
   LightPlaceOptions options;
   options.air = options.surface = static_cast<uint64_t>(places);
   options.walks = options.edges = 0;
   options.seed = seed;
   places_ = drawLightPlaces(scene.transport.scene(), scene.transport.rays(), extent, options);
+}
+
+void TexelJudge::trace(int rays) {
   GatherOptions gather{rays};
-  gather.direct = scene.options.place.direct;
-  truth_ = lightTruth(places_, scene.transport, {gather, 0.0, mixSeed(seed, kTruthStream), scene.thread_count});
+  gather.direct = scene_.options.place.direct;
+  truth_ = lightTruth(places_, scene_.transport, {gather, 0.0, mixSeed(seed_, kTruthStream), scene_.thread_count});
+}
+
+void TexelJudge::take(
+    const std::function<bool(const glm::dvec3& position_m, const float* normal_3, glm::vec3* irradiance)>& truth) {
+  std::vector<LightPlace> known;
+  truth_ = {};
+  for (const LightPlace& place : places_.places) {
+    GatheredIrradiance at;
+    if (!truth(place.position_m, &place.normal[0], &at.irradiance)) continue;
+    known.push_back(place);
+    truth_.at.push_back(at);
+  }
+  places_.places = std::move(known);
+  truth_.around.resize(truth_.at.size());
 }
 
 LightFigures TexelJudge::errorOf(const EngineIrradiance& shown) const {

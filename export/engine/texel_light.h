@@ -7,10 +7,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "export/engine/engine_format.h"
-#include "light/air_places.h"
 #include "light/probe_light.h"
 #include "validate/light/light_figures.h"
 
@@ -35,17 +35,14 @@ struct TexelLookUp {
 // A scene whose light is measured at places, once for all texels.
 struct MeasuredScene {
   const LightTransport& transport;
-  const AirPlaces& air;                     // relative to the scene's origin
-  const std::vector<LightSh>& place_light;  // of its places
+  const std::vector<glm::dvec3>& places;    // in air, relative to the scene's origin
+  const std::vector<LightSh>& place_light;  // what arrives there
   const ProbeLightOptions& options;
   int thread_count = 1;
 };
 
-// By texel: whether it stands in air.
-std::vector<uint8_t> texelsInAir(const MeasuredScene& scene, const LightBox& box);
-
 // Light that arrives at each texel in air; the others have the mean of their neighbours, as filledVolume fills them.
-LightVolume placeTexels(const MeasuredScene& scene, const LightBox& box, const std::vector<uint8_t>& is_in_air);
+LightVolume placeTexels(const MeasuredScene& scene, const LightBox& box);
 
 // By texel, as the solve has it.
 std::vector<LightSh> lightOf(const LightVolume& volume);
@@ -59,7 +56,12 @@ class TexelJudge {
  public:
   // places   of each group
   // seed     of them: of one that chooses, another than that of one that reports
-  TexelJudge(const MeasuredScene& scene, const ExtentBox& extent, int places, int rays, uint64_t seed);
+  TexelJudge(const MeasuredScene& scene, const ExtentBox& extent, int places, uint64_t seed);
+  // Truth is path traced, with so many rays a place.
+  void trace(int rays);
+  // Truth is what this says of a place and a normal; places of which it says nothing are left out.
+  void take(const std::function<bool(const glm::dvec3& position_m, const float* normal_3, glm::vec3* irradiance)>& truth);
+
   LightFigures errorOf(const EngineIrradiance& shown) const;
 
   size_t placeCount() const { return places_.places.size(); }
@@ -67,6 +69,7 @@ class TexelJudge {
 
  private:
   const MeasuredScene& scene_;
+  uint64_t seed_;
   LightPlaces places_;
   LightTruth truth_;
 };

@@ -7,6 +7,7 @@
 
 #include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
+#include "tests/datagen/hand_built_scenes.h"
 #include "tests/input_error.h"
 #include "tests/scene/quake/hand_built_bsp.h"
 #include "tests/temporary_folder.h"
@@ -46,7 +47,7 @@ TEST_F(QuakeLightGrid, StandsWhereTheEngineLooksItUp) {
   const QuakeLevel level = levelWith(8 * kPoints);
   EXPECT_EQ(level.name, "small");
   ASSERT_EQ(level.box.texelCount(), kPoints);
-  // one point alone has light: the engine finds it at its place
+  // one point alone is made anew: the engine finds it at its place
   for (const size_t point : {size_t{0}, size_t{1}, kX, kX * kY, kPoints - 1}) {
     const double x = 50.0 * static_cast<double>(point % kX), y = 50.0 * static_cast<double>(point / kX % kY),
                  z = 50.0 * static_cast<double>(point / (kX * kY));
@@ -56,16 +57,18 @@ TEST_F(QuakeLightGrid, StandsWhereTheEngineLooksItUp) {
       const PositionM centre = level.box.texelCentre(t % kX, t / kX % kZ, t / (kX * kZ));
       if (std::hypot(centre[0] - position_m[0], centre[1] - position_m[1], centre[2] - position_m[2]) < 1e-6) texel = t;
     }
-    std::vector<uint8_t> is_valid(kPoints, 0);
-    is_valid[texel] = 1;
+    std::vector<uint8_t> is_made(kPoints, 0);
+    is_made[texel] = 1;
     const QuakeGridBytes bytes = quakeGridBytes(level, std::vector<LightSh>(kPoints, uniform(0.5f)),
-                                                std::vector<glm::vec3>(kPoints, {0.0f, 1.0f, 0.0f}), is_valid);
+                                                std::vector<glm::vec3>(kPoints, {0.0f, 1.0f, 0.0f}), is_made);
     ASSERT_EQ(bytes.raw.size(), 24 * kPoints);
     for (size_t p = 0; p < kPoints; ++p) {
-      EXPECT_EQ(bytes.lump.substr(8 * p, 6) != std::string(6, '\0'), p == point) << p;
-      EXPECT_EQ(bytes.raw.substr(24 * p, 24) != std::string(24, '\0'), p == point) << p;
+      EXPECT_EQ(bytes.lump.substr(8 * p, 8) != lightGridOf(level).substr(8 * p, 8), p == point) << p;
     }
-    const std::array<float, 3> rgb = at(quakeIrradiance(level, bytes), position_m, {1.0f, 0.0f, 0.0f});
+    // a hair inside the grid: below its first points engines read the second ones
+    const PositionM inside_m = {position_m[0] + 1e-6 * (2.0 - position_m[0]), position_m[1] + 1e-6 * (1.0 - position_m[1]),
+                                position_m[2] + 1e-6 * (-1.0 - position_m[2])};
+    const std::array<float, 3> rgb = at(quakeIrradiance(level, bytes), inside_m, {1.0f, 0.0f, 0.0f});
     EXPECT_NEAR(rgb[1], 0.5f * std::numbers::pi_v<float>, 1e-4f) << point;
   }
 }
@@ -127,6 +130,29 @@ TEST_F(QuakeLightGrid, GoesIntoTheLevelInPlaceOfItsOwn) {
   with.bytes = withLightGrid(level, grid);
   EXPECT_EQ(lightGridOf(with), grid);
   EXPECT_EQ(withLightGrid(with, lightGridOf(level)), level.bytes);
+}
+
+// Models are lit by points on their side of a wall alone, as strong as all of them are.
+TEST_F(QuakeLightGrid, HasCompiledLightOfPointsThatAPlaceSees) {
+  const QuakeLevel level = levelWith(8 * kPoints);
+  // from .31 to .47 m, between points 0 and 1.27 m along x
+  const Scene scene = infiniteWall();
+  const RayScene rays(scene);
+  const CompiledLight compiled(level, rays, glm::dvec3(0.0));
+  for (const double x : {10.0, 40.0}) {
+    ProbeWeights weights;
+    compiled.weightsAt({kUnitM * x, kUnitM * 30.0, -kUnitM * 20.0}, &weights);
+    ASSERT_EQ(weights.count, 4);
+    float sum = 0.0f;
+    for (int i = 0; i < weights.count; ++i) {
+      EXPECT_EQ(weights.probe[i] % kX, x < 25.0 ? 0u : 1u);
+      sum += weights.weight[i];
+    }
+    EXPECT_NEAR(sum, 1.0f, 1e-6f);
+    // codes of 7 in the file, 28 on a screen; .6 of what is ambient, and 32 more; the rest comes from one side
+    const glm::vec3 up(0.0f, 1.0f, 0.0f), shown = irradiance(compiled.grid().light(weights), up);
+    EXPECT_NEAR(shown.g, compiled.grid().shown(weights, &up[0])[1], 0.1f);
+  }
 }
 
 TEST_F(QuakeLightGrid, IsRefusedWhereTheLevelHasNone) {
