@@ -46,7 +46,7 @@ std::string formatNames() { return textureNames() + gridFormats()[0].name + ", o
 
 constexpr float kMostFactor = 1e6f;
 
-// By group. asked   NAME or NAME=FACTOR, of a group or of all groups of a light set; none: as the grid begins
+// By group. asked   NAME or NAME=FACTOR, of a group or of all groups of a light state; none: as the grid begins
 std::vector<float> groupFactors(const LightGrid& grid, const std::vector<std::string>& asked) {
   std::vector<float> factors;
   // without a wish the grid's own start; with one, only what it names
@@ -66,7 +66,7 @@ std::vector<float> groupFactors(const LightGrid& grid, const std::vector<std::st
     for (size_t g = 0; g < grid.groups.size(); ++g) {
       const std::string& group = grid.groups[g].name;
       names += (g == 0 ? "" : ", ") + group;
-      // a name stands for a group, or for a light set, whose groups begin with it
+      // a name stands for a group, or for a light state, whose groups begin with it
       if (group != name && !group.starts_with(name + "/")) continue;
       if (is_taken[g]) throw UsageError("light_groups", "each group once", group + " twice");
       factors[g] = factor;
@@ -204,7 +204,7 @@ int engineMain(int argc, char** argv) {
   table.add("spacing_m", &options.volume.spacing_m, "maximum texel size, metres. 0: half of the grid's finest spacing", 0.0, 1e6);
   table.add("intensity", &options.intensity, "factor on the grid's light. light.json records it", 1e-12, 1e12);
   table.add("light_groups", &options.light_groups,
-            "light groups in a texture: NAME or NAME=FACTOR, of a group or a whole light set. None: the grid's default");
+            "light groups in a texture: NAME or NAME=FACTOR, of a group or a whole light state. None: the grid's default");
   table.add("error_samples", &options.error_samples, "number of sample points at which the error is measured", 1, 100000000);
   table.common({"grid", "format", "out", "origin_m", "extent_m", "spacing_m", "intensity", "light_groups"});
   app.add_option("--grid", request.grid, "light grid that holds light (.safetensors)")->required();

@@ -137,7 +137,7 @@ Any number of threads may use one.)")
       .def_readonly("metadata", &SharedGrid::texts, "dict of str: the texts of the file, as options and scene.")
       .def("mix", &mix, py::arg("colours"), R"(mix(colours): dims, colours and switches groups of light.
 
-colours: (G, 3) float32, linear factors of red, green and blue in the order of groups, finite; 1 to begin with, 0 of light sets after the first.
+colours: (G, 3) float32, linear factors of red, green and blue in the order of groups, finite; 1 to begin with, 0 of light states after the first.
 Look-ups that follow see the sum of the groups, each times its colour.)")
       .def("irradiance", &irradiance, py::arg("positions"), py::arg("normals"), R"(irradiance(positions, normals) -> rgb, status
 
