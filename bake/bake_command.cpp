@@ -1,6 +1,5 @@
 #include "bake/bake_command.h"
 
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -15,7 +14,6 @@
 #include "bake/report/bake_report.h"
 #include "nlg/simd.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
-#include "scene/lights/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
@@ -52,11 +50,12 @@ void runBake(BakeRequest request, const BakeOptions& options, const OptionTable&
   const auto start = std::chrono::steady_clock::now();
   if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders(options.draft));
   // outputs and contradictions before any file is read: a bake takes minutes
-  std::vector<std::string> inputs = filesOfLight(options.light_set, options.scene_light);
-  inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
+  std::vector<std::string> inputs = request.weights;
   inputs.insert(inputs.end(), {request.scene, request.config});
+  inputs.insert(inputs.end(), options.scene_light.sky.begin(), options.scene_light.sky.end());
   checkOutputs(request, inputs);
-  if (options.light == "none" && !options.light_set.empty()) throw UsageError("--light-set cannot be combined with --light none");
+  if (options.light == "none" && !options.scene_light.light_state.empty())
+    throw UsageError("--light-state cannot be combined with --light none");
   if (options.light == "none" && (options.thin_error > 0.0 || options.max_bytes > 0.0))
     throw UsageError(std::string(options.thin_error > 0.0 ? "--thin-error" : "--max-bytes") +
                      " cannot be combined with --light none: thinning needs light");
@@ -94,7 +93,6 @@ void runBake(BakeRequest request, const BakeOptions& options, const OptionTable&
     warn(scene,
          "no probe has a weighting function; check that extent_m covers the scene, and that spacing_m is smaller than its rooms");
   warnOfLight(scene, options, report.statistics.light);
-  if (request.is_verbose) std::cerr << toTable(report);
   std::cerr << toSummary(report, request.out);
   writeJson(request, toJson(report));
 }
@@ -137,10 +135,8 @@ uint64_t writeGrid(const BakeRequest& request, const LightGrid& grid, const Bake
 
 void warnOfLight(const PreparedScene& scene, const BakeOptions& options, const LightStatistics& statistics) {
   for (const std::string& warning : lightWarnings(statistics)) warn(scene, warning);
-  const std::vector<const Scene*> lit = litScenes(scene.source);
-  const bool has_own =
-      std::any_of(lit.begin(), lit.end(), [](const Scene* set) { return !set->light.lamps.empty() || !set->light.suns.empty(); });
-  if (options.light_direct != "all" && options.light_direct != "reflected" && !has_own)
+  const SceneLight& light = scene.source.scene.light;
+  if (options.light_direct != "all" && options.light_direct != "reflected" && light.lamps.empty() && light.suns.empty())
     warn(scene, "light_direct leaves nothing out: the scene has no lamps and no suns of its own");
 }
 

@@ -20,7 +20,7 @@ struct BakeRequest {
   std::string relit;                     // a grid whose light is made anew; empty: everything is
   std::string checked;                   // a grid that is only asked whether it is what would be baked
   std::vector<std::string> weights;
-  bool out_is_given = false, is_verbose = false;
+  bool out_is_given = false;
 };
 
 // Bakes, relights or checks, and whatever comes of it lists the inputs, where asked.

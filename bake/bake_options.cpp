@@ -42,10 +42,6 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.group("Scene");
   describe(o.reading, table);
   describe(o.scene_light, table);
-  table.addRepeated("light_set", &o.light_set,
-                    "light set that the engine mixes at run time: NAME for this scene, or NAME=SCENE for another file of the "
-                    "same geometry, then options that differ, as 'night=night.glb sky=0 sun=0'. Give the option once for each "
-                    "set; the first set is the default");
   table.group(kLightGroup);
   table.add("light", &o.light,
             "how probe light is computed: solved (least squares over sample points in air), integrated (over the weighting "

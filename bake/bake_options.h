@@ -34,8 +34,7 @@ struct BakeOptions {
   double duplicate_rms = 0.5;
   int duplicate_validity_points = 16;
   PolicyOptions policy;
-  LightOptions scene_light;            // sky and sun
-  std::vector<std::string> light_set;  // each a light of its own for the same level (light_sets.h)
+  LightOptions scene_light;  // sky and sun
   SceneReading reading;
   std::string light = "solved";      // how probes are lit; "none": they are not
   std::string light_direct = "all";  // which light of lamps and suns probes hold themselves

@@ -9,7 +9,6 @@
 #include "datagen/probes/shuffled_order.h"
 #include "datagen/weighting/weighting_builder.h"
 #include "runtime_eval/support/weighting_function.h"
-#include "scene/lights/light_sets.h"
 #include "scene/model/oddities.h"
 #include "tool/printable.h"
 #include "tool/processor_time.h"
@@ -94,8 +93,7 @@ BakePlan planBake(const PlacedScene& scene, const BakeOptions& options, const st
   double seconds = generators.empty() ? 0.0 : functionSeconds(scene, options, generators);
   if (options.light != "none") {
     const auto places = static_cast<size_t>(kAirShare * probes * options.light_samples);
-    seconds += (kLightProbeSeconds + kLightRaySeconds * probeLightOptions(options, places).place.rays * options.light_samples) *
-               static_cast<double>(litScenes(scene.source).size());
+    seconds += kLightProbeSeconds + kLightRaySeconds * probeLightOptions(options, places).place.rays * options.light_samples;
   }
   const auto triangles = static_cast<double>(scene.source.scene.triangles.size());
   return {kBaseBytes + kProbeBytes * probes + kTriangleBytes * triangles, 0.2 + seconds * probes / threadsOf(options)};

@@ -238,22 +238,4 @@ nlohmann::ordered_json toJson(const BlendErrors& errors) {
   return json;
 }
 
-std::string toText(const BlendErrors& errors) {
-  uint64_t points = 0;
-  std::vector<std::string> classes, holes, leaks, total_variation;
-  for (size_t c = 1; c < errors.size(); ++c) {
-    points += errors[c].points;
-    classes.push_back(fmt::format("{:g}", 100.0 * kBlendBordersM[c]));
-    holes.push_back(fmt::format("{:.2f}", 100.0 * errors[c].holes));
-    leaks.push_back(fmt::format("{:.2f}", 100.0 * errors[c].leaks));
-    total_variation.push_back(fmt::format("{:.2f}", 100.0 * errors[c].total_variation));
-  }
-  return fmt::format(
-      "blends at {} in air: holes {:.2f} %, leaks {:.2f} %, total variation of shares {:.2f} %\n"
-      "blends at {} up to {} cm before surfaces: holes {} %, leaks {} %, total variation of shares {} %\n",
-      countText(errors[0].points, "point"), 100.0 * errors[0].holes, 100.0 * errors[0].leaks, 100.0 * errors[0].total_variation,
-      countText(points, "point"), fmt::join(classes, ", "), fmt::join(holes, ", "), fmt::join(leaks, ", "),
-      fmt::join(total_variation, ", "));
-}
-
 }  // namespace nlg

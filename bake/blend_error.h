@@ -78,7 +78,5 @@ BlendErrors blendErrors(const BlendTargets& targets, const LightGrid& grid);
 
 // Keys: docs/reference/bake_json.md.
 nlohmann::ordered_json toJson(const BlendErrors& errors);
-// Two lines.
-std::string toText(const BlendErrors& errors);
 
 }  // namespace nlg

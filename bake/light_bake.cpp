@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <deque>
 #include <functional>
-#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
@@ -14,7 +12,6 @@
 #include "light/surface_cache.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/lights/light_sets.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 #include "tool/printable.h"
@@ -44,121 +41,50 @@ double meanOf(const std::vector<LightSh>& light) {
   return light.empty() ? 0.0 : sum / static_cast<double>(light.size());
 }
 
-// The groups of a grid: names in their order, the first so many of which shine to begin with.
-struct GroupsOfGrid {
-  std::vector<std::string> names;
-  size_t first_count = 0;
-};
-
-void takeLight(const ProbeLight& lit, const GroupsOfGrid& groups, LightGrid* grid) {
+// states   of light that the grid keeps besides, and begins with
+void takeLight(const ProbeLight& lit, const std::vector<std::string>& names, const std::vector<LightGroup>& states,
+               LightGrid* grid) {
+  grid->groups = states;
+  for (size_t g = 0; g < lit.groups.size(); ++g) grid->groups.push_back({names[g], floatsOf(lit.groups[g]), !states.empty()});
   grid->light = floatsOf(lit.light);
-  grid->groups.clear();
-  for (size_t g = 0; g < lit.groups.size(); ++g)
-    grid->groups.push_back({groups.names[g], floatsOf(lit.groups[g]), g >= groups.first_count});
+  if (states.empty()) return;
+  std::fill(grid->light.begin(), grid->light.end(), 0.0f);
+  for (const LightGroup& group : states) {
+    if (group.begins_dark) continue;
+    for (size_t i = 0; i < grid->light.size(); ++i) grid->light[i] += group.light[i];
+  }
 }
 
 // Of each group of a grid; of one without groups all of it.
-void addLights(const std::vector<LightSh>& light, const LightByGroup& groups, std::vector<const std::vector<LightSh>*>* all) {
-  for (const std::vector<LightSh>& of_group : groups) all->push_back(&of_group);
-  if (groups.empty()) all->push_back(&light);
-}
-
-// One of the ways in which a scene is lit.
-struct LitSet {
-  LitSet(const Scene& scene, const RayScene& rays) : transport(scene, rays) {}
-  LightTransport transport;
-  std::unique_ptr<SurfaceCache> cache;
-  ProbeLightOptions options;
-  std::vector<LightSh> place_light;
-  LightByGroup place_groups;
-};
-
-// Bounces between surfaces, once for all places of a set.
-void cacheSurfaces(const PreparedScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
-  for (LitSet& set : *sets) {
-    set.cache = makeSurfaceCache(set.transport, scene.air.places, scene.air.spacing_m, set.options, threads);
-    if (set.cache == nullptr) continue;
-    statistics->cache_cells += set.cache->cellCount();
-    statistics->cache_divided += set.cache->dividedCount();
-    set.options.place.cache = set.options.probe.cache = set.cache.get();
-  }
-}
-
-void measureSets(const PreparedScene& scene, int threads, std::deque<LitSet>* sets, LightStatistics* statistics) {
-  const glm::dvec3& origin_m = scene.source.scene.origin_m;
-  std::vector<glm::dvec3>& buried_m = statistics->buried_lamps_m;
-  for (LitSet& set : *sets) {
-    set.place_light =
-        measureLight(set.transport, scene.air.places, set.options.place, set.options.seed, threads, &set.place_groups);
-    for (const Lamp& lamp : set.transport.scene().light.lamps) {
-      const glm::dvec3 at(lamp.position);
-      // most lamps are in all sets
-      if (!isInAir(scene.rays, at) && std::find(buried_m.begin(), buried_m.end(), origin_m + at) == buried_m.end())
-        buried_m.push_back(origin_m + at);
-    }
-  }
-}
-
-// Of places that are dark in every set. Where all are, that is said of the whole.
-void findDark(const PreparedScene& scene, const std::deque<LitSet>& sets, LightStatistics* statistics) {
-  std::vector<uint8_t> is_dark(scene.air.places.size(), 1);
-  bool shines = false;
-  for (const LitSet& set : sets) {
-    const double most = kDarkOfMean * meanOf(set.place_light);
-    shines |= most > 0.0;
-    for (size_t p = 0; p < is_dark.size(); ++p) is_dark[p] &= meanOf(set.place_light[p]) <= most;
-  }
-  if (!shines) return;
-  statistics->dark_rooms = findDarkRooms(sets.front().transport, scene.tree, scene.air, is_dark);
-  for (DarkRoom& room : statistics->dark_rooms) room.eye_m += scene.source.scene.origin_m;
-}
-
-// Each set by itself, by the same functions at the same places: what a bake of it alone would give.
-std::vector<ProbeLight> solveSets(const PreparedScene& scene, const LightGrid& grid, const std::deque<LitSet>& sets, int threads,
-                                  LightStatistics* statistics) {
-  const glm::dvec3& origin_m = scene.source.scene.origin_m;
-  const std::vector<std::string>& names = scene.source.light_sets;
-  std::vector<ProbeLight> lit;
-  statistics->of_sets.clear();
-  statistics->largest = 0.0;
-  for (const LitSet& set : sets) {
-    lit.push_back(lightProbes(set.transport, scene.tree, scene.air.places, set.place_light, weightsOf(grid, origin_m),
-                              set.options, threads, set.place_groups));
-    const ProbeLight& of_set = lit.back();
-    LightAtPlaces at_places{meanOf(set.place_light), of_set.error, of_set.median_error, of_set.p95_error};
-    if (!scene.air.places.empty()) at_places.worst_m = origin_m + scene.air.places[of_set.worst_place];
-    // the first set is the one that the grid begins with
-    if (lit.size() == 1) static_cast<LightAtPlaces&>(*statistics) = at_places;
-    if (!names.empty()) statistics->of_sets.emplace_back(names[lit.size() - 1], at_places);
-    const std::vector<float> coefficients = floatsOf(of_set.light);
-    for (const float coefficient : coefficients)
-      statistics->largest = std::max(statistics->largest, std::fabs(double{coefficient}));
-    if (!checkLight(coefficients).ok()) throw tooBright(scene.source.id);
-  }
-  return lit;
-}
-
-// What the grid begins with, and the groups of all.
-// lit   of each set; not none
-ProbeLight joined(std::vector<ProbeLight> lit, const GroupsOfGrid& groups) {
-  if (groups.names.empty()) return std::move(lit.front());
-  ProbeLight all;
-  all.light = lit.front().light;
-  all.unread = lit.front().unread;
-  all.unseen = lit.front().unseen;
-  for (ProbeLight& of_set : lit) {
-    if (of_set.groups.empty()) of_set.groups.push_back(std::move(of_set.light));
-    std::move(of_set.groups.begin(), of_set.groups.end(), std::back_inserter(all.groups));
-    all.iterations += of_set.iterations;
-  }
+std::vector<const std::vector<LightSh>*> lightsOf(const std::vector<LightSh>& light, const LightByGroup& groups) {
+  std::vector<const std::vector<LightSh>*> all;
+  for (const std::vector<LightSh>& of_group : groups) all.push_back(&of_group);
+  if (groups.empty()) all.push_back(&light);
   return all;
+}
+
+void findBuriedLamps(const PreparedScene& scene, LightStatistics* statistics) {
+  for (const Lamp& lamp : scene.source.scene.light.lamps) {
+    const glm::dvec3 at(lamp.position);
+    if (!isInAir(scene.rays, at)) statistics->buried_lamps_m.push_back(scene.source.scene.origin_m + at);
+  }
+}
+
+void findDark(const PreparedScene& scene, const LightTransport& transport, const std::vector<LightSh>& place_light,
+              LightStatistics* statistics) {
+  const double most = kDarkOfMean * meanOf(place_light);
+  if (!(most > 0.0)) return;
+  std::vector<uint8_t> is_dark;
+  for (const LightSh& light : place_light) is_dark.push_back(meanOf(light) <= most);
+  statistics->dark_rooms = findDarkRooms(transport, scene.tree, scene.air, is_dark);
+  for (DarkRoom& room : statistics->dark_rooms) room.eye_m += scene.source.scene.origin_m;
 }
 
 // Of the file that a grid would be.
 size_t bytesWith(LightGrid grid, const BakeOptions& options, const GridMetadata& metadata, const ProbeLight& lit,
-                 const GroupsOfGrid& groups) {
+                 const std::vector<std::string>& names) {
   grid.dropUnusedFunctions();
-  takeLight(lit, groups, &grid);
+  takeLight(lit, names, {}, &grid);
   std::string bytes;
   const FileResult result = serializeLightGrid(grid, {options.policy.theta_precision, options.light_error}, metadata, &bytes);
   if (!result.ok()) throw NumericalError("bake: light grid: " + result.detail + ": a number that the file cannot hold");
@@ -169,7 +95,7 @@ struct ThinningInputs {
   const PreparedScene& scene;
   const BakeOptions& options;
   const GridMetadata& metadata;
-  const GroupsOfGrid& groups;
+  const std::vector<std::string>& names;                     // of groups
   const std::vector<const std::vector<LightSh>*>& measured;  // by group, at places
   const std::function<ProbeLight()>& solve;                  // with the grid's functions as they are
   int threads;
@@ -181,7 +107,7 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
   constexpr double kFirstError = 0.01, kErrorGrowth = 1.3;  // of rounds until the budget is kept
   const BakeOptions& options = inputs.options;
   const Scene& scene = inputs.scene.source.scene;
-  const auto bytesNow = [&](const ProbeLight& now) { return bytesWith(*grid, options, inputs.metadata, now, inputs.groups); };
+  const auto bytesNow = [&](const ProbeLight& now) { return bytesWith(*grid, options, inputs.metadata, now, inputs.names); };
   const auto isWithin = [&](const ProbeLight& now) {
     return options.max_bytes == 0.0 || static_cast<double>(bytesNow(now)) <= options.max_bytes;
   };
@@ -192,10 +118,8 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
       placesBesideSurfaces(inputs.scene.rays, inputs.scene.air.places, inputs.scene.air.spacing_m, options.seed, kBesideEvery);
   // all changes are measured from the light of the whole grid
   const ProbeLight whole = std::move(lit);
-  std::vector<const std::vector<LightSh>*> light;
-  addLights(whole.light, whole.groups, &light);
-  GridThinner thinner(grid, scene.origin_m, inputs.scene.air.places, inputs.measured, beside, light, options.light_dark_share,
-                      inputs.threads);
+  GridThinner thinner(grid, scene.origin_m, inputs.scene.air.places, inputs.measured, beside, lightsOf(whole.light, whole.groups),
+                      options.light_dark_share, inputs.threads);
   if (error > 0.0) thinner.thinTo(error);
   // light that is solved for anew takes about as many bytes a probe: it is made when those would do
   lit = whole;
@@ -230,19 +154,14 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
   constexpr double kNearlyBlack = 0.01;
   std::vector<std::string> warnings;
   if (!statistics.is_lit) return warnings;
-  const auto warnOfDarkness = [&](const std::string& of, double mean) {
-    if (mean == 0.0) {
-      warnings.push_back(of + "no light reaches any point in air: lights are switched off, or walled in");
-    } else if (mean < kNearlyBlack) {
-      warnings.push_back(
-          of +
-          fmt::format("nearly black: radiance is {:.2g} on average; --sky 1,1,1 or --sky FILE.hdr gives it a sky, --sun a sun, "
-                      "--intensity makes all light brighter; a closed room needs a lamp, or something that shines",
-                      mean));
-    }
-  };
-  for (const auto& [name, light] : statistics.of_sets) warnOfDarkness("light set " + name + ": ", light.mean);
-  if (statistics.of_sets.empty()) warnOfDarkness("", statistics.mean);
+  if (statistics.mean == 0.0) {
+    warnings.push_back("no light reaches any point in air: lights are switched off, or walled in");
+  } else if (statistics.mean < kNearlyBlack) {
+    warnings.push_back(
+        fmt::format("nearly black: radiance is {:.2g} on average; --sky 1,1,1 or --sky FILE.hdr gives it a sky, --sun a sun, "
+                    "--intensity makes all light brighter; a closed room needs a lamp, or something that shines",
+                    statistics.mean));
+  }
   constexpr size_t kMostRooms = 3;
   for (size_t r = 0; r < std::min(kMostRooms, statistics.dark_rooms.size()); ++r) {
     const DarkRoom& room = statistics.dark_rooms[r];
@@ -285,7 +204,8 @@ ProbeLightOptions probeLightOptions(const BakeOptions& options, size_t place_cou
   return light;
 }
 
-LightStatistics bakeLight(const PreparedScene& scene, const BakeOptions& options, LightGrid* grid, const GridMetadata& metadata) {
+LightStatistics bakeLight(const PreparedScene& scene, const BakeOptions& options, LightGrid* grid, const GridMetadata& metadata,
+                          const std::vector<LightGroup>& states) {
   grid->light.clear();
   grid->groups.clear();
   LightStatistics statistics;
@@ -293,42 +213,60 @@ LightStatistics bakeLight(const PreparedScene& scene, const BakeOptions& options
   ProbeLightOptions light_options = probeLightOptions(options, scene.air.places.size());
   light_options.way = lightWayFromName(options.light);
   const int threads = threadsOf(options);
-  const GroupsOfGrid groups{lightGroupNames(scene.source), firstGroupCount(scene.source)};
-  // one light, or a set for each of several; all of them share air, rays and functions
-  std::deque<LitSet> sets;
-  for (const Scene* lit : litScenes(scene.source)) sets.emplace_back(*lit, scene.rays).options = light_options;
+  const glm::dvec3& origin_m = scene.source.scene.origin_m;
+  const LightGroups& groups = scene.source.scene.light.groups;
+  const LightTransport transport(scene.source.scene, scene.rays);
   statistics.is_lit = true;
-  statistics.is_gathered = sets.front().transport.isBaked();
+  statistics.is_gathered = transport.isBaked();
   statistics.groups = groups.names;
   statistics.places = scene.air.places.size();
   statistics.rays_per_place = static_cast<uint64_t>(light_options.place.rays);
 
   // bounces between surfaces, once for all sample points
   Clock::time_point start = Clock::now();
-  cacheSurfaces(scene, threads, &sets, &statistics);
+  const std::unique_ptr<SurfaceCache> cache =
+      makeSurfaceCache(transport, scene.air.places, scene.air.spacing_m, light_options, threads);
+  if (cache != nullptr) {
+    statistics.cache_cells = cache->cellCount();
+    statistics.cache_divided = cache->dividedCount();
+    light_options.place.cache = light_options.probe.cache = cache.get();
+  }
   statistics.cache_wall_s = secondsSince(start);
 
   // light at sample points in air, and what it shows of dark rooms and buried lamps
   start = Clock::now();
-  measureSets(scene, threads, &sets, &statistics);
-  findDark(scene, sets, &statistics);
+  LightByGroup place_groups;
+  const std::vector<LightSh> place_light = measureLight(transport, scene.air.places, light_options.place, light_options.seed,
+                                                        threads, groups.areMany() ? &place_groups : nullptr);
+  findBuriedLamps(scene, &statistics);
+  findDark(scene, transport, place_light, &statistics);
   statistics.measure_wall_s = secondsSince(start);
 
   // probes' light, and once more after thinning, with what is left
   start = Clock::now();
-  const auto solve = [&] { return joined(solveSets(scene, *grid, sets, threads, &statistics), groups); };
+  const auto solve = [&] {
+    ProbeLight lit = lightProbes(transport, scene.tree, scene.air.places, place_light, weightsOf(*grid, origin_m), light_options,
+                                 threads, place_groups);
+    static_cast<LightAtPlaces&>(statistics) = {meanOf(place_light), lit.error, lit.median_error, lit.p95_error};
+    if (!scene.air.places.empty()) statistics.worst_m = origin_m + scene.air.places[lit.worst_place];
+    const std::vector<float> coefficients = floatsOf(lit.light);
+    if (!checkLight(coefficients).ok()) throw tooBright(scene.source.id);
+    statistics.largest = 0.0;
+    for (const float coefficient : coefficients)
+      statistics.largest = std::max(statistics.largest, std::fabs(double{coefficient}));
+    if (!groups.names.empty() && lit.groups.empty()) lit.groups.push_back(lit.light);
+    return lit;
+  };
   ProbeLight lit = solve();
-  if (options.thin_error > 0.0 || options.max_bytes > 0.0) {
-    std::vector<const std::vector<LightSh>*> measured;
-    for (const LitSet& set : sets) addLights(set.place_light, set.place_groups, &measured);
-    lit = thin({scene, options, metadata, groups, measured, solve, threads}, std::move(lit), grid, &statistics);
-  }
+  if (options.thin_error > 0.0 || options.max_bytes > 0.0)
+    lit = thin({scene, options, metadata, groups.names, lightsOf(place_light, place_groups), solve, threads}, std::move(lit),
+               grid, &statistics);
   statistics.solve_wall_s = secondsSince(start);
   // what thinning left out is unread on purpose
   statistics.unread_probes = lit.unread - statistics.thinned.probes;
   statistics.unseen_places = lit.unseen;
   statistics.solve_iterations = lit.iterations;
-  takeLight(lit, groups, grid);
+  takeLight(lit, groups.names, states, grid);
   // rounded as the file stores it, so that grid, report and file have one light
   statistics.packing = roundGridLight(options.light_error, grid);
   statistics.file_bytes = packedLightBytes(*grid);

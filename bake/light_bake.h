@@ -18,12 +18,11 @@ struct LightAtPlaces {
   glm::dvec3 worst_m{0.0};                                  // the place where it is worst, world coordinates
 };
 
-// Seconds by the clock. Of light sets what LightAtPlaces says is of the first, and all else of all together.
+// Seconds by the clock.
 struct LightStatistics : LightAtPlaces {
-  bool is_lit = false;                                         // whether light was baked at all
-  std::vector<std::string> groups;                             // of light, which the grid keeps apart; none: it is one
-  std::vector<std::pair<std::string, LightAtPlaces>> of_sets;  // by name; none where there are no sets
-  bool is_gathered = false;                                    // all bounces came from the level's own light: one ray held them
+  bool is_lit = false;              // whether light was baked at all
+  std::vector<std::string> groups;  // of light, which the grid keeps apart; none: it is one
+  bool is_gathered = false;         // all bounces came from the level's own light: one ray held them
   uint64_t places = 0, rays_per_place = 0;
   uint64_t unseen_places = 0;  // of these: dark that nobody sees (light/standing.h), which the solve leaves out
   uint64_t unread_probes = 0;  // that weigh nothing at any place
@@ -38,8 +37,8 @@ struct LightStatistics : LightAtPlaces {
   LightPacking packing;                                 // what the file's form of it adds
   uint64_t file_bytes = 0;                              // of light
   std::vector<glm::dvec3> buried_lamps_m;               // in solid: nothing is lit by them; world coordinates
-  std::vector<DarkRoom> dark_rooms;                     // that no light set lights; world coordinates
-  double largest = 0.0;                                 // |coefficient| of a probe, of the set where it is largest
+  std::vector<DarkRoom> dark_rooms;                     // that no light reaches; world coordinates
+  double largest = 0.0;                                 // |coefficient| of a probe
 };
 
 // What a bake's light may come to without an error, and is seldom what was meant: black, nearly black, dark in rooms, or brighter than
@@ -50,13 +49,14 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics);
 // throws   UsageError on an unknown name in them, and on 1 to 7 rays of a place
 ProbeLightOptions probeLightOptions(const BakeOptions& options, size_t place_count);
 
-// Fills grid->light, and the light of groups and sets, by options.light, as the file will hold it; leaves it empty for "none".
+// Fills grid->light, and the light of groups, by options.light, as the file will hold it; leaves it empty for "none".
 //
 // grid      of this scene and its tree, moved to the world's coordinates
 // metadata  that the file is going to have: max_bytes counts it
+// states    groups of other light states, which the grid keeps: it begins with them, and this light is dark. Not with thinning
 // Leaves functions and probes of it out by options.thin_error and options.max_bytes (thinning.h).
 // throws   UsageError on an unknown way, and on max_bytes that no thinning keeps; InputError when light is beyond kMaxGridLight
 LightStatistics bakeLight(const PreparedScene& scene, const BakeOptions& options, LightGrid* grid,
-                          const GridMetadata& metadata = {});
+                          const GridMetadata& metadata = {}, const std::vector<LightGroup>& states = {});
 
 }  // namespace nlg

@@ -92,7 +92,6 @@ int main(int argc, char** argv) {
   app.add_option("--inputs", request.inputs,
                  "file for the names of all files and folders that the bake reads or looks for, as a JSON list for build "
                  "systems, also after an error. Light grids and programs are not listed");
-  app.add_flag("--verbose", request.is_verbose, "also print tables of stages, errors and savings");
   return nlg::runTool(argc, argv, app, table, [&] {
     const CLI::Option* config = app.get_option("--config");
     request.out_is_given = out->count() > 0;

@@ -1,9 +1,7 @@
 #include "bake/prepared_scene.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <iterator>
 
 #include <fmt/format.h>
 
@@ -11,7 +9,6 @@
 #include "light/light_transport.h"
 #include "light/probe_light.h"
 #include "runtime_eval/probe_tree/probe_tree_data.h"
-#include "scene/lights/light_sets.h"
 #include "scene/scene_size.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -24,20 +21,6 @@ namespace {
 
 constexpr double kWidestChosenM = 10.0;
 constexpr double kMarginShare = 0.05;  // of a spacing: with so much air over a roof its cells find places in it (air_places.h)
-
-// As far as the lamps of all light sets; none where somebody named the extent.
-std::optional<ExtentBox> reachOf(const SceneSource& source, const ProbePlacementOptions& placement) {
-  std::optional<ExtentBox> reach;
-  if (placement.extent || source.scene.extent) return reach;
-  for (const Scene* lit : litScenes(source)) {
-    const std::optional<ExtentBox> of_lit = reachBeyondBounds(*lit, kMarginShare * placement.spacing_min_m);
-    if (!of_lit) continue;
-    if (!reach) reach = of_lit;
-    reach->low_m = glm::min(reach->low_m, of_lit->low_m);
-    reach->high_m = glm::max(reach->high_m, of_lit->high_m);
-  }
-  return reach;
-}
 
 // So many places at least in the whole scene: a grid of a few probes has few cells, and its light would be fitted to next to
 // nothing.
@@ -64,23 +47,6 @@ std::string searchedSha256(const ProbeTree& tree, const SkyFaces& sky) {
   return sha256(bytes);
 }
 
-// The level with a set's own lamps, sky, suns and materials, before its options are applied. What else a file says is the level's.
-Scene sceneOf(const LightSet& set, const std::string& request, const SceneReading& reading, SceneSource* level) {
-  if (set.scene.empty() || set.scene == request) return level->scene;
-  SceneSource source = loadScene(set.scene, reading);
-  if (const std::string difference = geometryDifference(level->scene, source.scene); !difference.empty())
-    throw InputError(set.scene, "light set " + set.name, "the geometry of " + request, difference);
-  for (const auto& [notes, told] :
-       {std::pair(&source.notes, &level->notes), std::pair(&source.light_notes, &level->light_notes)}) {
-    for (const std::string& note : *notes) {
-      if (std::find(told->begin(), told->end(), note) == told->end()) told->push_back(set.name + ": " + note);
-    }
-  }
-  source.scene.id = level->scene.id;
-  source.scene.viewpoints = level->scene.viewpoints;
-  return std::move(source.scene);
-}
-
 }  // namespace
 
 SceneSource loadLitScene(const std::string& request, const BakeOptions& options) {
@@ -88,7 +54,6 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   if (options.light != "none") lightWayFromName(options.light);
   directLightFromName(options.light_direct);
   const Progress progress("reading");
-  const std::vector<LightSet> sets = lightSetsFrom(options.light_set, options.scene_light);
   SceneReading reading = options.reading;
   // without light, images serve geometry alone
   if (options.light == "none") reading.images = ImageNeed::geometry;
@@ -98,41 +63,7 @@ SceneSource loadLitScene(const std::string& request, const BakeOptions& options)
   if (!source.unit_question.empty())
     throw UsageError(fmt::format("{}: {}; --unit 1 keeps metres", request, source.unit_question));
   const auto isOpen = [](const Scene& scene) { return openShare(scene) > kOpenShare; };
-  const auto litBy = [&](const LightSet& set, Scene* scene, bool* is_divided) {
-    try {
-      return applyLight(*scene, set.options, isOpen, is_divided);
-    } catch (const UsageError& error) {
-      throw ToolError(error.exitCode(), "--light-set " + set.name + ": " + error.what());
-    }
-  };
-  if (sets.empty()) {
-    for (const std::string& done : applyLight(source.scene, options.scene_light, isOpen)) source.light_notes.push_back(done);
-    return source;
-  }
-  // each set is lit by itself, by the level's file or by its own
-  std::vector<Scene> lit;
-  std::array<std::string, 2> in_lumens;  // sets whose lamps Blender's exporter multiplied by 683: left so, and divided
-  for (const LightSet& set : sets) {
-    lit.push_back(sceneOf(set, request, options.reading, &source));
-    const bool is_asked = isInOtherUnit(lit.back());
-    bool is_divided = false;
-    for (const std::string& line : litBy(set, &lit.back(), &is_divided)) source.light_notes.push_back(set.name + ": " + line);
-    if (is_asked) in_lumens[is_divided] = set.name;
-    source.light_sets.push_back(set.name);
-  }
-  // each by itself would be well exposed, and a lamp of both 683 times as bright in one as in the other
-  if (!in_lumens[0].empty() && !in_lumens[1].empty())
-    throw UsageError("--light-set: lamps and suns have another unit in " + in_lumens[0] + " than in " + in_lumens[1] +
-                     ", where they were divided by 683; give --light-unit file or --light-unit watt");
-  if (std::none_of(sets.begin(), sets.end(), [&](const LightSet& set) { return set.scene.empty() || set.scene == request; }))
-    source.light_notes.push_back("what the level's own file is lit by is in no set");
-  // the first set is the scene, the others stand beside it
-  source.scene = std::move(lit.front());
-  source.lit_otherwise.assign(std::move_iterator(lit.begin() + 1), std::move_iterator(lit.end()));
-  const std::vector<std::string> groups = lightGroupNames(source);
-  if (groups.size() > kMaxLightGroups)
-    throw UsageError("--light-set", fmt::format("at most {} groups of light in all sets together", kMaxLightGroups),
-                     fmt::format("{}, '{}' being the first beyond the limit", groups.size(), groups[kMaxLightGroups]));
+  for (const std::string& done : applyLight(source.scene, options.scene_light, isOpen)) source.light_notes.push_back(done);
   return source;
 }
 
@@ -150,7 +81,7 @@ ProbeTree PlacedScene::place(const BakeOptions& options) {
   placement.density = source.scene.density;
   const auto takeSpacing = [&](double finest_m) {
     placement.spacing_min_m = placement.spacing_max_m = finest_m;
-    placement.reach = reachOf(source, placement);
+    if (!placement.extent && !source.scene.extent) placement.reach = reachBeyondBounds(source.scene, kMarginShare * finest_m);
   };
   // to choose a spacing needs a placement: first with the one that is asked for, or the default
   takeSpacing(options.spacing_m > 0.0 ? options.spacing_m : BakeOptions().spacing_m);

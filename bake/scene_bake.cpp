@@ -126,11 +126,10 @@ class Baking {
     statistics_.air.wall_s = scene_.air_wall_s;
     statistics_.counts = functions_.counts();
     statistics_.function_times = functions_.times();
-    statistics_.scene_triangles = scene_.source.scene.triangles.size();
     statistics_.bare_tents = functions_.bareTents();
     for (const FunctionInWork& function : in_work_) {
       const MadeTheta& made = function.made;
-      statistics_.functions.push_back({made.record, made.generator, made.larger_ran, made.generator != function.chosen_first});
+      statistics_.functions.push_back({made.record, made.generator, made.generator != function.chosen_first});
     }
   }
 
@@ -178,10 +177,6 @@ double BakeStatistics::wordSeconds(ThetaWord word) const {
     if (s != ThetaStage::check && wordOf(s) == word && !is_refinement) sum += stageSeconds(s);
   }
   return sum;
-}
-
-double BakeStatistics::refinementSeconds() const {
-  return stageSeconds(ThetaStage::refinement) + stageSeconds(ThetaStage::larger);
 }
 
 uint64_t BakeStatistics::failing(ThetaWord word, const CheckOptions& check) const {

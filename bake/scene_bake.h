@@ -21,16 +21,14 @@ struct AirStatistics {
 // What became of one function that has theta.
 struct FunctionOutcome {
   ThetaRecord record;
-  uint8_t generator = 0;    // of the representation that was chosen
-  bool larger_ran = false;  // more than the smallest representation was tried
-  bool raised = false;      // refinement took a larger representation than the choice
+  uint8_t generator = 0;  // of the representation that was chosen
+  bool raised = false;    // refinement took a larger representation than the choice
 };
 
 // The talk's columns and what else a bake can say of itself. Seconds by the clock, those of stages summed over threads.
 struct BakeStatistics {
   ShardCounts counts;
   FunctionTimes function_times;
-  uint64_t scene_triangles = 0;
   AirStatistics air;
   LightStatistics light;
   double wall_s = 0.0, load_wall_s = 0.0, functions_wall_s = 0.0,
@@ -43,7 +41,6 @@ struct BakeStatistics {
   double stageSeconds(ThetaStage stage) const;
   // Of the stages that bring theta to a word, of all representations; without checks and without refinement.
   double wordSeconds(ThetaWord word) const;
-  double refinementSeconds() const;
   // Functions whose theta fails the check at a word.
   uint64_t failing(ThetaWord word, const CheckOptions& check) const;
   uint64_t tookFit() const;

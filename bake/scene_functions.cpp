@@ -54,7 +54,6 @@ FunctionTimes SceneFunctions::times() const {
     times.functions_s += thread->times.functions_s;
     times.bare_tent_s += thread->times.bare_tent_s;
     times.in_solid_s += thread->times.in_solid_s;
-    times.triangles += thread->times.triangles;
     times.cavity_probes += thread->times.cavity_probes;
   }
   times.duplicates_s = collector_.seconds();
@@ -75,7 +74,6 @@ ProbeOutcome SceneFunctions::see(const PlacedProbe& probe, ThreadState& state) {
   times.visibility_s += secondsBetween(start, after);
   times.cavity_probes += state.builder.sight().vote.in_cavity;
   if (seen == ProbeOutcome::in_solid) times.in_solid_s += secondsBetween(start, after);
-  if (seen == ProbeOutcome::function) times.triangles += state.builder.sight().triangle_count;
   return seen;
 }
 

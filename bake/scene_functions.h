@@ -16,7 +16,6 @@ namespace nlg {
 struct FunctionTimes {
   double visibility_s = 0.0, functions_s = 0.0, bare_tent_s = 0.0, duplicates_s = 0.0;
   double in_solid_s = 0.0;     // of visibility_s: of probes in solid that turned out to have no eye
-  uint64_t triangles = 0;      // in the supports of probes that have a function
   uint64_t cavity_probes = 0;  // probes in cavities: those with an eye and those without
 };
 

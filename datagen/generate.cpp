@@ -61,14 +61,9 @@ void report(Progress& progress, const FunctionCollector& collector, const Collec
 nlohmann::ordered_json resultJson(const ShardJob& job, const FunctionCollector& collector, uint64_t file_bytes) {
   ShardCounts counts = collector.counts();
   counts.grid_probes = job.probeCount();
-  const DifferenceStatistics& differences = collector.differences();
   nlohmann::ordered_json json = {{"scene", job.header().scene_id}, {"jitter", job.header().jitter}};
   json.update(countsJson(counts));
-  json.update(
-      {{"duplicate_rmse",
-        {{"mean", differences.mean() / 255}, {"p95", differences.percentile(0.95) / 255}, {"worst", differences.worst() / 255}}},
-       {"bytes", file_bytes},
-       {"dropped_triangles", job.scene().dropped_triangle_count}});
+  json.update({{"bytes", file_bytes}, {"dropped_triangles", job.scene().dropped_triangle_count}});
   return json;
 }
 

@@ -109,7 +109,6 @@ void refuseDamage(const std::string& path) {
 constexpr double kHardRmse = 0.01;  // as nlg-validate's hard_tent_rmse
 // Upper ends of the bins of the bare tent's blend RMSE; the first one is what a bake stores as a bare tent.
 constexpr std::array kBins = {0.002, 0.005, 0.01, 0.02, 0.04, 0.08, 1e9};
-constexpr int kBarWidth = 40;
 
 struct Row {
   uint64_t probes = 0, functions = 0, free_space = 0, in_solid = 0, duplicates = 0, empty = 0, outside = 0;
@@ -228,18 +227,7 @@ std::string dataCardText(const Json& card) {
       "everywhere; outside: nothing of the support lies within the level's hull (--keep-outside).\n"
       "bare tent: it is enough, and a bake stores nothing; hard: its RMSE is .01 or more; of solid: of probes in solid, seen "
       "from air; dark: "
-      "points with 0.\n\nblend RMSE of the bare tent, functions:\n";
-  // histogram of the bare tent's error: its tail is what generators are for
-  const double functions = std::max(1.0, all["functions"].get<double>());
-  double low = 0.0;
-  for (const Json& bin : all["tent_blend_rmse"]) {
-    const double share = bin["functions"].get<double>() / functions;
-    const std::string range = bin["at_most"].is_null() ? fmt::format("above {:.3f}", low)
-                                                       : fmt::format("{:.3f} to {:.3f}", low, bin["at_most"].get<double>());
-    text += fmt::format("  {:<16}{:>5.1f} %  {}\n", range, 100.0 * share,
-                        std::string(static_cast<size_t>(share * kBarWidth + 0.5), '#'));
-    if (!bin["at_most"].is_null()) low = bin["at_most"].get<double>();
-  }
+      "points with 0.\n";
   return text;
 }
 

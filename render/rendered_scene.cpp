@@ -11,7 +11,6 @@
 #include "bake/scene_bake.h"
 #include "nlg/look_up.h"
 #include "runtime_eval/numbers/random.h"
-#include "scene/lights/light_sets.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
@@ -51,7 +50,7 @@ std::vector<std::string> differencesOf(const std::string& path, const BakedAs& b
   const auto isOther = [](const std::string& a, const std::string& b) { return !a.empty() && a != b; };
   if (isOther(baked.scene, asked.scene)) warn("baked from " + baked.scene + ", and drawn in " + asked.scene);
   if (isOther(baked.light_of_scene, asked.light_of_scene))
-    warn("baked with other light than the scene has here; give the same --sky, --sun, --light-groups and --light-set");
+    warn("baked with other light than the scene has here; give the same --sky, --sun, --light-groups and --light-state");
   if (isOther(baked.light_direct, asked.light_direct))
     warn("baked with light_direct " + baked.light_direct + ", and drawn with " + asked.light_direct);
   if (has_baselines && baked.spacing_m > 0.0 && static_cast<float>(baked.spacing_m) != static_cast<float>(asked.spacing_m))
@@ -105,7 +104,8 @@ void RenderedScene::makeGrid(bool has_baselines) {
   } else if (!request_.grid.empty()) {
     GridMetadata metadata;
     grid_ = readGrid(request_.grid, &metadata, request_.show == "weights" ? GridLight::any : GridLight::required);
-    const BakedAs baked = bakedAs(metadata), asked{source().id, options_.light_direct, lightSha256(source()), options_.spacing_m};
+    const BakedAs baked = bakedAs(metadata),
+                  asked{source().id, options_.light_direct, sceneLightSha256(scene()), options_.spacing_m};
     warnings_ = differencesOf(request_.grid, baked, asked, has_baselines);
     for (const std::string& warning : warnings_) std::cerr << request_.program << ": " << warning << '\n';
   }

@@ -18,8 +18,6 @@ struct SceneSource {
   std::string id;                // "house_3"; the file's stem, or its whole name where that is one such; a map's in lower case
   std::string sha256;            // of the scene as it was read: sceneSha256; empty for a procedural one
   Scene scene;
-  std::vector<std::string> light_sets;   // names of the ways in which it is lit (light_sets.h); none: by all its light
-  std::vector<Scene> lit_otherwise;      // the same geometry in the light of each set but the first, which scene has
   std::vector<std::string> light_notes;  // what its light lost in reading (bsp_reader.h), or was given (light_options.h)
   double unit_m = 0.0;                   // metres of one of the file's units, as it was read; 0: its format has a unit of its own
   std::string unit_question;             // where nobody named a unit, and the size of a large scene leaves it open: scene_size.h

@@ -19,7 +19,6 @@
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/numbers/random.h"
 #include "runtime_eval/numbers/rgb9e5.h"
-#include "scene/lights/light_sets.h"
 #include "scene/model/surface_look.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
@@ -196,33 +195,24 @@ class ViewFolder {
     said_["triangles"] = scene.triangles.size();
   }
 
-  // What is seen to shine, of each light set: its sky, and materials, by triangle where these are not those of the first. Each with the
-  // group of light that it is of.
+  // What is seen to shine: sky, and materials, each with the group of light that it is of.
   void addShine(DataScript* script) {
-    const std::vector<std::string> names = lightGroupNames(scene_.source());
-    script->facts["light_groups"] = names;
-    script->facts["skies"] = Json::array();
-    size_t first_group = 0, set = 0;
-    for (const Scene* lit : litScenes(scene_.source())) {
-      const LightGroups& groups = lit->light.groups;
-      const auto nameOf = [&](uint8_t group) { return names.empty() ? "sky" : names[first_group + group]; };
-      const Sky& sky = lit->light.sky;
-      script->facts["skies"].push_back({{"group", nameOf(groups.of_sky)},
-                                        {"zenith", numbers(sky.zenith)},
-                                        {"horizon", numbers(sky.horizon)},
-                                        {"ground", numbers(sky.ground)}});
-      std::vector<float> emissive;
-      std::vector<uint8_t> group_of_material;
-      for (size_t m = 0; m < lit->materials.size(); ++m) {
-        for (int c = 0; c < 3; ++c) emissive.push_back(lit->materials[m].emissive[c]);
-        group_of_material.push_back(static_cast<uint8_t>(first_group + LightGroups::of(groups.of_material, m)));
-      }
-      script->add(fmt::format("emissive_{}", set), emissive);
-      script->add(fmt::format("emissive_groups_{}", set), group_of_material);
-      if (set > 0) script->add(fmt::format("triangle_material_{}", set), lit->triangle_material);
-      first_group += groups.count();
-      ++set;
+    const Scene& scene = scene_.scene();
+    const LightGroups& groups = scene.light.groups;
+    const Sky& sky = scene.light.sky;
+    script->facts["light_groups"] = groups.names;
+    script->facts["skies"] = {{{"group", groups.names.empty() ? "sky" : groups.names[groups.of_sky]},
+                               {"zenith", numbers(sky.zenith)},
+                               {"horizon", numbers(sky.horizon)},
+                               {"ground", numbers(sky.ground)}}};
+    std::vector<float> emissive;
+    std::vector<uint8_t> group_of_material;
+    for (size_t m = 0; m < scene.materials.size(); ++m) {
+      for (int c = 0; c < 3; ++c) emissive.push_back(scene.materials[m].emissive[c]);
+      group_of_material.push_back(LightGroups::of(groups.of_material, m));
     }
+    script->add("emissive_0", emissive);
+    script->add("emissive_groups_0", group_of_material);
   }
 
   // A place to go to, with the exposure that its own view asks for, lit by the grid.

@@ -20,8 +20,8 @@
 #include <fmt/ranges.h>
 #include <sys/stat.h>
 
-#include "bake/again/own_files.h"
 #include "bake/again/check.h"
+#include "bake/again/own_files.h"
 #include "bake/load_generators.h"
 #include "tool/atomic_file.h"
 #include "tool/command/tool_main.h"

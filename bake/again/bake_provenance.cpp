@@ -8,7 +8,6 @@
 
 #include "nlg/simd.h"
 #include "runtime_eval/probe_tree/probe_tree_data.h"
-#include "scene/lights/light_sets.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 #include "tool/provenance.h"
@@ -37,8 +36,8 @@ Json bakedOptions(const OptionTable& table) {
 GridMetadata bakeMetadata(const PreparedScene& scene, const Json& options, const std::map<std::string, std::string>& weights) {
   std::map<std::string, std::string> inputs = weights;
   if (!scene.source.sha256.empty()) inputs["scene"] = scene.source.sha256;
-  inputs[kLightRole] = lightSha256(scene.source);
-  if (!lightGroupNames(scene.source).empty()) inputs[kUngroupedRole] = ungroupedLightSha256(scene.source);
+  inputs[kLightRole] = sceneLightSha256(scene.source.scene);
+  if (!scene.source.scene.light.groups.names.empty()) inputs[kUngroupedRole] = sceneLightSha256(scene.source.scene, {});
   inputs[kSearchedRole] = scene.searched_sha256;
   GridMetadata metadata = {{"scene", scene.source.id}, {"provenance", provenance("nlg-bake", options, inputs).dump()}};
   if (scene.spacing_m != scene.full_tree.frame().spacing_m) metadata[kSpacing] = fmt::format("{}", scene.spacing_m);

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "bake/load_generators.h"
-#include "scene/lights/light_sets.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -19,9 +18,9 @@ std::vector<std::string> changesSince(const std::string& path, const BakedGrid& 
   if (!is_same) changes.push_back("geometry changed");
   // the hash of light holds geometry, too
   const std::string light = inputs.value(kLightRole, std::string());
-  if (is_same && light != lightSha256(source)) {
+  if (is_same && light != sceneLightSha256(source.scene)) {
     const std::string ungrouped = inputs.value(kUngroupedRole, light);
-    changes.push_back(ungrouped == ungroupedLightSha256(source) ? kGroupsChanged : kLightChanged);
+    changes.push_back(ungrouped == sceneLightSha256(source.scene, {}) ? kGroupsChanged : kLightChanged);
   }
   // the grid holds its name
   if (const auto id = baked.metadata.find("scene"); is_same && (id == baked.metadata.end() || id->second != source.id))

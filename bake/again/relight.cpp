@@ -5,11 +5,12 @@
 #include <iostream>
 #include <set>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "bake/again/bake_provenance.h"
 #include "bake/report/bake_report.h"
-#include "scene/lights/light_sets.h"
+#include "scene/lights/light_groups.h"
 #include "tool/error.h"
 #include "tool/processor_time.h"
 
@@ -21,10 +22,13 @@ using Json = nlohmann::ordered_json;
 // Settings that no relight changes and none can ask for: what functions took, on which machine.
 constexpr const char* kOfFunctions[] = {"refine_seconds", "simd"};
 
+// In provenance: that of each state of light that was added, by name.
+constexpr const char* kStates = "states";
+
 // Settings that functions do not depend on, and those.
 std::set<std::string> lightSettings(const OptionTable& table) {
   std::set<std::string> names(std::begin(kOfFunctions), std::end(kOfFunctions));
-  names.insert({"light_error", "max_bytes", "light_set"});
+  names.insert({"light_error", "max_bytes"});
   LightOptions of_scene;
   OptionTable scene_table("bake");
   describe(of_scene, scene_table);
@@ -51,9 +55,6 @@ void requireFunctionsOf(const PreparedScene& scene, const OptionTable& table, co
       throw InputError(path,
                        std::string(name) + ": a thinned grid cannot be relit; bake it with 0 instead of " + thinned_by.dump());
   }
-  // else a grid of several would become one of a single light without a word
-  if (const Json sets = settings.value("light_set", Json::array()); !sets.empty() && scene.source.light_sets.empty())
-    throw InputError(path, "light_set: --relight needs a --light-set for each set to keep of " + sets.dump());
   std::vector<std::string> representations;
   for (const Representation& representation : baked.grid.representations)
     representations.emplace_back(representationName(representation));
@@ -67,10 +68,27 @@ void requireFunctionsOf(const PreparedScene& scene, const OptionTable& table, co
   }
 }
 
+// The groups of other light states, which stay where one more is asked for.
+std::vector<LightGroup> otherStates(const std::string& state, const std::string& path, const BakedGrid& baked) {
+  const Json origin = originOf(path, baked);
+  const std::vector<LightGroup>& groups = baked.grid.groups;
+  if (state.empty() || state == origin["options"].value("light_state", std::string())) {
+    // else one of several would be gone without a word
+    if (origin.contains(kStates))
+      throw InputError(path, "light_state", "a grid to which no other light was added", "one that holds several states of light");
+    return {};
+  }
+  if (groups.empty())
+    throw InputError(path, "light_state", "a grid that was baked with a --light-state of its own", "one without");
+  if (std::any_of(groups.begin(), groups.end(), [&](const LightGroup& group) { return isOfState(group.name, state); }))
+    throw InputError(path, "light_state", "a name that no group of its light has", state);
+  return groups;
+}
+
 }  // namespace
 
 void runRelight(BakeRequest request, const BakeOptions& options, const OptionTable& table) {
-  std::vector<std::string> inputs = filesOfLight(options.light_set, options.scene_light);
+  std::vector<std::string> inputs = options.scene_light.sky;
   inputs.insert(inputs.end(), {request.scene, request.config, request.relit});
   checkOutputs(request, inputs);
   if (!request.weights.empty())
@@ -82,16 +100,32 @@ void runRelight(BakeRequest request, const BakeOptions& options, const OptionTab
   // cells that the bake of the grid found without air are not searched again
   const PreparedScene scene = prepareScene(request, options, {}, knownAir(request.relit, baked));
   requireFunctionsOf(scene, table, options.representation, request.relit, baked);
-  if (!baked.grid.groups.empty() && lightGroupNames(scene.source).empty())
+  const std::string& state = options.scene_light.light_state;
+  const std::vector<LightGroup> states = otherStates(state, request.relit, baked);
+  if (!states.empty() && (options.thin_error > 0.0 || options.max_bytes > 0.0))
+    throw UsageError(
+        "--light-state cannot be combined with --thin-error and --max-bytes: other light needs what this one does not");
+  const size_t group_count = states.size() + scene.source.scene.light.groups.names.size();
+  if (group_count > kMaxLightGroups)
+    throw UsageError("--light-state", fmt::format("at most {} groups of light in all", kMaxLightGroups),
+                     std::to_string(group_count));
+  if (!baked.grid.groups.empty() && scene.source.scene.light.groups.names.empty())
     std::cerr << "light: the grid's " << baked.grid.groups.size()
               << " groups of light become one; to keep them, give --light-groups as in its bake\n";
   // what tells of functions stays
   const Json origin = originOf(request.relit, baked);
   Json settings = bakedOptions(table);
   for (const char* name : kOfFunctions) settings[name] = origin["options"].value(name, settings[name]);
-  const GridMetadata metadata = bakeMetadata(scene, settings, weightsOf(origin));
+  GridMetadata metadata = bakeMetadata(scene, settings, weightsOf(origin));
+  if (!states.empty()) {
+    // the grid begins as it was; what was added is noted
+    Json kept = origin;
+    kept[kStates][state] = Json::parse(metadata.at("provenance"));
+    metadata = baked.metadata;
+    metadata["provenance"] = kept.dump();
+  }
   RelightReport report;
-  report.light = bakeLight(scene, options, &baked.grid, metadata);
+  report.light = bakeLight(scene, options, &baked.grid, metadata, states);
   report.file_bytes = writeGrid(request, baked.grid, options, metadata);
   warnOfLight(scene, options, report.light);
   report.scene = scene.source.id;

@@ -82,8 +82,6 @@ nlohmann::ordered_json darkRoomsJson(const std::vector<DarkRoom>& rooms) {
 
 nlohmann::ordered_json lightJson(const LightStatistics& light) {
   if (!light.is_lit) return nullptr;
-  nlohmann::ordered_json sets = nlohmann::ordered_json::object();
-  for (const auto& [set, at_places] : light.of_sets) sets[set] = atPlacesJson(at_places);
   nlohmann::ordered_json json = {
       {"groups", light.groups},
       {"gathered", light.is_gathered},
@@ -99,32 +97,9 @@ nlohmann::ordered_json lightJson(const LightStatistics& light) {
       {"unread_probes", light.unread_probes},
       {"dark_rooms", darkRoomsJson(light.dark_rooms)},
       {"solve_iterations", light.solve_iterations},
-      {"sets", sets},
       {"wall_seconds", {{"cache", light.cache_wall_s}, {"measure", light.measure_wall_s}, {"solve", light.solve_wall_s}}}};
   json.update(atPlacesJson(light));
   return json;
-}
-
-double lightWallSeconds(const LightStatistics& light) { return light.cache_wall_s + light.measure_wall_s + light.solve_wall_s; }
-
-std::string lightText(const BakeStatistics& s) {
-  std::string text =
-      fmt::format("air: {} of {} cells hold none and were left out, with {} of {} probes; {:.2f} s by the clock\n",
-                  s.air.airless_cells, s.air.cells, s.air.probes - s.counts.grid_probes, s.air.probes, s.air.wall_s);
-  if (s.air.in_cavities + s.function_times.cavity_probes > 0) {
-    text +=
-        fmt::format("cavities: {} of {} sample points tried and {} of {} probes lie in closed hollows, and count as in solid\n",
-                    s.air.in_cavities, s.air.drawn, s.function_times.cavity_probes, s.counts.grid_probes);
-  }
-  const LightStatistics& light = s.light;
-  if (!light.is_lit) return text + "light: none\n";
-  text += fmt::format(
-      "light: {} sample points x {} rays, {}; by the clock {:.2f} s bounces, {:.2f} s sample points, {:.2f} s "
-      "solve ({} "
-      "iterations)",
-      light.places, light.rays_per_place, light.is_gathered ? "gathered from the level's own light" : "traced",
-      light.cache_wall_s, light.measure_wall_s, light.solve_wall_s, light.solve_iterations);
-  return text + fmt::format("; mean radiance {:.4g}\n", light.mean);
 }
 
 std::string firstLine(const std::string& path, uint64_t probes, uint64_t file_bytes, double wall_s, uint64_t memory_bytes) {
@@ -133,22 +108,20 @@ std::string firstLine(const std::string& path, uint64_t probes, uint64_t file_by
                      bytesText(static_cast<double>(memory_bytes)));
 }
 
-// set   the name of one of several; empty: all light is one
-std::string placesSummary(const std::string& set, uint64_t places, const LightAtPlaces& light) {
+std::string placesSummary(uint64_t places, const LightAtPlaces& light) {
   const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
   return fmt::format(
-      "light{}: error at {}, with the noise of measuring them: median {:.1f} %, 95th percentile {:.0f} %, largest at "
+      "light: error at {}, with the noise of measuring them: median {:.1f} %, 95th percentile {:.0f} %, largest at "
       "{:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
-      set.empty() ? "" : " set " + set, countText(places, "sample point"), 100.0 * light.median_error, 100.0 * light.p95_error,
-      worst.x, worst.y, worst.z, light.mean);
+      countText(places, "sample point"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,
+      light.mean);
 }
 
 std::string lightSummary(const LightStatistics& light) {
   if (!light.is_lit) return "light: none\n";
   std::string text = thinnedSummary(light);
   const uint64_t seen = light.places - light.unseen_places;
-  if (light.of_sets.empty()) text += placesSummary("", seen, light);
-  for (const auto& [set, at_places] : light.of_sets) text += placesSummary(set, seen, at_places);
+  text += placesSummary(seen, light);
   if (light.unseen_places > 0) {
     text += fmt::format(
         "dark that nobody sees: {} of {} sample points, in hollows or outside of all rooms; no probe's light is fitted to them\n",
@@ -270,64 +243,6 @@ nlohmann::ordered_json toJson(const RelightReport& report) {
 std::string toSummary(const RelightReport& report, const std::string& path) {
   return firstLine(path, report.probes, report.file_bytes, report.wall_s, report.peak_memory_bytes) +
          fmt::format("functions as in {}\n", report.grid) + lightSummary(report.light) + notesSummary(report.notes);
-}
-
-std::string toTable(const BakeReport& report) {
-  const BakeStatistics& s = report.statistics;
-  const ShardCounts& counts = s.counts;
-  const uint64_t failing = s.failing(ThetaWord::stored, report.policy.check()),
-                 with_tents = counts.functions + s.bare_tents.count;
-  std::string text =
-      fmt::format("{:>9} {:>12} {:>12} {:>12} {:>10} {:>10} {:>8} {:>11} {:>10} {:>16} {:>12} {:>10} {:>9} {:>8}\n", "probes",
-                  "visibility", "functions", "lighting", "functions", "network", "check", "corrections", "fits", "fitted",
-                  "refinement", "rounding", "bytes", "a probe");
-  text += fmt::format(
-      "{:>9} {:>10.2f} s {:>10.2f} s {:>10.2f} s {:>10} {:>8.2f} s {:>6.2f} s {:>9.2f} s {:>8.2f} s {:>7} ({:>4.1f} %) {:>10.2f} "
-      "s {:>8.2f} s {:>6.1f} "
-      "MB "
-      "{:>8.1f}\n",
-      counts.grid_probes, s.function_times.visibility_s, s.function_times.functions_s, lightWallSeconds(s.light) * report.threads,
-      counts.functions, s.stageSeconds(ThetaStage::network), s.stageSeconds(ThetaStage::check),
-      s.wordSeconds(ThetaWord::corrected), s.wordSeconds(ThetaWord::fitted), s.tookFit(), 100.0 * share(s.tookFit(), with_tents),
-      s.refinementSeconds(), s.stageSeconds(ThetaStage::rounding), static_cast<double>(report.file_bytes) * 1e-6,
-      static_cast<double>(report.file_bytes) / std::max<double>(1.0, static_cast<double>(counts.grid_probes)));
-  text += fmt::format(
-      "seconds are summed over threads, those of lighting taken by the clock; {:.2f} s by the clock on {} threads ({}), {:.2f} s "
-      "of them to load the scene\n",
-      s.load_wall_s + s.wall_s, report.threads, report.simd, s.load_wall_s);
-  text += lightText(s);
-  text += fmt::format(
-      "probes: {} free space, {} all but the bare tent, {} in solid, {} without weight, {} duplicates ({:.2f} s to find)\n"
-      "probes in solid that have weights, as seen from a point in air: {}\n",
-      counts.free_space, s.bare_tents.count, counts.in_solid, counts.empty, counts.duplicates, s.function_times.duplicates_s,
-      counts.solid_functions);
-  for (const ThetaWord word : kWords) {
-    const nlohmann::ordered_json errors = errorsJson(report, word);
-    const auto number = [&](const char* key) { return errors.at(key).get<double>(); };
-    text += fmt::format("{:>9}: RMSE mean {:.4f}, p95 {:.4f}, worst {:.4f}; {:>5.2f} % fail the check\n", wordName(word),
-                        number("mean"), number("p95"), number("worst"),
-                        100.0 * share(s.failing(word, report.policy.check()), counts.functions));
-  }
-  text += toText(s.blend);
-  text += fmt::format(
-      "fitted: {:.1f} % of all functions took a step of Adam or Levenberg-Marquardt, {:.1f} % of those that take a "
-      "theta\n",
-      100.0 * share(s.tookFit(), with_tents), 100.0 * share(s.tookFit(), counts.functions));
-  if (s.bare_tents.count > 0) {
-    text += fmt::format("all but the bare tent: RMSE mean {:.4f}, in none of the errors above\n", s.bare_tents.meanRmse());
-  }
-  if (failing > 0 || s.left_for_time > 0) {
-    text += fmt::format("{} still {} the check, {} of all were left for want of time\n", countText(failing, "function"),
-                        failing == 1 ? "fails" : "fail", s.left_for_time);
-  }
-  if (report.weights.size() > 1) {
-    text += "representations:";
-    for (size_t i = 0; i < report.weights.size(); ++i)
-      text += fmt::format(" {} {}", report.weights[i].representation, s.chosen(report.weights.size())[i]);
-    text += fmt::format("; {} raised in refinement\n", s.raised());
-  }
-  if (!report.savings.empty()) text += toTable(report.savings);
-  return text;
 }
 
 }  // namespace nlg

@@ -1,4 +1,4 @@
-// Reports of a bake: a summary for everybody, tables with --verbose, one line of JSON for programs.
+// Reports of a bake: a summary for everybody, one line of JSON for programs.
 #pragma once
 
 #include <string>
@@ -46,8 +46,5 @@ nlohmann::ordered_json toJson(const BakeReport& report);
 // The lines that a bake ends with, three or four.
 // path   of the light grid
 std::string toSummary(const BakeReport& report, const std::string& path);
-
-// All of it as text, the talk's columns first.
-std::string toTable(const BakeReport& report);
 
 }  // namespace nlg

@@ -24,8 +24,6 @@ struct Saving {
   std::string note;
 };
 
-// Kinds that this bake could not leave out have no line: light of a bake without light, larger representations of a bake with one.
-//
 // generators   those of the bake, and weights_bytes the sizes of their files, in the same order
 // stored       what the file holds theta and light in
 // threads      of the bake
@@ -34,7 +32,5 @@ std::vector<Saving> savingsOf(const Bake& bake, const std::vector<Generator>& ge
 
 // An object each; seconds_saved and bytes_saved only where they are known. Keys: docs/reference/bake_json.md.
 nlohmann::ordered_json toJson(const std::vector<Saving>& savings);
-// A line of text each.
-std::string toTable(const std::vector<Saving>& savings);
 
 }  // namespace nlg

@@ -1,8 +1,6 @@
 #include "datagen/functions/function_collector.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <utility>
 
 #include "nlg/light_grid.h"
@@ -49,30 +47,12 @@ void appendFunction(const GeneratedFunction& function, const glm::dvec3& positio
   rows->flags.push_back(functionFlags(function, points));
 }
 
-void DifferenceStatistics::add(double difference) {
-  ++count_;
-  sum_ += difference;
-  worst_ = std::max(worst_, difference);
-  const double bin = scale_ > 0.0 ? 256.0 * difference / scale_ : 0.0;
-  ++histogram_[static_cast<size_t>(std::clamp(std::ceil(bin), 0.0, 256.0))];
-}
-
-double DifferenceStatistics::percentile(double share) const {
-  uint64_t below = 0;
-  for (size_t bin = 0; bin < histogram_.size(); ++bin) {
-    below += histogram_[bin];
-    if (static_cast<double>(below) >= share * static_cast<double>(count_)) return scale_ * static_cast<double>(bin) / 256.0;
-  }
-  return worst_;
-}
-
 FunctionCollector::FunctionCollector(const FunctionRows& shape, const DuplicateRule& rule, uint64_t chunk_functions,
                                      const CollectorLimits& limits, const std::string& spool_folder)
     : chunk_functions_(chunk_functions),
       limits_(limits),
       spool_(spool_folder, shape.point_count),
       index_(rule, shape.point_count, [this](uint64_t id) { return spool_.read(id, &spooled_); }),
-      differences_(rule.rms),
       chunk_(emptyLike(shape)) {}
 
 uint32_t FunctionCollector::functionOf(const ProbeBlock& block, uint64_t row, std::vector<FunctionRows>* chunks) {
@@ -85,7 +65,6 @@ uint32_t FunctionCollector::functionOf(const ProbeBlock& block, uint64_t row, st
   const StoredFunction samples = functionAt(block.functions, row);
   if (const auto match = index_.findOrAdd(samples)) {
     ++counts_.duplicates;
-    differences_.add(match->rms_difference);
     return static_cast<uint32_t>(match->id);
   }
   spool_.append(samples);

@@ -1,7 +1,6 @@
 // Collects the distinct functions of a shard, probe by probe in visiting order, and counts what is left out.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -28,22 +27,6 @@ struct ProbeBlock {
 // Appends the function, quantised, to rows whose point counts are set; its sums of the blend are those of nobody else's functions, 255.
 // position_m   in the world
 void appendFunction(const GeneratedFunction& function, const glm::dvec3& position_m, float spacing_m, FunctionRows* rows);
-
-// How far duplicates lie from the functions that stand for them: RMS differences, 1/255.
-class DifferenceStatistics {
- public:
-  explicit DifferenceStatistics(double largest_possible) : scale_(largest_possible) {}
-  void add(double difference);
-  uint64_t count() const { return count_; }
-  double mean() const { return count_ == 0 ? 0.0 : sum_ / static_cast<double>(count_); }
-  double worst() const { return worst_; }
-  double percentile(double share) const;  // within 1/256 of the largest possible, from above
-
- private:
-  double scale_, sum_ = 0.0, worst_ = 0.0;
-  uint64_t count_ = 0;
-  std::array<uint64_t, 257> histogram_{};
-};
 
 // Functions that the bare tent gives well enough.
 struct TentCounts {
@@ -82,7 +65,6 @@ class FunctionCollector {
   bool full() const { return counts_.functions >= limits_.functions || counts_.visited_probes >= limits_.visited_probes; }
   const ShardCounts& counts() const { return counts_; }
   const TentCounts& bareTents() const { return bare_tents_; }  // in none of the counts but that of visited probes
-  const DifferenceStatistics& differences() const { return differences_; }
   uint64_t spooledBytes() const { return spool_.byteCount(); }
   double seconds() const { return seconds_; }  // that all of it took, by the clock
 
@@ -97,7 +79,6 @@ class FunctionCollector {
   RowSpool spool_;
   std::vector<uint8_t> spooled_;  // the samples that duplicates are compared with
   DuplicateIndex index_;
-  DifferenceStatistics differences_;
   FunctionRows chunk_;
   std::vector<uint32_t>* of_probes_ = nullptr;
   double seconds_ = 0.0;

@@ -211,7 +211,7 @@ def bakes_section(bakes):
     threads = sorted({entry["threads"] for entry in bakes.values()})
     text = (f"\n## Whole bakes\nOurs on {', '.join(map(str, threads))} thread{'s' if threads != [1] else ''}; seconds of stages are thread seconds, those of light and of the whole bake by the "
             "clock. The talk's are by the clock on 64 cores, over all its functions, and all bytes include light. What a bake left out because its scene does not need it, every bake says itself "
-            "([bake](../guide/bake.md#what-a-scene-does-not-need)).\n")
+            "([bake](bake_json.md#savings)).\n")
     return text + table(BAKE_HEAD, rows)
 
 
@@ -228,7 +228,7 @@ def savings_section(savings):
         return "; ".join(known)
 
     rows = [[what, *(cell(entry["lines"].get(key)) for entry in savings.values())] for key, what in kinds.items()]
-    text = "\n## What bakes left out\nHow many of how many, and the bytes that this saves; processor seconds where the machine was quiet ([bake](../guide/bake.md#what-a-scene-does-not-need)).\n"
+    text = "\n## What bakes left out\nHow many of how many, and the bytes that this saves; processor seconds where the machine was quiet ([bake](bake_json.md#savings)).\n"
     return text + table(["", *savings], rows)
 
 

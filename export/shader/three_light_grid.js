@@ -110,7 +110,7 @@ export class NeuralLightGrid {
   groups;
 
   // name     of this.groups
-  // colour   an array of three factors, linear; 1 to begin with, 0 of light sets after the first
+  // colour   an array of three factors, linear; 1 to begin with, 0 of light states after the first
   // throws   Error where there is no such group, or a colour that is none
   setGroupColour(name, colour) {
     const group = this.groups.indexOf(name);

@@ -95,7 +95,7 @@ struct FunctionBrick {
 struct LightGroup {
   std::string name;          // unique, not empty, without control characters
   std::vector<float> light;  // by probe, as LightGrid::light
-  bool begins_dark = false;  // true for light sets after the first
+  bool begins_dark = false;  // true for light states after the first
 };
 
 struct LightGrid {

@@ -231,12 +231,12 @@ void nlg_light_grid_bounds(const nlg_light_grid* grid, double* low_m, double* hi
  * rgb   3 floats, overwritten; 0 without light */
 void nlg_light_grid_mean_radiance(const nlg_light_grid* grid, float* rgb);
 
-/* Returns the number of groups of light, in a fixed order. 0: the grid was baked without --light-groups and --light-set. */
+/* Returns the number of groups of light, in a fixed order. 0: the grid was baked without --light-groups and --light-state. */
 size_t nlg_light_grid_group_count(const nlg_light_grid* grid);
 /* Returns a group's name, valid as long as the grid; null if there is no such group. */
 const char* nlg_light_grid_group_name(const nlg_light_grid* grid, size_t group);
 /* Dims, colours and switches groups: later look-ups see the sum of their light, each times its colour. Colours start as 1, those
- * of light sets after the first as 0. Costs about 30 multiply-adds per probe and group. No other thread may look up in this grid
+ * of light states after the first as 0. Costs about 30 multiply-adds per probe and group. No other thread may look up in this grid
  * during the call.
  *
  * colours   3 floats per group, red, green and blue: linear factors, finite, as 1, 0.5, 0.5; may be null if there are no groups

@@ -11,7 +11,7 @@
 
 #include "runtime_eval/light_grid/packed_light.h"
 #include "scene/image/sky_file.h"
-#include "scene/lights/light_sets.h"
+#include "scene/lights/light_groups.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -219,6 +219,9 @@ void describe(LightOptions& options, OptionTable& table) {
             "groups of light that the engine can dim, colour or switch: one, a single group; kind: sky, suns, lamps and "
             "emission; name: each sun, lamp and emissive material by its name (Lamp and Lamp.001 are one). In kind and name, "
             "light_group in a glTF file's extras overrides the group");
+  table.add("light_state", &options.light_state,
+            "name of this light, such as day, in a grid that is to hold several, which the engine mixes: --relight GRID with "
+            "another name adds its light to that of GRID");
   table.addNote(
       "Light is linear, and all light of a scene has one unit. Sky and emission: radiance. Sun: irradiance on a plane that faces "
       "it. Lamp: intensity, which is the irradiance a metre away. glTF: cd/m², lux, cd. Blender, without its exporter's factor "
@@ -243,8 +246,7 @@ bool isInOtherUnit(const Scene& scene) {
 Sky defaultSky() { return {{0.35f, 0.55f, 0.95f}, {0.80f, 0.90f, 1.00f}, {0.20f, 0.18f, 0.15f}}; }
 Sun defaultSun() { return sunAt(120.0, 50.0, {5.0f, 4.7f, 4.1f}); }
 
-std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, const std::function<bool(const Scene&)>& isOpen,
-                                    bool* is_divided) {
+std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, const std::function<bool(const Scene&)>& isOpen) {
   std::vector<std::string> done;
   // the default is for scenes that nothing lights, or that nothing lights from outside though they are open
   const bool is_given = !options.sky.empty() || !options.sun.empty();
@@ -252,7 +254,6 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
   const bool takes_default = !is_given && (is_dark || (isOpen && !hasLightFromOutside(scene) && isOpen(scene)));
   // lamps and suns in emission's unit, if there is any emission (docs/theory/light.md, Units)
   const auto [factors, words] = unitOf(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f);
-  if (is_divided != nullptr) *is_divided = factors.lamps != 1.0;
   scaleLampsAndSuns(&scene.light, factors.lamps, factors.suns);
   if (!words.empty()) done.push_back(words);
   // a sky replaces the scene's; the sun of its image is added to the scene's
@@ -290,7 +291,7 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
     done.push_back(fmt::format("all light times {:g} (--intensity)", options.intensity));
   }
   noteTooBright(scene, &done);
-  groupLights(options.light_groups, &scene);
+  groupLights(options.light_groups, options.light_state, &scene);
   return done;
 }
 

@@ -16,7 +16,8 @@ struct LightOptions {
   std::vector<std::string> sun;  // nothing: the scene's own; azimuth,elevation,r,g,b; or 0
   std::string light_unit = "auto";   // of the scene's own lamps and suns: auto, file, watt, pi
   double intensity = 1.0;            // of all light
-  std::string light_groups = "one";  // into which it falls (light_sets.h)
+  std::string light_groups = "one";  // into which it falls (light_groups.h)
+  std::string light_state;           // "day": of which this is all light; empty: the level has one
 };
 
 void describe(LightOptions& options, OptionTable& table);
@@ -38,13 +39,12 @@ Sun defaultSun();
 // 3. Without either option a scene in which nothing shines gets defaultSky and defaultSun, and so does an open one without light from
 //    outside.
 // 4. All light is multiplied by intensity.
-// 5. What shines falls into the groups of light_groups.
+// 5. What shines falls into the groups of light_groups, which are named as of light_state.
 //
 // isOpen       says whether a scene lies under the open sky; asked only where it matters
-// is_divided   receives whether lamps and suns were, when given
 // returns   what it did, a line each, and whether light is brighter than engines' files hold; nothing when the scene stays as it is
 // throws    UsageError on numbers that are none, negative or too many, and on an unknown unit; as readSkyFile and groupLights do
 std::vector<std::string> applyLight(Scene& scene, const LightOptions& options,
-                                    const std::function<bool(const Scene&)>& isOpen = nullptr, bool* is_divided = nullptr);
+                                    const std::function<bool(const Scene&)>& isOpen = nullptr);
 
 }  // namespace nlg

@@ -177,44 +177,6 @@ std::vector<glm::vec3> relativeTo(const glm::dvec3& origin_m, const std::vector<
 
 std::string sceneSha256(const Scene& scene) { return sha256Of(scene, {}, Of::functions); }
 
-std::string geometryDifference(const Scene& scene, const Scene& other) {
-  const auto counted = [](size_t count, const char* what, size_t not_count) {
-    return fmt::format("{} {}, not {}", count, what, not_count);
-  };
-  // counts first: they name the cause; the first corner that differs may lie far behind it
-  if (other.triangles.size() != scene.triangles.size())
-    return counted(other.triangles.size(), "triangles", scene.triangles.size());
-  if (other.objects.size() != scene.objects.size()) return counted(other.objects.size(), "objects", scene.objects.size());
-  // corners in world coordinates: each scene has its own origin
-  const auto cornerAt = [](const Scene& of, size_t triangle, int corner) {
-    return of.origin_m + glm::dvec3(of.positions[of.triangles[triangle][corner]]);
-  };
-  for (size_t o = 0; o < scene.objects.size(); ++o) {
-    const SceneObject &a = scene.objects[o], &b = other.objects[o];
-    if (a.first_triangle != b.first_triangle || a.triangle_count != b.triangle_count)
-      return fmt::format("{} triangles of '{}', not {} of '{}'", b.triangle_count, b.name, a.triangle_count, a.name);
-    for (size_t t = a.first_triangle; t < size_t{a.first_triangle} + a.triangle_count; ++t) {
-      for (int corner = 0; corner < 3; ++corner) {
-        const glm::dvec3 here = cornerAt(scene, t, corner), there = cornerAt(other, t, corner);
-        if (here != there)
-          return fmt::format("a corner of '{}' at {:.6g}, {:.6g}, {:.6g}, not at {:.6g}, {:.6g}, {:.6g}", b.name, there.x,
-                             there.y, there.z, here.x, here.y, here.z);
-      }
-      // of materials only what visibility reads: sides decide what is solid, transmission what blocks
-      const Material &of_a = scene.materials[scene.triangle_material[t]], &of_b = other.materials[other.triangle_material[t]];
-      if (of_a.double_sided != of_b.double_sided)
-        return fmt::format("'{}' with {}", b.name, of_b.double_sided ? "two sides" : "one side");
-      if (of_a.transmissive != of_b.transmissive)
-        return fmt::format("'{}' with a material that lets other light through", b.name);
-    }
-  }
-  // sky faces end rays of the vote (docs/theory/visibility.md, What is solid)
-  const SkyFaces &sky = scene.light.sky_faces, &other_sky = other.light.sky_faces;
-  if (sky.positions != other_sky.positions || sky.triangles != other_sky.triangles) return "other faces of sky";
-  // the hash also reads what no corner shows: the order of vertices, and the box
-  return sceneSha256(scene) == sceneSha256(other) ? "" : "vertices in another order, or other boxes nlg_extent or nlg_density";
-}
-
 std::string sceneLightSha256(const Scene& scene) { return sceneLightSha256(scene, scene.light.groups); }
 
 std::string sceneLightSha256(const Scene& scene, const LightGroups& groups) { return sha256Of(scene, groups, Of::light); }

@@ -99,9 +99,6 @@ bool hasLightFromOutside(const Scene& scene);
 // SHA-256 of what weighting functions can depend on, as it was read from whatever files: positions, triangles, which of them are
 // double-sided or let light through, faces of sky, objects, nlg_extent, nlg_density and the origin. Neither colours nor light count.
 std::string sceneSha256(const Scene& scene);
-// What of two scenes differs that weighting functions, or the ends of rays, can depend on, in words: "1,200 triangles, not 1,212". Empty
-// where nothing does.
-std::string geometryDifference(const Scene& scene, const Scene& other);
 // SHA-256 of what light can depend on: all of that, colours, emission and the scene's light.
 std::string sceneLightSha256(const Scene& scene);
 // The same where its lights were in these groups, or in none.

@@ -84,13 +84,14 @@ struct LightLabel {
   std::string name, group;
 };
 
-// Light is linear: what each group gives by itself adds up to the whole (light_sets.h).
+// Light is linear: what each group gives by itself adds up to the whole (light_groups.h).
 struct LightGroups {
   std::vector<std::string> names;                     // at most kMaxLightGroups (light_grid.h); none: all light is one group
-  std::vector<uint8_t> of_lamp, of_sun, of_material;  // by lamp, sun, material of the scene; empty without names
+  std::vector<uint8_t> of_lamp, of_sun, of_material;  // by lamp, sun, material of the scene; empty where all light is one
   uint8_t of_sky = 0, of_shine = 0, of_baked = 0;     // shine: what stands behind the faces of a sky
 
   size_t count() const { return names.empty() ? 1 : names.size(); }
+  bool areMany() const { return !of_material.empty(); }
   static uint8_t of(const std::vector<uint8_t>& groups, size_t index) { return groups.empty() ? 0 : groups[index]; }
 };
 

@@ -110,19 +110,6 @@ class Gltf:
         return {f"{name}.gltf": json.dumps(text).encode(), f"{name}.bin": binary}
 
 
-class Sets(Gltf):
-    """The same by day, and by night out of another file."""
-    arguments = [*Gltf.arguments, "--light-set", "day", "--light-set", "night=night.gltf"]
-    change_night = staticmethod(lambda night: None)
-
-    def files(self):
-        night = copy.deepcopy(self)
-        for lamp in night.lamps:
-            lamp["intensity"] *= .1
-        self.change_night(night)
-        return {**super().files(), **night.own_files("night")}
-
-
 class Obj:
     """The same room as an .obj, with a material library and an image."""
     path = "room.obj"
@@ -275,11 +262,6 @@ CHANGES = {
         "a material that nothing has": lambda level: level.materials.append({"name": "unused", "doubleSided": True}), "another program": put("root", "asset", {"version": "2.0", "generator": "Khronos glTF Blender I/O v3.6.6"}),
         "another sky": put("others", "sky.hdr", hdr(200, 90, 60)), "a brighter sky": put("others", "sky.hdr", hdr(90, 120, 200, 129)), "no sky": put("others", "sky.hdr", None),
     },
-    Sets: {
-        "a brighter night": put("change_night", lambda night: put("lamps", 0, "intensity", 9)(night)), "a night of other colours": put("change_night", lambda night: put(*MATERIAL, "pbrMetallicRoughness", "baseColorFactor", [0, 0, 1, 1])(night)),
-        "a night of other walls": put("change_night", lambda night: night.parts.pop("glass")), "a night in other groups": put("change_night", lambda night: put("lamps", 0, "extras", {"light_group": "x"})(night)),
-        "a wall moved": put("parts", "wall", "node", "translation", [.4, 0, 0]), "a brighter lamp of both": put("lamps", 0, "intensity", 90), "another image": put("images", "paper.png", png((60, 200, 60, 255))),
-    },
     Obj: {
         "a corner moved": put("parts", "wall", 0, 3, [.3, 2, .7]), "a face away": lambda level: level.parts["wall"][1].pop(), "another material": put("parts", "room", 3, "paper"),
         "Kd": put("library", "plaster", "Kd", ".1 .7 .6"), "Ke": put("library", "screen", "Ke", "2 0 3"), "d": put("library", "paper", "d", ".3"), "Tf": put("library", "paper", "Tf", ".3 .3 .3"), "an image more": put("library", "plaster", "map_Kd", "paper.png"),
@@ -304,10 +286,10 @@ FROM = {
     Gltf: {"groups ab, c and a, bc": (groups("ab", "c"), groups("a", "bc")), "an image that comes back": (put("images", "paper.png", None), lambda level: None), "a sky that was another": (put("others", "sky.hdr", hdr(9, 9, 9)), lambda level: None)},
     Obj: {"a library that comes": (put("libraries", ["later.mtl"]), all_of(put("libraries", ["later.mtl"]), put("others", "later.mtl", b"newmtl plaster\nKd 1 0 0\n"))), "an image that comes back": (put("others", "paper.png", None), lambda level: None),
           "an image whose name is no UTF-8": (all_of(put("library", "paper", "map_Kd", "p\udce4per.png"), put("others", "p\udce4per.png", png((9, 9, 9, 255)))), all_of(put("library", "paper", "map_Kd", "p\udce4per.png"), put("others", "p\udce4per.png", png((9, 250, 9, 255)))))},
-    Sets: {}, Bsp: {}, Archive: {},
+    Bsp: {}, Archive: {},
 }
 SETTINGS = [["--spacing-m", "1"], ["--density-growth", "0"], ["--align-lattice"], ["--seed", "2"], ["--extent-m=-2,.2,-1,2,2,1"], ["--air-only=false"], ["--unit", "1.1"], ["--transmissive-cover", ".3"], ["--cavity-m", "0"], ["--sky", "sky.hdr,90"],
-            ["--sky", "0"], ["--sun", "40,50,1,1,1"], ["--light-unit", "watt"], ["--intensity", "2"], ["--light-groups", "kind"], ["--light-groups", "one"], ["--light-set", "dusk sky=0"], ["--light", "point"], ["--light", "none"],
+            ["--sky", "0"], ["--sun", "40,50,1,1,1"], ["--light-unit", "watt"], ["--intensity", "2"], ["--light-groups", "kind"], ["--light-groups", "one"], ["--light-state", "dusk"], ["--light", "point"], ["--light", "none"],
             ["--light-direct", "none"], ["--light-samples", "3"], ["--light-rays", "16"], ["--light-cache=false"], ["--light-pull", ".5"], ["--light-error", ".1"], ["--thin-error", ".05"], ["--adam-steps", "5"], ["--duplicate-rms", "2"],
             ["--theta-precision", "float32"], ["--bare-tent-rmse", ".05"], ["--representation", "tent_mlp"], ["--max-probes", "99999"], ["--threads", "2"]]
 

@@ -65,7 +65,7 @@ def main():
         assert "room" in (out / "configuration.yaml").read_text() or str(levels) in (out / "configuration.yaml").read_text()
 
         card = run(str(BIN / "nlg-datagen"), "info", str(out / "dataset")).stdout
-        assert "7 shards" in card and held_out[0] in card and "bare tent" in card and "above 0.080" in card, card
+        assert "7 shards" in card and held_out[0] in card and "bare tent" in card, card
         counted = json.loads(run(str(BIN / "nlg-datagen"), "info", str(out / "dataset"), "--json").stdout)
         assert counted["all"]["functions"] == sum(row["functions"] for row in counted["scenes"]) == sum(b["functions"] for b in counted["all"]["tent_blend_rmse"]) > 0
 

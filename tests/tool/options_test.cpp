@@ -109,14 +109,6 @@ TEST_F(Options, TakeAFlagAsOftenAsItIsGivenWhereAListSaysSo) {
   EXPECT_THROW(parseFlags({"--wishes", ""}, &table), UsageError);
 }
 
-TEST_F(Options, TakeOneValueAsItsFlagDoes) {
-  OptionTable table = tableOf(&values_);
-  table.set("families", "mazes,caves", "here");
-  EXPECT_EQ(values_.families, (std::vector<std::string>{"mazes", "caves"}));
-  EXPECT_THROW(table.set("jobs", "0", "here"), UsageError);
-  EXPECT_THROW(table.set("job", "1", "here"), UsageError);
-}
-
 TEST_F(Options, PreferFlagsToYamlToDefaults) {
   OptionTable table = tableOf(&values_);
   CLI::App app;

@@ -80,10 +80,12 @@ def waited(browser, expression):
     return False
 
 
-def check_sets(browser, tool, folder, out):
-    """A grid of two light sets is shown by its first; the other one is a slider away, and what shines is drawn as its set has it."""
-    view, sets = os.path.join(folder, "sets"), ["--light-set", "day", "--light-set", "night light_groups=kind intensity=.05"]
-    run(tool("nlg-view"), "cornell:0", "--spacing-m", "0.5", *sets, "--out", view, "--baselines", "none", "--truth-views", "0", "--truth-samples", "0")
+def check_states(browser, tool, folder, out):
+    """A grid of two states of light is shown by its first; the other one is a slider away."""
+    view, day, both = (os.path.join(folder, name) for name in ("states", "day.safetensors", "both.safetensors"))
+    run(tool("nlg-bake"), "cornell:0", "--spacing-m", "0.5", "--light-state", "day", "--out", day)
+    run(tool("nlg-bake"), "cornell:0", "--spacing-m", "0.5", "--light-state", "night", "--light-groups", "kind", "--intensity", ".05", "--relight", day, "--out", both)
+    run(tool("nlg-view"), "cornell:0", "--grid", both, "--light-state", "day", "--out", view, "--baselines", "none", "--truth-views", "0", "--truth-samples", "0")
     page, failures = Page(browser, "file://" + os.path.join(view, "index.html")), []
     rows = """JSON.stringify([...document.querySelectorAll('#groups label')].map(row => [row.textContent.trim(), row.querySelector('input').value]))"""
     brightest = {}
@@ -92,17 +94,17 @@ def check_sets(browser, tool, folder, out):
         shown = json.loads(browser.value(rows))
         day, night, emission = {"day": ("1", "0", "1"), "night": ("0", "1", "1"), "mixed": ("0.5", "1", "0")}[name]
         if shown != [["day", day], ["night", night], ["emission", emission]]:
-            failures.append(f"sets, {name}: the sliders are {shown}")
-        browser.picture(os.path.join(out, f"sets_{name}.png"), 640, 360)
+            failures.append(f"states, {name}: the sliders are {shown}")
+        browser.picture(os.path.join(out, f"states_{name}.png"), 640, 360)
         page.open(WIDTH, HEIGHT, ui=0, divider=1, **query)
-        picture = os.path.join(out, f"sets_{name}_bare.png")
+        picture = os.path.join(out, f"states_{name}_bare.png")
         browser.picture(picture, WIDTH, HEIGHT)
         pixels = Image.open(picture).convert("L").tobytes()
         brightest[name] = sum(pixels) / len(pixels)
-    print(f"sets, mean of 255: {brightest}")
+    print(f"states, mean of 255: {brightest}")
     # a twentieth of the light is a quarter of sRGB's steps
     if not brightest["night"] < 0.4 * brightest["day"] or not brightest["night"] < brightest["mixed"] < brightest["day"]:
-        failures.append(f"sets: means of pictures are {brightest}")
+        failures.append(f"states: means of pictures are {brightest}")
     return failures
 
 
@@ -164,7 +166,7 @@ def main():
             if median > MOST_MEDIAN or mean > MOST_MEAN or beyond > MOST_BEYOND_EDGES:
                 failures.append(f"view {view_idx} by {method} is not what nlg-render draws: {shown}, {drawn}")
         if which == "cornell":
-            failures += check_sets(browser, tool, folder, out)
+            failures += check_states(browser, tool, folder, out)
         # what is wrong is said on the page
         browser.events.clear()  # among them that the page before was loaded
         browser.open(page.url + "?left=nothing")

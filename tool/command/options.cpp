@@ -421,15 +421,6 @@ void OptionTable::applyFlags() {
   }
 }
 
-void OptionTable::set(const std::string& name, const std::string& text, const std::string& place) {
-  std::vector<std::string> known;
-  for (const Option& option : impl_->options) {
-    if (option.name == name) return takeFlag(option, place, text);
-    known.push_back(option.name);
-  }
-  throwUnknownKey(place, name, known);
-}
-
 nlohmann::ordered_json OptionTable::toJson() const {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const Option& option : impl_->options) {

@@ -80,10 +80,6 @@ class OptionTable {
   // throws   UsageError naming the flag
   void applyFlags();
 
-  // One value, as its flag would bring it.
-  // throws   UsageError naming the place: of an option that is not in the table, too
-  void set(const std::string& name, const std::string& text, const std::string& place);
-
   // The resolved options as a JSON object, keys in the order of the table.
   nlohmann::ordered_json toJson() const;
   // The same with all flags, for the provenance of what one run measured.

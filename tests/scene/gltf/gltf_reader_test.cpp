@@ -10,7 +10,7 @@
 
 #include "scene/gltf/gltf_light.h"
 #include "scene/gltf/gltf_mesh.h"
-#include "scene/lights/light_sets.h"
+#include "scene/lights/light_groups.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -258,7 +258,7 @@ TEST_F(GltfReader, PutsLightsIntoTheGroupsOfTheirExtras) {
   parts.more = R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[
     {"type":"point","name":"of all bulbs"},{"type":"directional","name":"Noon","extras":{"light_group":"day"}}]}})";
   Scene scene = read(parts);
-  groupLights("name", &scene);
+  groupLights("name", "", &scene);
   EXPECT_EQ(scene.light.groups.names, (std::vector<std::string>{"day", "corridor", "Bulb"}));
 }
 

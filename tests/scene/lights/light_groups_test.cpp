@@ -1,9 +1,10 @@
 // Which of a scene's lights are kept apart, by kind, by name and by what the file's author says.
-#include "scene/lights/light_sets.h"
+#include "scene/lights/light_groups.h"
 
 #include <gtest/gtest.h>
 
 #include "scene/lights/light_options.h"
+#include "tool/error.h"
 
 namespace nlg {
 namespace {
@@ -29,14 +30,14 @@ Scene manyLights() {
 
 TEST(LightGroups, AllLightIsOneUnlessAsked) {
   Scene scene = manyLights();
-  groupLights("one", &scene);
+  groupLights("one", "", &scene);
   EXPECT_TRUE(scene.light.groups.names.empty());
   EXPECT_EQ(scene.light.groups.count(), 1u);
 }
 
 TEST(LightGroups, GoByKindAndByWhatTheAuthorSays) {
   Scene scene = manyLights();
-  groupLights("kind", &scene);
+  groupLights("kind", "", &scene);
   const LightGroups& groups = scene.light.groups;
   EXPECT_EQ(groups.names, (Names{"sky", "sun", "lamps", "fire", "emission"}));
   EXPECT_EQ(groups.of_lamp, (std::vector<uint8_t>{2, 2, 3}));
@@ -45,9 +46,20 @@ TEST(LightGroups, GoByKindAndByWhatTheAuthorSays) {
 
 TEST(LightGroups, GoByNameWithoutBlendersNumbers) {
   Scene scene = manyLights();
-  groupLights("name", &scene);
+  groupLights("name", "", &scene);
   EXPECT_EQ(scene.light.groups.names, (Names{"sky", "sun", "Desk", "fire", "screen"}));
   EXPECT_EQ(scene.light.groups.of_lamp, (std::vector<uint8_t>{2, 2, 3}));
+}
+
+TEST(LightGroups, AreNamedByTheStateOfLight) {
+  Scene scene = manyLights();
+  groupLights("kind", "night", &scene);
+  EXPECT_EQ(scene.light.groups.names, (Names{"night/sky", "night/sun", "night/lamps", "night/fire", "night/emission"}));
+  EXPECT_TRUE(scene.light.groups.areMany());
+  groupLights("one", "night", &scene);
+  EXPECT_EQ(scene.light.groups.names, Names{"night"});
+  EXPECT_FALSE(scene.light.groups.areMany());
+  for (const char* unfit : {"a b", "a/b", "a,b"}) EXPECT_THROW(groupLights("one", unfit, &scene), UsageError) << unfit;
 }
 
 }  // namespace
