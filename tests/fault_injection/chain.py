@@ -51,7 +51,7 @@ def tools():
         Tool("pca", ["nlg-pca", *config, "--shards", "training.h5", "--held-out", held_out, "--out", "basis.h5"], [CONFIG, "training.h5", held_out], ["basis.h5"], result="basis.json"),
         Tool("cache", ["nlg-cache", "--basis", "basis.h5", "--shards", "training.h5", "--out", "functions.cache"], ["basis.h5", "training.h5"], ["functions.cache"]),
         Tool("train", [*train, "--cache", "functions.cache"], [CONFIG, "basis.h5", "functions.cache", held_out], ["tent_mlp.ckpt", "run", "tent_mlp.csv"]),
-        Tool("curve", ["workflow/training_curve.py", "--log", "tent_mlp.csv", "--title", "tent_mlp", "--out", "curve.png"], ["tent_mlp.csv"], ["curve.png"], is_script=True),
+        Tool("curve", ["workflow/training_so_far.py", "--log", "tent_mlp.csv", "--curve", "curve.png"], ["tent_mlp.csv"], ["curve.png"], is_script=True),
         Tool("export", ["nlg-export", *config, "--checkpoint", "tent_mlp.ckpt", "--basis", "basis.h5", "--shards", held_out, "--out", weights, "--onnx", "tent_mlp.onnx"],
              [CONFIG, "tent_mlp.ckpt", "basis.h5", held_out], [weights, "tent_mlp.onnx"]),
         Tool("bake", ["nlg-bake", "house:1", *config, "--weights", weights, "--json", "bake.json", "--out", "grid.safetensors"], [CONFIG, weights], ["grid.safetensors", "bake.json"]),
