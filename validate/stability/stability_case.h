@@ -5,13 +5,11 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "datagen/dataset/function_set.h"
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator/generator_data.h"
 
@@ -33,7 +31,6 @@ struct NamedGenerator {
 struct StabilityInputs {
   StabilityDepth depth = StabilityDepth::full;
   std::vector<NamedGenerator> generators;
-  std::optional<FunctionSet> held_out;  // of the levels that figures are of
 
   bool isBrief() const { return depth == StabilityDepth::brief; }
 };
@@ -53,8 +50,6 @@ class StabilityFigures {
 
   // What a bake stores of some function here fails its check, which counts it: allowed where the bound is wider than the check's.
   bool fails_check = false;
-  // What a reader must know to judge the case; else empty.
-  std::string note;
 
   bool holds() const { return holds_; }
   // Figures by key. JSON knows no infinity: null says that a figure was not finite.
@@ -78,7 +73,6 @@ struct StabilityCase {
   StabilityDepth depth = StabilityDepth::brief;
   std::function<void(const StabilityInputs&, StabilityFigures*)> measure;
   bool needs_codes = false;  // a code among the generators
-  bool needs_held_out = false;
 };
 
 // The cases in the table's order.
