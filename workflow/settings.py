@@ -25,7 +25,7 @@ TABLE, PAGE = ROOT / "workflow/settings.json", ROOT / "docs/reference/settings.m
 TOOLS = ["nlg-datagen", "nlg-pca", "nlg-train", "nlg-export", "nlg-bake", "nlg-validate", "nlg-validate frontier", "nlg-validate light"]
 # tools without settings of their own, whose --help is counted too
 OTHER_TOOLS = ["nlg-cache", "nlg-view", "nlg-render", "nlg-render irradiance", "nlg-datagen plan", "nlg-datagen geometry",
-               "nlg-validate light-noise", "nlg-validate views", "nlg-validate stability", "nlg-export shader", "nlg-export engine", "nlg-export texels", "nlg-export onnx"]
+               "nlg-validate views", "nlg-validate stability", "nlg-export shader", "nlg-export engine", "nlg-export texels", "nlg-export onnx"]
 MOST_IN_HELP = 12
 
 FAMILIES = ["house", "maze", "colonnade", "stairs", "clutter", "outdoor", "cave", "kitchen", "gallery", "meeting"]

@@ -132,7 +132,7 @@ TexelJudge::TexelJudge(const MeasuredScene& scene, const ExtentBox& extent, int 
   places_ = drawLightPlaces(scene.transport.scene(), scene.transport.rays(), extent, options);
   GatherOptions gather{rays};
   gather.direct = scene.options.place.direct;
-  truth_ = lightTruth(places_, scene.transport, {gather, 0.0, mixSeed(seed, kTruthStream), scene.thread_count});
+  truth_ = lightTruth(places_, scene.transport, {gather, mixSeed(seed, kTruthStream), scene.thread_count});
 }
 
 LightFigures TexelJudge::errorOf(const EngineIrradiance& shown) const {
