@@ -24,7 +24,7 @@ int validateMain(int argc, char** argv) {
   OptionTable table("validate");
   describe(options, table);
   table.addNote(stagesHelp({}));
-  table.common({"training", "direct_functions", "convergence_functions", "threads"});
+  table.common({"training", "direct_functions", "threads"});
   app.add_option("--weights", request.weights, "exported generators, one per representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
   app.add_option("--training", request.training, "training shards; their functions are counted, and compared with held-out ones");

@@ -58,12 +58,11 @@ class Costs:
         return TRAIN_S + of(SAMPLE_S, representation) * self.setting("train", "steps", own) * self.setting("train", "batch", own)
 
     def validate(self, split):
-        """Every function through the policy; long fits of a sample, and of some of it four times over to show that they have converged."""
+        """Every function through the policy; long fits of a sample."""
         sample = min(self.setting("validate", "direct_functions"), self.functions[split])
         starts = (1 + self.setting("validate", "direct_restarts")) / (1 + default("validate", "direct_restarts"))
         length = self.setting("validate", "direct_adam_steps") / default("validate", "direct_adam_steps")
-        long_fits = sample + 4 * self.setting("validate", "convergence_functions")
-        return sum(READ_S * self.functions["training"] + WITH_THETA * of(POLICY_S, name) * self.functions[split] + of(DIRECT_S, name) * long_fits * starts * length
+        return sum(READ_S * self.functions["training"] + WITH_THETA * of(POLICY_S, name) * self.functions[split] + of(DIRECT_S, name) * sample * starts * length
                    for name in self.run.representations)
 
     def frontier(self, split):
