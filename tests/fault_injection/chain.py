@@ -67,9 +67,9 @@ def tools():
         Tool("stability", ["nlg-validate", "stability", "--short", "--only", "functions", "--weights", weights, "--out", "stability.json"], [weights], ["stability.json"]),
         Tool("light", ["nlg-validate", "light", "two_rooms:0", *config, *LIGHT, "--weights", weights, "--out", "light.json"], [CONFIG, weights], ["light.json"]),
         Tool("report", ["validate/report/report.py", "--summary", "validation/summary.json", "--functions", "validation/functions.csv", "--slices", "validation/slices.json",
-                        "--basis", "basis.json", "--logs", "tent_mlp.csv", "--frontier", "frontier/frontier.json", "--stability", "stability.json", "--light", "light.json",
+                        "--logs", "tent_mlp.csv", "--frontier", "frontier/frontier.json", "--stability", "stability.json", "--light", "light.json",
                         "--savings", "bake.json", "--out", "report.html"],
-             ["validation", "basis.json", "tent_mlp.csv", "frontier", "stability.json", "light.json", "bake.json"], ["report.html", "slices.png", "verdict.txt"], is_script=True),
+             ["validation", "tent_mlp.csv", "frontier", "stability.json", "light.json", "bake.json"], ["report.html", "slices.png", "verdict.txt"], is_script=True),
     ]
 
 

@@ -4,16 +4,15 @@ import os
 
 import numpy as np
 
-import plots
 import proof_inputs
 import verdict
-from findings import TALK_FITTED, bracket, error, factor, figures_row, grouped, percent, plural
+from findings import bracket, error, factor, figures_row, grouped, percent, plural
 from frontier import front_of, stage_points
 from inputs import ERRORS, WORDS
 from plots import NAMES, duration
 from tool.errors import InputError
 
-GROUP_NAMES = {"functions": "Functions", "codes": "Codes", "generator": "Generator", "training": "Training"}
+GROUP_NAMES = {"functions": "Functions", "codes": "Codes", "generator": "Generator"}
 
 
 def joined(names):
@@ -45,19 +44,18 @@ def equal_error_words(judgement):
 
 BAKES = {"these": "with these weights", "without": "without a generator"}
 WEIGHTS = {"supplied": "the supplied weights", "init": "the weights that it started from"}
-FALSE_ALARMS, SMALLEST_CHANGE = 0.05, 0.01  # as of `nlg compare`
 
 
 def comparison(inputs, representation, folder):
     """Whether a generator is better than other weights, by what is stored of the same functions: the paired test of compare.py."""
-    from compare import mean_change, read_run, trend_beyond  # which takes SciPy, and time to be loaded
+    from compare import FALSE_ALARMS, mean_change, read_run, trend_beyond  # which takes SciPy, and time to be loaded
     other = read_run(folder, is_folder=False)
     name = representation if representation in other.names() else other.names()[0]
     before, after = (samples[one, "stored"].of("theta") for samples, one in ((other.samples, name), (inputs.samples, representation)))
     if len(before) != len(after) or (before.function != after.function).any() or (before.scene != after.scene).any():
         raise InputError(folder, "functions.csv", "the functions that the run is validated on", "others")
     change = mean_change(before.blend_rmse, after.blend_rmse)
-    trend = trend_beyond(change["old"], change["new"], SMALLEST_CHANGE) if change.get("chance", 1.0) <= FALSE_ALARMS else "same"
+    trend = trend_beyond(change["old"], change["new"]) if change.get("chance", 1.0) <= FALSE_ALARMS else "same"
     word = {"better": "Better than", "worse": "Worse than", "same": "As good as"}[trend]
     of = "" if name == representation else f", {name}"
     return f"{word} {WEIGHTS.get(os.path.basename(folder), folder)}: {representation} has a mean blend RMSE of {error(change['new'])}, they {error(change['old'])}{of}, on the same {plural(len(after), 'function')}"

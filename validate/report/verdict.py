@@ -102,7 +102,7 @@ class EqualError:
 
 
 def is_direct(family):
-    return family.removesuffix("_loosely").removesuffix("_gated") in DIRECT
+    return family.removesuffix("_gated") in DIRECT
 
 
 def optional(node, read):
