@@ -73,7 +73,8 @@ torch::Tensor initialParameters(const DenseShape& shape, uint64_t seed) {
     const int inputs = shape.widths[l], outputs = shape.widths[l + 1];
     const double deviation = std::sqrt(2.0 / inputs);
     for (int i = 0; i < inputs * outputs; ++i) *numbers++ = static_cast<float>(deviation * random.normal());
-    numbers = std::fill_n(numbers, outputs, 0.0f);
+    // 0, but drawn: as the starts of published figures were
+    for (int o = 0; o < outputs; ++o) *numbers++ = static_cast<float>(random.uniform(0.0, 0.0));
   }
   return flat.requires_grad_();
 }
