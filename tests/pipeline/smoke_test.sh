@@ -107,8 +107,7 @@ cat >"$temporary/bin/nlg-validate" <<'SCRIPT'
 import json, sys
 
 table = json.load(open(sys.argv[1]))
-case = next(case for case in table["cases"] if case["ran"])
-case.update(name="made to fail", holds=False, note="")
+table["cases"][0].update(name="made to fail", holds=False)
 json.dump(table, open(sys.argv[2], "w"))
 PYTHON
 exit "$STABILITY_CODE"

@@ -68,8 +68,8 @@ def frontier():
 
 
 def stability():
-    case = {"group": "functions", "name": "free space", "must_hold": "it holds", "measured": "0.0059", "figures": {}, "holds": True, "fails_check": False, "ran": True, "note": ""}
-    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "cases": [case, {**case, "name": "other", "ran": False, "holds": False}]}
+    case = {"group": "functions", "name": "free space", "must_hold": "it holds", "measured": "0.0059", "figures": {}, "holds": True, "fails_check": False}
+    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "cases": [case, {**case, "name": "other"}]}
 
 
 def bake():

@@ -19,15 +19,11 @@ def joined(names):
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-CASE_STATES = ("fails", "explained", "fails-check", "holds", "not-run")  # in the order of the table
+CASE_STATES = ("fails", "fails-check", "holds")  # in the order of the table
 
 
 def case_state(case):
-    if not case.ran:
-        return "not-run"
-    if not case.holds:
-        return "explained" if case.note.strip() else "fails"
-    return "fails-check" if case.fails_check else "holds"
+    return "fails" if not case.holds else "fails-check" if case.fails_check else "holds"
 
 
 def equal_error_words(judgement):
@@ -86,7 +82,7 @@ class Decision:
         self.inputs, self.limits, self.cases, self.bakes = inputs, limits, cases, bakes or {}
         self.judgements = verdict.judge(inputs, limits, frontier)
         self.leader = verdict.leader(inputs, self.judgements)
-        self.blocked = bool(cases) and bool(verdict.unexplained(cases))
+        self.blocked = bool(cases) and bool(verdict.failed(cases))
         self.comparisons = [comparison(inputs, self.leader, folder) for folder in against]
         self.copies = near_copies(inputs.summary)
         self.tau = {error: inputs.summary["tau"][key].number() for error, key in zip(ERRORS, ("blend", "rmse"))}
@@ -109,7 +105,7 @@ class Decision:
         ships = [j.representation for j in self.judgements if j.verdict == verdict.SHIPS]
         count = len(self.judgements)
         if self.blocked:
-            return f"Nothing may ship: {plural(len(verdict.unexplained(self.cases)), 'stability case')} failed without an explanation"
+            return f"Nothing may ship: {plural(len(verdict.failed(self.cases)), 'stability case')} failed"
         undecided = [j.representation for j in self.judgements if j.verdict == verdict.UNDECIDED]
         if count > 1 and len(ships) == count:
             return f"All {count} generators may ship"
@@ -288,33 +284,22 @@ class Decision:
         groups = []
         for group in proof_inputs.GROUPS:
             rows = sorted(((case_state(case), case) for case in self.cases if case.group == group), key=lambda row: CASE_STATES.index(row[0]))
-            left = sum(state == "not-run" for state, _ in rows)
             checked = sum(state == "fails-check" for state, _ in rows)
-            held = f"{sum(state in ('holds', 'fails-check') for state, _ in rows)} of {len(rows) - left} hold"
-            held += (f", and the bake’s check fails {checked} of these" if checked else "") + (f"; {left} not run" if left else "")
+            held = f"{sum(state in ('holds', 'fails-check') for state, _ in rows)} of {len(rows)} hold"
+            held += (f", and the bake’s check fails {checked} of these" if checked else "")
             groups += [(GROUP_NAMES[group], held, rows)] if rows else []
         return groups
 
     @property
     def stability_state(self):
-        """For the colour: good only where every case was run, holds, and passes the bake's check."""
+        """For the colour: good only where every case holds and passes the bake's check."""
         states = {case_state(case) for case in self.cases}
         return "bad" if "fails" in states else "good" if states == {"holds"} else "mixed"
 
     def stability_sentence(self):
-        failed, ran = verdict.failed(self.cases), [case for case in self.cases if case.ran]
-        text = f"{len(ran) - len(failed)} of {plural(len(ran), 'case')} hold"
-        unexplained = len(verdict.unexplained(self.cases))
-        explained = len(failed) - unexplained
-        if explained:
-            text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained"
-        if unexplained:
-            text += f"; {unexplained} {'fails' if unexplained == 1 else 'fail'} without an explanation"
+        text = f"{sum(case.holds for case in self.cases)} of {plural(len(self.cases), 'case')} hold"
         checked = sum(case_state(case) == "fails-check" for case in self.cases)
-        if checked:
-            text += f"; the bake’s check fails {checked} of those that hold"
-        left = len(self.cases) - len(ran)
-        return text + (f"; {left} {'was' if left == 1 else 'were'} not run." if left else ".")
+        return text + (f"; the bake’s check fails {checked} of those that hold." if checked else ".")
 
 
 # ---- the frontier's rows

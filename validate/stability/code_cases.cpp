@@ -75,7 +75,7 @@ void measureBakedFits(const StabilityInputs& inputs, StabilityFigures* figures) 
   for (const NamedGenerator* named : codesOf(inputs)) {
     const Representation& code = named->generator.representation();
     CodeFit fit;
-    for (const NamedFunction& one : wallFunctions(inputs.isBrief() ? 4 : 24)) {
+    for (const NamedFunction& one : wallFunctions(inputs.is_short ? 4 : 24)) {
       const WeightingFunction function = decodeFunction(one.sampled.view(), pointOrder(code), CheckOptions().loss());
       const auto rmseFrom = [&](Theta z, const CodeFitOptions& options) {
         return fit.iterate(code, function, options, code.code_count, z.data()).rmse;
@@ -157,13 +157,12 @@ void measureConditions(const StabilityInputs& inputs, StabilityFigures* figures)
 std::vector<StabilityCase> codeCases() {
   return {
       {"codes", "fits as bakes have them",
-       "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", StabilityDepth::brief,
-       measureBakedFits, true},
+       "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", measureBakedFits, true},
       {"codes", "condition of their equations",
        "of walls, of functions that are dark or lit everywhere, of one valid point, of points in one corner and of noise the "
        "equations with "
        "their prior are solvable in float, and no fit ends worse than it began",
-       StabilityDepth::brief, measureConditions, true},
+       measureConditions, true},
   };
 }
 

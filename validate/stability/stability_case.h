@@ -15,12 +15,6 @@
 
 namespace nlg {
 
-// How much of the suite runs: each depth includes the ones before it.
-enum class StabilityDepth {
-  brief,  // some seconds: the tests
-  full,   // about a minute
-};
-
 // An exported generator as engines get it, and its numbers for the reference in double.
 struct NamedGenerator {
   std::string name;  // of its representation
@@ -29,10 +23,8 @@ struct NamedGenerator {
 };
 
 struct StabilityInputs {
-  StabilityDepth depth = StabilityDepth::full;
+  bool is_short = false;  // fewer functions a case, and shorter direct fits
   std::vector<NamedGenerator> generators;
-
-  bool isBrief() const { return depth == StabilityDepth::brief; }
 };
 
 // What a case measured. It holds while every figure is within its bound and nothing is said to be broken.
@@ -70,9 +62,8 @@ class StabilityFigures {
 struct StabilityCase {
   std::string group, name;
   std::string must_hold;  // one sentence
-  StabilityDepth depth = StabilityDepth::brief;
   std::function<void(const StabilityInputs&, StabilityFigures*)> measure;
-  bool needs_codes = false;  // a code among the generators
+  bool needs_codes = false;  // is left out where no generator is a code's
 };
 
 // The cases in the table's order.

@@ -28,22 +28,15 @@ struct StabilityRequest {
   std::vector<std::string> weights;  // exported generators
   std::string only;                  // one group; empty: all
   std::string out;
-  StabilityDepth depth = StabilityDepth::full;
+  bool is_short = false;
 };
 
 struct StabilityTable {
   Json cases = Json::array();       // docs/reference/formats.md
-  std::vector<std::string> failed;  // names of cases that ran and did not hold
-  int passed = 0, not_run = 0;
+  std::vector<std::string> failed;  // names of cases that do not hold
+  int passed = 0;
 
-  void addNotRun(Json row, const std::string& why) {
-    row.update({{"measured", "not run"}, {"figures", Json::object()}, {"holds", false}, {"fails_check", false}, {"ran", false}});
-    row["note"] = "not run: " + why;
-    cases.push_back(std::move(row));
-    ++not_run;
-  }
-
-  void addRun(Json row, const StabilityFigures& figures) {
+  void add(Json row, const StabilityFigures& figures) {
     if (figures.holds()) {
       ++passed;
     } else {
@@ -52,9 +45,7 @@ struct StabilityTable {
     row.update({{"measured", figures.measured()},
                 {"figures", figures.figures()},
                 {"holds", figures.holds()},
-                {"fails_check", figures.fails_check},
-                {"note", ""},
-                {"ran", true}});
+                {"fails_check", figures.fails_check}});
     cases.push_back(std::move(row));
   }
 };
@@ -70,7 +61,7 @@ std::vector<StabilityCase> allCases() {
 StabilityInputs readInputs(const StabilityRequest& request) {
   constexpr const char* kExpected = "a generator of this support pattern";
   StabilityInputs inputs;
-  inputs.depth = request.depth;
+  inputs.is_short = request.is_short;
   auto [generators, paths] = loadGenerators(request.weights);
   for (size_t i = 0; i < generators.size(); ++i) {
     WeightsFile file;
@@ -83,19 +74,8 @@ StabilityInputs readInputs(const StabilityRequest& request) {
   return inputs;
 }
 
-// Why a case is not run; empty when it is.
-std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInputs& inputs) {
-  const auto isCode = [](const NamedGenerator& named) { return named.generator.representation().isCode(); };
-  if (stability_case.needs_codes && std::none_of(inputs.generators.begin(), inputs.generators.end(), isCode)) {
-    return "it needs --weights of a code";
-  }
-  return stability_case.depth <= inputs.depth ? "" : "left out by --short";
-}
-
 void runCase(const StabilityCase& stability_case, const StabilityInputs& inputs, StabilityTable* table) {
   Json row = {{"group", stability_case.group}, {"name", stability_case.name}, {"must_hold", stability_case.must_hold}};
-  const std::string reason = reasonToSkip(stability_case, inputs);
-  if (!reason.empty()) return table->addNotRun(row, reason);
   StabilityFigures figures;
   try {
     stability_case.measure(inputs, &figures);
@@ -104,7 +84,7 @@ void runCase(const StabilityCase& stability_case, const StabilityInputs& inputs,
   } catch (const std::exception& error) {
     figures.require(false, std::string("ended with an exception: ") + error.what());
   }
-  table->addRun(row, figures);
+  table->add(row, figures);
 }
 
 StabilityTable runAll(const StabilityRequest& request) {
@@ -113,7 +93,12 @@ StabilityTable runAll(const StabilityRequest& request) {
   }
   const StabilityInputs inputs = readInputs(request);
   std::vector<StabilityCase> cases = allCases();
-  std::erase_if(cases, [&](const StabilityCase& c) { return !request.only.empty() && c.group != request.only; });
+  const bool has_codes = std::any_of(inputs.generators.begin(), inputs.generators.end(),
+                                     [](const NamedGenerator& one) { return one.generator.representation().isCode(); });
+  std::erase_if(cases, [&](const StabilityCase& c) {
+    return (!request.only.empty() && c.group != request.only) || (c.needs_codes && !has_codes);
+  });
+  if (cases.empty()) throw UsageError("--weights", "a code, for --only " + request.only, "none");
   StabilityTable table;
   Progress progress("cases", static_cast<int64_t>(cases.size()));
   for (size_t i = 0; i < cases.size(); ++i) {
@@ -127,7 +112,7 @@ Json originOf(const StabilityRequest& request, const OptionTable& options) {
   std::map<std::string, std::string> inputs;
   for (size_t i = 0; i < request.weights.size(); ++i) inputs["weights_" + std::to_string(i)] = fileSha256(request.weights[i]);
   Json given = options.toJson();
-  given["depth"] = request.depth == StabilityDepth::brief ? "short" : "full";
+  given["depth"] = request.is_short ? "short" : "full";
   given["only"] = request.only;
   return provenance("nlg-validate stability", given, inputs);
 }
@@ -138,10 +123,9 @@ void run(const StabilityRequest& request, const OptionTable& options) {
   const StabilityTable table = runAll(request);
   const Json json = {{"schema_version", 1}, {"provenance", originOf(request, options)}, {"cases", table.cases}};
   writeFileAtomically(request.out, json.dump(1) + "\n");
-  std::cout << fmt::format("{}: {} cases hold, {} do not, {} were not run\n", request.out, table.passed, table.failed.size(),
-                           table.not_run);
+  std::cout << fmt::format("{}: {} cases hold, {} do not\n", request.out, table.passed, table.failed.size());
   if (table.failed.empty()) return;
-  throw CheckFailed("stability", "every case that ran to hold",
+  throw CheckFailed("stability", "every case to hold",
                     fmt::format("{} that do not: {}", table.failed.size(), fmt::join(table.failed, "; ")));
 }
 
@@ -151,16 +135,12 @@ int stabilityMain(int argc, char** argv) {
   CLI::App app{"Runs stiff and extreme cases, and writes what must hold and what was measured. Exit code 6 if a case fails.",
                "nlg-validate stability"};
   StabilityRequest request;
-  bool is_short = false;
   OptionTable table("stability");  // it has no options of a configuration
   app.add_option("--out", request.out, "table to write (.json)")->required();
   app.add_option("--weights", request.weights, "exported generators")->required();
   app.add_option("--only", request.only, fmt::format("group of cases to run: {}", fmt::join(kGroups, ", ")));
-  app.add_flag("--short", is_short, "run fewer and smaller cases: some seconds");
-  return runTool(argc, argv, app, table, [&] {
-    if (is_short) request.depth = StabilityDepth::brief;
-    run(request, table);
-  });
+  app.add_flag("--short", request.is_short, "smaller cases: some seconds");
+  return runTool(argc, argv, app, table, [&] { run(request, table); });
 }
 
 }  // namespace nlg
