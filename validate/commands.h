@@ -7,8 +7,6 @@ namespace nlg {
 int frontierMain(int argc, char** argv);
 // What every method makes of a scene's light, against ground truth.
 int lightMain(int argc, char** argv);
-// How noisy a level's baked light is, and how fast it is baked.
-int lightNoiseMain(int argc, char** argv);
 // Pictures of a scene by every method, against ground truth.
 int viewsMain(int argc, char** argv);
 

@@ -17,15 +17,14 @@ int validateMain(int argc, char** argv) {
       "nlg-validate stability --out FILE: runs stiff and extreme cases.\n"
       "nlg-validate frontier: error against run time, of generators, their settings and every fit.\n"
       "nlg-validate light SCENE: error of every method's light against ground truth.\n"
-      "nlg-validate views SCENE: error of every method's pictures against ground truth.\n"
-      "nlg-validate light-noise SCENE: noise of baked light, and the speed of its bake.",
+      "nlg-validate views SCENE: error of every method's pictures against ground truth.",
       "nlg-validate"};
   ValidationRequest request;
   ValidateOptions options;
   OptionTable table("validate");
   describe(options, table);
   table.addNote(stagesHelp({}));
-  table.common({"training", "direct_functions", "convergence_functions", "threads"});
+  table.common({"training", "direct_functions", "threads"});
   app.add_option("--weights", request.weights, "exported generators, one per representation")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes")->required();
   app.add_option("--training", request.training, "training shards; their functions are counted, and compared with held-out ones");
@@ -34,11 +33,8 @@ int validateMain(int argc, char** argv) {
 }
 
 // without one it validates
-constexpr Command kCommands[] = {{"stability", stabilityMain},
-                                 {"frontier", frontierMain},
-                                 {"light", lightMain},
-                                 {"light-noise", lightNoiseMain},
-                                 {"views", viewsMain}};
+constexpr Command kCommands[] = {
+    {"stability", stabilityMain}, {"frontier", frontierMain}, {"light", lightMain}, {"views", viewsMain}};
 
 }  // namespace
 }  // namespace nlg

@@ -260,7 +260,6 @@ class ViewFolder {
     TruthOptions truth;
     truth.gather.rays = kPlaceRays;
     truth.gather.direct = directLightFromName(options_.light_direct);
-    truth.around_m = 0.0;
     truth.seed = mixSeed(options_.seed, kTruthStream);
     truth.threads = scene_.threads();
     const LightTransport& transport = scene_.transport();

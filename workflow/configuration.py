@@ -255,7 +255,7 @@ class Run:
                       f"weights/{name}.safetensors", f"weights/{name}.json"]
         names += [f"{split}/{file}" for split in judged for file in ("summary.json", "functions.csv", "slices.json", "frontier.json")]
         names += [f"{reference}/{file}" for reference in self.references for file in ("summary.json", "functions.csv", "slices.json")]
-        names += [*([] if self.report["stability"] == "short" else ["training_cases.json"]), "stability.json"]
+        names += ["stability.json"]
         names += [f"savings/{scene}.json" for scene in self.savings] + [f"bakes/{name}.json" for name in self.bakes]
         names += [f"light/{scene}.json" for scene in self.light_scenes]
         names += [f"{split}{file}" for split in ("", *(f"{name}/" for name in judged[1:])) for file in ("report.html", "slices.png", "verdict.txt")]

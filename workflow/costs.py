@@ -17,7 +17,6 @@ MOMENTS_S, READ_S = 0.6e-3, 0.25e-3
 BASIS_S, CACHE_S, EXPORT_S, REPORT_S = 10, 3, 8, 12
 TRAIN_S = 20                      # theta0 and validations while training
 STABILITY_S = {"short": 10, "full": 120}
-TRAINING_CASES_S = 20
 
 # By representation. A function in a batch of a training, forth and back; a function with a theta through the whole policy; a function of the
 # validation's sample and of the frontier, at the tools' own numbers of steps.
@@ -59,12 +58,11 @@ class Costs:
         return TRAIN_S + of(SAMPLE_S, representation) * self.setting("train", "steps", own) * self.setting("train", "batch", own)
 
     def validate(self, split):
-        """Every function through the policy; long fits of a sample, and of some of it four times over to show that they have converged."""
+        """Every function through the policy; long fits of a sample."""
         sample = min(self.setting("validate", "direct_functions"), self.functions[split])
         starts = (1 + self.setting("validate", "direct_restarts")) / (1 + default("validate", "direct_restarts"))
         length = self.setting("validate", "direct_adam_steps") / default("validate", "direct_adam_steps")
-        long_fits = sample + 4 * self.setting("validate", "convergence_functions")
-        return sum(READ_S * self.functions["training"] + WITH_THETA * of(POLICY_S, name) * self.functions[split] + of(DIRECT_S, name) * long_fits * starts * length
+        return sum(READ_S * self.functions["training"] + WITH_THETA * of(POLICY_S, name) * self.functions[split] + of(DIRECT_S, name) * sample * starts * length
                    for name in self.run.representations)
 
     def frontier(self, split):
@@ -96,7 +94,6 @@ class Costs:
                 WITH_THETA * of(POLICY_S, name) * self.functions["held_out"] for name in run.representations for _ in run.references), cores)]
         stages += [Stage("evaluate", "evaluate", 1, self.validate("evaluation"), cores)] * bool(run.evaluation)
         stages += [Stage("frontier", "frontier", judged, self.frontier("held_out") + self.frontier("evaluation") * bool(run.evaluation), 1)]
-        stages += [Stage("training cases", "training_cases", 1, TRAINING_CASES_S, 1)] * (run.report["stability"] != "short")
         stages += [Stage("stability", "stability", 1, STABILITY_S[run.report["stability"]], 1),
                    Stage("savings", "savings", len(run.savings), SAVINGS_S * len(run.savings) * len(run.representations), cores),
                    Stage("other bakes", "bakes", len(run.bakes), SAVINGS_S * len(run.bakes) * len(run.representations), cores),

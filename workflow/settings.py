@@ -25,7 +25,7 @@ TABLE, PAGE = ROOT / "workflow/settings.json", ROOT / "docs/reference/settings.m
 TOOLS = ["nlg-datagen", "nlg-pca", "nlg-train", "nlg-export", "nlg-bake", "nlg-validate", "nlg-validate frontier", "nlg-validate light"]
 # tools without settings of their own, whose --help is counted too
 OTHER_TOOLS = ["nlg-cache", "nlg-view", "nlg-render", "nlg-render irradiance", "nlg-datagen plan", "nlg-datagen geometry",
-               "nlg-validate light-noise", "nlg-validate views", "nlg-validate stability", "nlg-export shader", "nlg-export engine", "nlg-export onnx"]
+               "nlg-validate views", "nlg-validate stability", "nlg-export shader", "nlg-export engine", "nlg-export onnx"]
 MOST_IN_HELP = 12
 
 FAMILIES = ["house", "maze", "colonnade", "stairs", "clutter", "outdoor", "cave", "kitchen", "gallery", "meeting"]
@@ -56,7 +56,7 @@ OWN = [
     own("split", "held_out_share", "number", "share of the scenes of `scenes.folder` (without it: of all scenes), at least one, that is held out at random, unless `held_out` names one of them", min=0.0, max=0.9, default=0.0),
     own("split", "seed", "integer", "seed of that choice", min=0, default=1),
     own("split", "evaluation", "texts", "patterns of names of further held-out scenes, on which the published figures are measured ([the split](../guide/levels.md#the-split))", default=[]),
-    own("report", "stability", "text", "stability cases to run. `short` leaves out training", one_of=["short", "full"], default="full"),
+    own("report", "stability", "text", "stability cases to run. `short`: smaller ones, in seconds", one_of=["short", "full"], default="full"),
     own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights, to measure what the bake leaves out. `[]`: none. Default: the first scene of each split", default=None),
     own("validate_light", "scenes", "texts", "scenes, as for nlg-bake, whose light is measured with each generator and the section `bake`", default=[]),
     own("validate_light", "spacings", "numbers", "finest probe spacings, metres", min=0.01, max=1000.0, default=[1.0]),

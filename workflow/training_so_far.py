@@ -1,9 +1,10 @@
-"""What there is to see of a training while it runs: its curve for TensorBoard, and after every validation a picture of its worst held-out functions.
+"""What there is to see of a training: its curve for TensorBoard and as a picture, and after every validation a picture of its worst held-out functions.
 
     training_so_far.py --run FOLDER --log FILE.csv [--follow]
+    training_so_far.py --curve FILE.png --log FILE.csv
 
 FOLDER is that of nlg-train: events.out.tfevents.0.nlg and worst-STEP.png come into it, each picture of a worst-STEP.json, which goes. Where several wait, the newest
-is drawn.
+is drawn. The second draws the curve, of a training at work or over.
 """
 import argparse
 import io
@@ -12,6 +13,8 @@ import signal
 import sys
 import threading
 from pathlib import Path
+
+os.environ["MPLBACKEND"] = "Agg"  # Matplotlib, which takes its time, is imported where something is drawn
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
 from tool.atomic_file import write_atomically
@@ -33,10 +36,35 @@ def note_events(log, events):
     append(events, [(int(row["step"]), {key: row[key] for key in COLUMNS[1:]}) for row in read_curve(log)], time_s)
 
 
+def png(figure):
+    """No time and no version inside: the same numbers give the same bytes."""
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", dpi=130, metadata={"Software": None})
+    return picture.getvalue()
+
+
+def curve(rows, title):
+    import matplotlib.pyplot as plt
+
+    steps = [row["step"] for row in rows]
+    figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+    axes.plot(steps, [row["training_loss"] for row in rows], linestyle="--", color="0.45", label="training loss")
+    network, corrected = ([row[key] for row in rows] for key in ("held_out_network_blend_rmse", "held_out_blend_rmse"))
+    if network != corrected:
+        axes.plot(steps, network, marker="o", markersize=2.5, color="#56B4E9", label="held-out blend RMSE, network alone")
+    axes.plot(steps, corrected, marker="o", markersize=3, color="#0072B2", label="held-out blend RMSE")
+    axes.axhline(rows[-1]["bare_tent_blend_rmse"], color="#D55E00", linewidth=1, linestyle="-.", label="the bare tent")
+    for before, row in zip([{"rollbacks": 0.0}, *rows], rows):
+        if row["rollbacks"] > before["rollbacks"]:
+            axes.axvline(row["step"], color="0.6", linewidth=0.8, linestyle=":")
+    axes.set(title=title, xlabel="training step (dotted: after a rollback)", yscale="log")
+    axes.grid(True, which="both", linewidth=0.3)
+    axes.legend()
+    return png(figure)
+
+
 def draw(path):
     """Target, prediction and difference at the support points of a plane through each function's probe."""
-    import matplotlib
-    matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
     file = read_json(path)
@@ -53,10 +81,8 @@ def draw(path):
             panel.scatter(u, v, c=values, s=5, cmap=colours, vmin=low, vmax=high)
             panel.set(title=title, xlim=(-1, 1), ylim=(-1, 1), aspect="equal", xticks=[], yticks=[], xlabel=plane[0], ylabel=plane[1])
             panel.title.set_fontsize(8)
-    picture = io.BytesIO()
-    figure.savefig(picture, format="png", dpi=110, metadata={"Software": None})
+    write_atomically(path.with_suffix(".png"), png(figure))
     plt.close(figure)
-    write_atomically(path.with_suffix(".png"), picture.getvalue())
     path.unlink()
 
 
@@ -73,10 +99,15 @@ def note(options):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--run", required=True, help="folder of the training (nlg-train --run)")
+    where = parser.add_mutually_exclusive_group(required=True)
+    where.add_argument("--run", help="folder of the training (nlg-train --run)")
+    where.add_argument("--curve", help="picture of the curve to write (.png)")
     parser.add_argument("--log", required=True, help="its curve (nlg-train --log), there or to come")
     parser.add_argument("--follow", action="store_true", help="until SIGTERM, or the end of who started this, all of it as it comes")
     options = parser.parse_args()
+    if options.curve:
+        write_atomically(options.curve, curve(read_curve(options.log), Path(options.log).stem))
+        return
     ended, parent = threading.Event(), os.getppid()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
     while options.follow and not ended.wait(1) and os.getppid() == parent:

@@ -8,7 +8,6 @@ GROUPS = ("air", "surface", "turned")
 KIND_TITLES = {"all": "All scenes", "levels": "Levels", "furnished": "Furnished scenes", "daylight": "Daylit rooms", "boxes": "Test boxes"}
 SHOWN_KINDS = ("levels", "furnished", "daylight")
 LIGHT_ORDER = ("point", "own", "solved")
-BOX_BYTES = {8: 1000, 729: 60000}  # by probes
 SHOWN_SPACING = "1m"
 # measured results hold tetrahedra, which are no longer a baseline (docs/lab)
 UNSHOWN_METHODS = {"tetrahedra": ("point", "solved"), "DDGI's weights": ("point", "solved"), "valid trilinear": ("solved",), "APV": ("solved",), "exact visibility": ("point",), "target functions": ("point",), OURS: ("point",), "DDGI as shipped": ("own",)}
@@ -93,26 +92,12 @@ def by_spacing_section(found):
     return text + f"\nIntervals at {spacing_text(SHOWN_SPACING)}: levels {interval('levels')}; furnished scenes {interval('furnished')}.\n" if SHOWN_SPACING in found["levels"] and SHOWN_SPACING in found["furnished"] else text
 
 
-def box_row(found):
-    judged = [entry for entry in found.values() if entry["probes"] in BOX_BYTES]
-    words = "; ".join(f"{entry['probes']:,} probes: {bytes_text(entry['bytes'])} (DDGI {bytes_text(entry['ddgi_bytes'])}), error {number(entry['rmse_to_ddgi'], 2)} ×, "
-                      f"jumps {number(entry['jump_to_ddgi'], 2) + ' ×' if entry['jump_to_ddgi'] is not None else 'none of DDGI’s'}" for entry in found.values())
-    holds = all(entry["bytes"] <= BOX_BYTES[entry["probes"]] and entry["rmse_to_ddgi"] <= 1 and entry["jump_to_ddgi"] is not None and entry["jump_to_ddgi"] <= 1 for entry in judged) if judged else None
-    return ["Cornell box: bytes, largest error and mean jump over DDGI's", "8 probes ≤ 1 kB, 729 ≤ 60 kB; ≤ 1 ×", words, reached(holds)]
-
-
 # positions a second, coherent and scattered, of look-ups in batches
 LOOK_UP_TARGETS = {"walk": 12e6, "scattered": 5e6}
 
 
 def speed_rows(results):
     rows = []
-    for found in results.get("noise", {}).values():
-        limit = {"integrated": 300, "solved": 1500}.get(found["light"])
-        quiet = found["noise"]["median"] <= .02 and found["noise"]["p95"] <= .1
-        of = lambda key: f"{percent(found[key]['median'])} and {percent(found[key]['p95'])}"
-        rows.append([f"probes lit a second on one core, {found['scene']}, {found['light']}", f"≥ {limit:,} at ≤ 2 % median and ≤ 10 % p95 noise" if limit else "",
-                     f"{found['probes_per_s']:,.0f}, noise {of('noise')}; of look-ups {of('answers')}", reached(quiet and found["probes_per_s"] >= limit if limit else None)])
     for way, target in LOOK_UP_TARGETS.items():
         cases = {case["case"].split("/")[2]: case["items_per_second"] for case in results.get("benchmarks", {}).values() if "/batched/" in case["case"] and case["case"].endswith(f"/{way}")}
         if cases:
@@ -126,8 +111,7 @@ def speed_rows(results):
 def targets_section(results):
     found = results["targets"]
     front, most, unlit, outside = found["front"], found["per_probe"], found["unlit_largest"], found["outside_largest"]
-    rows = [box_row(found["box"])] if found["box"] and any(entry["probes"] in BOX_BYTES for entry in found["box"].values()) else []
-    rows += [["points of storable baselines that one of ours matches in error at no more bytes", "all", f"{front['met']:,} of {front['of']:,}", reached(front["met"] == front["of"] if front["of"] else None)],
+    rows = [["points of storable baselines that one of ours matches in error at no more bytes", "all", f"{front['met']:,} of {front['of']:,}", reached(front["met"] == front["of"] if front["of"] else None)],
              ["unlit air, and air outside the tree: largest of all scenes", "≤ .05 %; 0", f"{percent(unlit)}; {percent(outside)}", reached(unlit <= .0005 and outside == 0)],
              ["bytes a live probe, everything (talk: 236 to 339)", "≤ 60", f"{most['least']:.0f} to {most['most']:.0f}", reached(most["most"] <= 60)]]
     if found["bytes_below_baselines"] is not None:

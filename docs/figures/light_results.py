@@ -5,7 +5,6 @@ A folder of light holds
 and, where they are there,
     indirect/SCENE.json   nlg-validate light --light-direct reflected
     views/SCENE_SEED.json nlg-validate views, by seed: of the offset of the lattice, over which figures are means
-    noise/SCENE.json      nlg-validate light-noise
     bakes/SCENE.json      nlg-bake SCENE --light solved (--json)
     benchmarks/*.json     bench_* --benchmark_out=FILE --benchmark_out_format=json
 """
@@ -22,11 +21,13 @@ import packages
 
 packages.need("results.py", "numpy")
 
+import numpy as np
+
 import light_figures as figures
 import view_results
 from light_figures import GROUPS, SCENE_KINDS
 
-TODAY = ("point", 1.0)  # light gathered at probes 1 m apart: whose error is to be had for fewer bytes
+TODAY_M = 1.0  # how far apart probes are of what is tabled, and whose error is to be had for fewer bytes
 BYTES_BEFORE = 39  # a probe, of a light grid when the targets of bytes at equal error were set
 BASELINES = ("valid trilinear", "APV", "DDGI as shipped", "DDGI as shipped, relocated")
 SOLVED_BASELINES = ("valid trilinear", "APV", "DDGI's weights")
@@ -48,21 +49,20 @@ def estimate(figure):
     return {"value": figure["mean"], "low": low, "high": high}
 
 
-def method_entry(found):
-    entry = {"scenes": len(found["scenes"]), **{key: estimate(found[key]) for key in (*GROUPS, "dark")}}
-    return {**entry, **{key: found[key]["mean"] for key in ("seconds", "per_probe", "edge") if key in found}}
+def method_entry(points):
+    """points: of one method at one spacing."""
+    entry = {"scenes": len(points), **{group: estimate(figures.figure([point.rmse[group] for point in points])) for group in GROUPS}, "dark": estimate(figures.figure(figures.in_the_dark(points)))}
+    return {**entry, **{key: float(np.mean([getattr(point, key) for point in points])) for key in ("seconds", "per_probe", "edge")}}
 
 
 def methods(points):
     """spacing → weights → light → figures over scenes; with probes as far apart as today's."""
-    out = {}
-    for spacing in figures.summary([point for point in points if point.spacing_m == TODAY[1]])["spacings"]:
-        of_spacing = out.setdefault(spacing_key(spacing["spacing_m"]), {})
-        for found in spacing["methods"]:
-            name, _, thinned_to = found["weights"].partition(figures.THINNED)
-            of_weights = of_spacing.setdefault(slug(found["weights"]), {"name": found["weights"], **({"thinned_to": float(thinned_to)} if thinned_to else {})})
-            of_weights[found["light"]] = method_entry(found)
-    return out
+    here, out = [point for point in points if point.spacing_m == TODAY_M], {}
+    for weights, light in figures.methods_of(here):
+        thinned_to = weights.partition(figures.THINNED)[2]
+        of_weights = out.setdefault(slug(weights), {"name": weights, **({"thinned_to": float(thinned_to)} if thinned_to else {})})
+        of_weights[light] = method_entry(figures.of_method(here, (weights, light)))
+    return {spacing_key(TODAY_M): out} if out else {}
 
 
 def by_better_rule(points):
@@ -83,7 +83,7 @@ def is_ours(point, ours):
 
 
 def by_room(point, group):
-    return point.leaks.get(figures.BY_ROOM[group], 0.0)  # 0: no error to hold against another
+    return point.by_room[group]
 
 
 def to_best_baseline(points, ours, baselines, solved, error=lambda point, group: point.rmse[group]):
@@ -158,34 +158,22 @@ def dark(points, ours):
     return out
 
 
-def box(points, ours):
-    """The Cornell box at each spacing: what it takes, and error and jumps beside DDGI's."""
-    out = {}
-    for mine in points:
-        ddgi = [point for point in points if point.scene == mine.scene and point.spacing_m == mine.spacing_m and point.method == (DDGI, "own")]
-        if mine.scene.startswith("cornell") and mine.method == (ours, "solved") and ddgi:
-            worse = max(mine.rmse[group] / ddgi[0].rmse[group] for group in GROUPS)
-            out[spacing_key(mine.spacing_m)] = {"probes": mine.probes, "bytes": mine.bytes, "ddgi_bytes": ddgi[0].bytes, "rmse_to_ddgi": worse,
-                                                "jump_to_ddgi": mine.jump_mean / ddgi[0].jump_mean if ddgi[0].jump_mean else None}
-    return out
-
-
 def thinning(points, ours):
     """What fewer bytes cost beside our whole grid with probes as far apart as today's, geometric means over scenes.
 
     thinned: by what it was thinned to, bytes and errors over the whole grid's. at_equal_error: of each error the fewest bytes for which ours, at any
     spacing, has no more of it than the whole grid, over its bytes; and over what it took before, BYTES_BEFORE a probe.
     """
-    if not any(point.method == (ours, "solved") and point.spacing_m == TODAY[1] for point in points):
+    if not any(point.method == (ours, "solved") and point.spacing_m == TODAY_M for point in points):
         return {}
     errors = {**{group: lambda point, group=group: point.rmse[group] for group in GROUPS}, "smape_in_air": lambda point: point.smape}
-    whole = {point.scene: point for point in points if point.method == (ours, "solved") and point.spacing_m == TODAY[1]}
+    whole = {point.scene: point for point in points if point.method == (ours, "solved") and point.spacing_m == TODAY_M}
     ratio = lambda values: estimate(figures.figure(values, figures.geometric_mean))
     over_whole = lambda some, of: ratio([of(point) / of(whole[point.scene]) for point in some])
     mine = [point for point in points if is_ours(point, ours) and point.scene in whole]
-    thinned, names = {}, dict.fromkeys(point.method[0] for point in mine if figures.THINNED in point.method[0] and point.spacing_m == TODAY[1])
+    thinned, names = {}, dict.fromkeys(point.method[0] for point in mine if figures.THINNED in point.method[0] and point.spacing_m == TODAY_M)
     for name in names:
-        some = [point for point in mine if point.method[0] == name and point.spacing_m == TODAY[1]]
+        some = [point for point in mine if point.method[0] == name and point.spacing_m == TODAY_M]
         thinned[slug(name)] = {"name": name, "bytes": over_whole(some, lambda point: point.bytes), **{key: over_whole(some, error) for key, error in errors.items()}}
     fewest = {key: {scene: min(point.bytes for point in mine if point.scene == scene and error(point) <= error(today)) for scene, today in whole.items()} for key, error in errors.items()}
     return {"spacings_m": figures.spacings_of(mine), "bytes_before": BYTES_BEFORE, "thinned": thinned, "at_equal_error": {key: {"over_whole": ratio([size / whole[scene].bytes for scene, size in of_scene.items()]),
@@ -205,35 +193,26 @@ def against_bytes(points, ours):
     return out
 
 
-def level_bytes(points, ours):
-    """The fewest bytes for which ours, of this level, has nowhere more error than light gathered at probes as far apart as today's; None where it was not measured so."""
-    light, spacing_m = TODAY
-    of_level = [point for point in points if point.scene.endswith(LEVEL) and is_ours(point, ours)]
-    today = [point for point in of_level if point.spacing_m == spacing_m and point.method[1] == light]
-    good = [point for point in of_level if today and all(point.rmse[group] <= today[0].rmse[group] for group in GROUPS)]
-    return min(point.bytes for point in good) if good else None
-
-
 def bytes_below_baselines(points, ours):
     """The fewest bytes for which ours, of this level, has less error everywhere than each baseline, not solved for, with probes as far apart as today's; None where it was not measured so."""
     of_level = [point for point in points if point.scene.endswith(LEVEL)]
-    baselines = [point for point in of_level if point.spacing_m == TODAY[1] and point.method[0] in BASELINES and point.method[1] != "solved"]
+    baselines = [point for point in of_level if point.spacing_m == TODAY_M and point.method[0] in BASELINES and point.method[1] != "solved"]
     good = [point.bytes for point in of_level if is_ours(point, ours) and all(point.rmse[group] < baseline.rmse[group] for baseline in baselines for group in GROUPS)]
     return min(good) if baselines and good else None
 
 
 def targets(points, ours):
     of_kind = {kind: [point for point in points if point.kind == kind] for kind in SCENE_KINDS}
-    mine = [point for point in points if point.method == (ours, "solved") and point.spacing_m == TODAY[1]]
+    mine = [point for point in points if point.method == (ours, "solved") and point.spacing_m == TODAY_M]
     largest = lambda key: max(getattr(point, key) for point in mine)
-    return {"box": box(points, ours), "levels": to_best_baseline(of_kind["levels"], ours, BASELINES, solved=False),
+    return {"levels": to_best_baseline(of_kind["levels"], ours, BASELINES, solved=False),
             "furnished": to_best_baseline(of_kind["furnished"], ours, BASELINES, solved=False),
             "levels_solved": to_best_baseline(of_kind["levels"], ours, SOLVED_BASELINES, solved=True),
             "furnished_solved": to_best_baseline(of_kind["furnished"], ours, SOLVED_BASELINES, solved=True),
-            "by_room": to_best_baseline(points, ours, BASELINES, solved=False, error=by_room), "by_room_solved": to_best_baseline(points, ours, SOLVED_BASELINES, solved=True, error=by_room),
+            "by_room": to_best_baseline(points, ours, BASELINES, solved=False, error=by_room),
             "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours), "dark": dark(points, ours), "unlit_largest": largest("unlit"),
             "outside_largest": largest("outside"), "per_probe": {key: reduce([point.per_probe for point in mine]) for key, reduce in (("least", min), ("most", max))},
-            "level_bytes": level_bytes(points, ours), "bytes_below_baselines": bytes_below_baselines(points, ours)}
+            "bytes_below_baselines": bytes_below_baselines(points, ours)}
 
 
 def bake(path):
@@ -242,15 +221,11 @@ def bake(path):
     return {**take(document, ["scene", "threads", "probes", "bytes", "bytes_per_probe"], path), "wall_s": take(document["wall_seconds"], ["all"], path)["all"]}
 
 
-def noise(path):
-    return take(read_json(path), ["scene", "light", "spacing_m", "runs", "noise", "answers", "probes_per_s"], path)
-
-
 def blend(document, ours, path):
     """Holes, leaks and shares of our grid with probes as far apart as today's, by class of points; None of results from before they were measured."""
     for spacing in document["spacings"]:
         for found in spacing.get("blends", []):
-            if spacing["spacing_m"] == TODAY[1] and found["weights"] == ours:
+            if spacing["spacing_m"] == TODAY_M and found["weights"] == ours:
                 classes = {"air": found["air"], **{f"{100 * some['from_m']:g}_to_{100 * some['to_m']:g}cm": some for some in found["surface"]}}
                 return {name: take(some, ["points", "holes", "leaks", "total_variation"], f"{path}: blends") for name, some in classes.items()}
     return None
@@ -290,7 +265,7 @@ def by_scene(points, ours):
     """Ours over the baseline that does best in each scene by itself, with probes as far apart as today's: scene → group."""
     out = {}
     for mine in points:
-        if mine.method == (ours, "solved") and mine.spacing_m == TODAY[1]:
+        if mine.method == (ours, "solved") and mine.spacing_m == TODAY_M:
             baselines = [point for point in points if point.scene == mine.scene and point.spacing_m == mine.spacing_m and not is_ours(point, ours) and point.method[0] not in NOT_BASELINES]
             best = {group: min(baselines, key=lambda point: point.rmse[group]) for group in GROUPS}
             out[slug(mine.scene)] = {group: {"value": mine.rmse[group] / best[group].rmse[group], "rmse": mine.rmse[group], "baseline": f"{best[group].method[0]} ({best[group].method[1]})"}
@@ -308,14 +283,15 @@ def indirect(folder, ours):
             for kind in ("levels", "furnished", "daylight")}
     relative = {kind: {spacing: entry["air"] for spacing, entry in to_best_baseline(of_kind[kind], ours, BASELINES, solved=False, error=lambda point, _: point.smape).items()} for kind in best}
     kept = {key: {"name": entry["name"], "places": entry["truth"]["places"]} for key, entry in scenes.items()}
-    return {"revisions": revisions, "scenes": kept, "to_best_baseline": best, "smape_in_air": relative, "by_room": to_best_baseline(points, ours, BASELINES, solved=False, error=by_room), "by_room_solved": to_best_baseline(points, ours, SOLVED_BASELINES, solved=True, error=by_room),
+    return {"revisions": revisions, "scenes": kept, "to_best_baseline": best, "smape_in_air": relative, "by_room": to_best_baseline(points, ours, BASELINES, solved=False, error=by_room),
             "by_scene": by_scene(points, ours), "front": front(points, ours), "tenth_of_ddgi": tenth_of_ddgi(points, ours),
             "thinning": {kind: thinning(of_kind[kind], ours) for kind in best if of_kind[kind]}, "against_bytes": {kind: against_bytes(of_kind[kind], ours) for kind in best if of_kind[kind]},
             "methods": {kind: methods(some) for kind, some in of_kind.items() if some}}
 
 
-def collect(folder, ours=OURS):
+def collect(folder):
     """The results of a folder of light."""
+    ours = OURS
     files = sorted(folder.glob("*.json"))
     if not files:
         fail(folder, "results of nlg-validate light", "no .json")
@@ -325,7 +301,7 @@ def collect(folder, ours=OURS):
            "targets": targets(points, ours), "thinning": {}, "methods": {}}
     for kind in SCENE_KINDS:
         of_kind = [point for point in points if point.kind == kind]
-        if any(point.spacing_m == TODAY[1] for point in of_kind):
+        if any(point.spacing_m == TODAY_M for point in of_kind):
             out["methods"][kind] = methods(of_kind)
             if kind != "boxes":
                 out["thinning"][kind] = thinning(of_kind, ours)
@@ -333,9 +309,8 @@ def collect(folder, ours=OURS):
         out["indirect"] = indirect(folder / "indirect", ours)
     if found := sorted((folder / "views").glob("*.json")):
         out["views"] = view_results.collect(found, kinds, ours, BASELINES, BACKLESS)
-    for section, read in (("noise", noise), ("bakes", bake)):
-        if found := sorted((folder / section).glob("*.json")):
-            out[section] = {slug(path.stem): held_to(read, path) for path in found}
+    if found := sorted((folder / "bakes").glob("*.json")):
+        out["bakes"] = {slug(path.stem): held_to(bake, path) for path in found}
     if found := sorted((folder / "benchmarks").glob("*.json")):
         out["benchmarks"] = benchmarks(found)
     return rounded(out, str(folder))

@@ -87,8 +87,7 @@ functions() {
   made "$run/evaluation/summary.json" "$bin/nlg-validate" --config "$config" --weights weights/*.safetensors --held-out $shards --out "$run/evaluation"
   # shellcheck disable=SC2086
   made "$run/evaluation/frontier.json" "$bin/nlg-validate" frontier --config "$config" --weights weights/*.safetensors --held-out $shards --out "$run/evaluation"
-  made "$run/training_cases.json" sh -c '/usr/bin/python3 validate/stability/training_cases.py "$1" "$2" || [ $? = 6 ]' sh "$bin" "$run/training_cases.json"
-  made "$run/stability.json" sh -c '"$1" stability --weights weights/*.safetensors --training "$2/training_cases.json" --out "$2/stability.json" || [ $? = 6 ]' sh "$bin/nlg-validate" "$run"
+  made "$run/stability.json" sh -c '"$1" stability --weights weights/*.safetensors --out "$2/stability.json" || [ $? = 6 ]' sh "$bin/nlg-validate" "$run"
   benchmark "$run/benchmarks/runtime_eval" bench_runtime_eval
   benchmark "$run/benchmarks/libtorch" bench_libtorch
   mkdir -p "$root/light"
@@ -115,10 +114,6 @@ light() {
       made "$file" "$bin/nlg-validate" light "$(scene "$name")" --weights "$default" --spacings 1 2 --grid-spacings 1.4 2.8 --thin-errors .03 .06 .1 \
         --light-direct "$direct" --out "$file"
     done
-  done
-  for name in aggressor house:3; do
-    made "$root/light/noise/${name//:/_}.json" "$bin/nlg-validate" light-noise "$(scene "$name")" --weights "$default" --spacing-m 1 --runs 3 \
-      --out "$root/light/noise/${name//:/_}.json"
   done
 }
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """One source for every number that the documentation states: docs/results/NAME.json.
 
-    docs/figures/results.py collect RUN [--config CONFIG] [--no-pictures] [--add] [--made-by COMMAND]    measured → docs/results, then write
-    docs/figures/results.py collect-light FOLDER [--ours NAME] [--no-pictures]    what was measured of light → docs/results/light.json, then write
+    docs/figures/results.py collect RUN [--config CONFIG] [--no-pictures] [--made-by COMMAND]    measured → docs/results, then write
+    docs/figures/results.py collect-light FOLDER [--no-pictures]    what was measured of light → docs/results/light.json, then write
     docs/figures/results.py collect-fault-injection FOLDER                   what fault injection found → docs/results/reliability.json, then write
     docs/figures/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
     docs/figures/results.py write                                            docs/results → every text
@@ -43,9 +43,6 @@ IMAGES = ROOT / "docs" / "images"
 GENERATED = {ROOT / "docs" / "reference" / "results.md": results_page.page, ROOT / "docs" / "reference" / "light.md": light_page.page,
              ROOT / "docs" / "reference" / "reliability.md": reliability_page.page, ROOT / "docs" / "reference" / "cycles.md": cycles_page.page,
              ROOT / "weights" / "README.md": model_card.page}
-# Of pages of a results file whose schema_version is 1.
-EARLIER = ("**Of an earlier revision.** These figures are of before the one loss (docs/theory/math.md §4): errors are plain RMSEs, fits of a bake minimised them "
-           "with dark points weighed 64 times and long fits without, so that ratios and speeds between the two compare unlike things.")
 OF_ONE_FILE = (light_page.NAME, reliability_page.NAME, cycles_page.NAME)  # pages of a results file of their name; without it they are left alone
 
 
@@ -70,16 +67,7 @@ def with_rule(text, problems):
 def expected_texts(all_results, problems):
     """Path → the text as the results have it; problems gets a line and whether it is the key that is wrong."""
     texts = {}
-    is_earlier = all_results.get(MAIN, {}).get("schema_version", results_collect.RESULTS_VERSION) < results_collect.RESULTS_VERSION
     for path, page in GENERATED.items():
-        if is_earlier and path.stem not in OF_ONE_FILE:
-            # a page of results that were measured in other errors stays as that revision wrote it, and says so
-            text = read_text(path) if path.exists() else ""
-            heading, _, rest = text.partition("\n")
-            texts[path] = text if EARLIER in text else f"{heading}\n\n{EARLIER}\n{rest}"
-            if texts[path] != text:
-                problems.append((f"{path.relative_to(ROOT)}: expected the line that it is of an earlier revision, got none", False))
-            continue
         if path.stem in all_results or path.stem not in OF_ONE_FILE:
             with as_documented(RESULTS):
                 texts[path] = page(all_results)
@@ -150,14 +138,9 @@ def keep(results):
     return all_results
 
 
-def collect(run, configuration, pictures, add, made_by):
+def collect(run, configuration, pictures, made_by):
     run = run.resolve()
-    earlier = None
-    if add:
-        earlier = load_results(RESULTS).get(run.name)
-        if earlier is None:
-            results_collect.fail(RESULTS / f"{run.name}.json", "earlier results, which --add adds to", "none")
-    results = results_collect.collect(run, configuration, earlier)
+    results = results_collect.collect(run, configuration)
     if made_by:
         results["command"] = made_by
     all_results = keep(results)
@@ -166,10 +149,10 @@ def collect(run, configuration, pictures, add, made_by):
     return write(all_results)
 
 
-def collect_light(folder, ours, pictures):
+def collect_light(folder, pictures):
     import light_results  # which alone needs numpy
-    results, earlier = light_results.collect(folder, ours), load_results(RESULTS).get(light_page.NAME, {})
-    for section in ("indirect", "views", "noise", "bakes", "benchmarks"):
+    results, earlier = light_results.collect(folder), load_results(RESULTS).get(light_page.NAME, {})
+    for section in ("indirect", "views", "bakes", "benchmarks"):
         # each measured by itself: what the folder lacks stays as it was
         if section not in results and section in earlier:
             results[section] = earlier[section]
@@ -186,12 +169,10 @@ def main():
     collecting.add_argument("run", type=Path, help="result folder of the run, out/NAME")
     collecting.add_argument("--config", default=f"configs/{MAIN}.yaml", help="configuration of the run (%(default)s)")
     collecting.add_argument("--no-pictures", action="store_true", help="do not draw docs/images again")
-    collecting.add_argument("--add", action="store_true", help="keep the sections and scenes of docs/results that RUN has not measured. Their weights must be the same, unless only benchmarks are kept")
     collecting.add_argument("--made-by", default="", help="command that made RUN (./pipeline.sh CONFIG)")
     collecting_light = commands.add_parser("collect-light", help="what was measured of light → docs/results/light.json, then write")
     collecting_light.add_argument("folder", type=Path, help="folder with SCENE.json of nlg-validate light, one per scene")
     collecting_light.add_argument("--no-pictures", action="store_true", help="do not draw docs/images again")
-    collecting_light.add_argument("--ours", default=light_page.OURS, help="weights that are compared with baselines (%(default)s)")
     collecting_faults = commands.add_parser("collect-fault-injection", help="what fault injection found → docs/results, then write")
     collecting_faults.add_argument("folder", type=Path, help="--out of tests/fault_injection/run.py")
     collecting_cycles = commands.add_parser("collect-cycles", help="light against Cycles → docs/results, then write")
@@ -200,9 +181,9 @@ def main():
     commands.add_parser("check", help="names every text that says something else, and figures of another revision")
     arguments = parser.parse_args()
     if arguments.command == "collect":
-        return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.add, arguments.made_by)
+        return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.made_by)
     if arguments.command == "collect-light":
-        return collect_light(arguments.folder, arguments.ours, not arguments.no_pictures)
+        return collect_light(arguments.folder, not arguments.no_pictures)
     if arguments.command == "collect-fault-injection":
         return write(keep(reliability_page.collect(arguments.folder)))
     if arguments.command == "collect-cycles":

@@ -1,12 +1,11 @@
 """What a run measured, reduced to what the documentation quotes or tables: docs/results/NAME.json. Read by results.py.
 
 Taken are, where the run's folder has them:
-    evaluation/summary.json, validation/summary.json   nlg-validate, schema_version 2
-    evaluation/frontier.json                           nlg-validate frontier, schema_version 2
-    stability.json                                     nlg-validate stability
-    savings/SCENE.json                                 nlg-bake (--json)
-    bakes/SCENE.json                                   nlg-bake (--json)
-    benchmarks/*.json                                  bench_* --benchmark_out=FILE --benchmark_out_format=json
+    evaluation/summary.json    nlg-validate, schema_version 2
+    evaluation/frontier.json   nlg-validate frontier, schema_version 2
+    stability.json             nlg-validate stability
+    bakes/SCENE.json           nlg-bake (--json)
+    benchmarks/*.json          bench_* --benchmark_out=FILE --benchmark_out_format=json
 """
 import json
 import math
@@ -24,7 +23,7 @@ POPULATIONS = ("all", "theta", "hard")
 FITS = ("direct", "best_known")
 ERRORS = ("blend_rmse", "rmse")
 SCHEMA_VERSION = 2  # of summary.json and frontier.json
-RESULTS_VERSION = 2  # of docs/results/NAME.json; 1: plain RMSE alone, of before the one loss
+RESULTS_VERSION = 2  # of docs/results/NAME.json
 STATISTICS = ("median", "mean", "p95")
 DIGITS = 4  # significant: as many as any text shows
 
@@ -138,8 +137,8 @@ def frontier(path):
 def stability(path):
     """Cases; what was promised and measured of those alone that do not hold."""
     document = read_json(path)
-    texts = lambda case: ["must_hold", "measured"] if case["ran"] and not case["holds"] else []
-    return {"revision": revision(document, path), "cases": [take(case, ["group", "name", "holds", "ran", *texts(case)], path) for case in document["cases"]]}
+    texts = lambda case: ["must_hold", "measured"] if not case["holds"] else []
+    return {"revision": revision(document, path), "cases": [take(case, ["group", "name", "holds", *texts(case)], path) for case in document["cases"]]}
 
 
 BAKE_COUNTS = ("threads", "probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes",
@@ -157,13 +156,6 @@ def bake(path):
            "thread_s": take(seconds, ["visibility", "functions", "duplicates"], path)}
     out["thread_s"].update({word: sum(seconds["stages"].get(stage, 0.0) for stage in stages) for word, stages in BAKE_STAGES.items()})
     return {**out, "rmse": {word: take(document["rmse"][word], ["mean", "p95", "worst"], path) for word in STAGES}}
-
-
-def savings(path):
-    document = read_json(path)
-    known = lambda line: [key for key in ("seconds_saved", "bytes_saved") if key in line]  # a bake names what it knows alone
-    lines = take(document, ["savings"], path)["savings"]
-    return {**take(document, ["scene", "threads"], path), "lines": {slug(line["what"]): take(line, ["what", "count", "of", *known(line)], path) for line in lines}}
 
 
 TIME_UNITS_US = {"ns": 1e-3, "us": 1, "ms": 1e3, "s": 1e6}
@@ -197,21 +189,17 @@ def cases_of(path):
 def weights_named(section, path):
     """Representation or number → SHA-256, as a result's file names the weights that it is of."""
     document = read_json(path)
-    if section in ("bakes", "savings"):
+    if section == "bakes":
         return {name: entry["sha256"] for name, entry in document.get("weights", {}).items()}
     return {name: sha256 for name, sha256 in document.get("provenance", {}).get("inputs", {}).items() if name.startswith("weights")}
 
 
-def check_weights(results, run, files, known):
-    """Every section's figures are of the same weights, those that are known already among them.
+def check_weights(results, files):
+    """Every section's figures are of the weights of the evaluation.
 
     files   section → its files, which name their weights beside the figures
     """
-    hashes = dict(known)
-    for split in ("evaluation", "validation"):
-        for name, entry in results.get(split, {}).get("representations", {}).items():
-            if hashes.setdefault(name, entry["weights_sha256"]) != entry["weights_sha256"]:
-                fail(f"{run}: {split}: {name}", f"figures of weights {hashes[name]}", entry["weights_sha256"])
+    hashes = {name: entry["weights_sha256"] for name, entry in results.get("evaluation", {}).get("representations", {}).items()}
     for section, paths in files.items():
         for path in paths:
             for name, sha256 in held_to(lambda file: weights_named(section, file), path).items():
@@ -226,57 +214,28 @@ def held_to(read, path):
         return read(path)
 
 
-BY_NAME = ("savings", "bakes", "benchmarks")  # sections of which a folder may hold a part
-
-
-def added_to(earlier, found):
-    """Earlier results with the sections that were found; of those by scene or case the others stay."""
-    parts = {key: {**earlier[key], **found[key]} for key in BY_NAME if key in earlier and key in found}
-    return {**earlier, **found, **parts}
-
-
-def what_stays(earlier, found):
-    """What of earlier results may stand beside what was found, and the weights that found figures have to be of.
-
-    New weights take the place of the old ones when all that depends on weights was found again; then benchmarks of the old ones go.
-    """
-    sections = set(earlier) & {"evaluation", "validation", "frontier", "stability", *BY_NAME} - {"benchmarks"}
-    all_found = all(key in found and (key not in BY_NAME or set(earlier[key]) <= set(found[key])) for key in sections)
-    measured = {name: entry["weights_sha256"] for name, entry in found.get("evaluation", {}).get("representations", {}).items()}
-    if not all_found or measured == earlier["weights"]:
-        return earlier, earlier["weights"]
-    of_no_weights = {case: figures for case, figures in earlier.get("benchmarks", {}).items() if not case.startswith(("shipped_", "peer_difference_"))}
-    return {**earlier, "benchmarks": of_no_weights}, {}
-
-
-def collect(run, configuration, earlier=None):
-    """The results of one run's folder; what it does not hold is taken from earlier results of the same weights."""
+def collect(run, configuration):
+    """The results of one run's folder."""
     out = {"schema_version": RESULTS_VERSION, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
     if (run / "machine.txt").exists():
         out["machine"] = (run / "machine.txt").read_text().strip()
-    readers = {"evaluation": ("evaluation/summary.json", summary), "validation": ("validation/summary.json", summary),
-               "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}
+    readers = {"evaluation": ("evaluation/summary.json", summary), "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}
     files = {}  # of sections that name their weights beside the figures
     for section, (file, read) in readers.items():
         if (run / file).exists():
             out[section] = held_to(read, run / file)
             if read is not summary:
                 files[section] = [run / file]
-    for section, read in (("savings", savings), ("bakes", bake)):
-        if found := sorted((run / section).glob("*.json")):
-            out[section] = {file.stem: held_to(read, file) for file in found}
-            files[section] = found
+    if found := sorted((run / "bakes").glob("*.json")):
+        out["bakes"] = {file.stem: held_to(bake, file) for file in found}
+        files["bakes"] = found
     if found := sorted((run / "benchmarks").glob("*.json")):
         out["benchmarks"] = benchmarks(found)
-    if not set(out) & {"evaluation", "validation", "frontier", "stability", *BY_NAME}:
+    if not set(out) & {"evaluation", "frontier", "stability", "bakes", "benchmarks"}:
         fail(run, "the folder of a run that measured something", "none of its files")
-    known = {}
-    if earlier:
-        earlier, known = what_stays(earlier, out)
-        out = added_to(earlier, out)
     if "frontier" in out and "evaluation" in out and out["frontier"]["held_out_sha256"] != out["evaluation"]["held_out_sha256"]:
         fail(run / "evaluation/frontier.json", "the shards of summary.json", "other shards")
-    out["weights"] = check_weights(out, run, files, known)
+    out["weights"] = check_weights(out, files)
     return rounded(out, str(run))
 
 

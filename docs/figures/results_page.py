@@ -64,18 +64,11 @@ def error_cells(theta, hard):
 ERROR_HEAD = ["", "blend RMSE: mean", "p95", "hard: mean", "RMSE: mean", "occluded, mean", "fails the check", "µs a function"]
 
 
-def in_training(counts):
-    """Nothing where validate was given no training shards: then all distinct functions are held out, and nobody compared them."""
-    if counts["distinct"] <= counts["held_out"]:
-        return ""
-    return (f"Training holds duplicates of {counts['held_out_in_training']:,} of all, with mirror images of {counts['held_out_in_training_mirrored']:,}. ")
-
-
 def evaluation_section(split):
     counts = split["functions"]
     text = (f"\n## Evaluation: levels that no generator was trained on\n{counts['held_out']:,} distinct functions of {counts['held_out_scenes']} levels and furnished villas. "
-            f"The table shows *stored* θ of the {counts['take_theta']:,} that take one, in {split['theta_precision']}; {counts['hard']:,} are hard. {in_training(counts)}"
-            f"Revision `{split['revision']}`. *Network*, *fitted* and the share fitted: [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
+            f"The table shows *stored* θ of the {counts['take_theta']:,} that take one, in {split['theta_precision']}; {counts['hard']:,} are hard."
+            f" Revision `{split['revision']}`. *Network*, *fitted* and the share fitted: [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
     rows = [["bare tent", *error_cells(split["tent"]["theta"], split["tent"]["hard"]), "0"]]
     for name, entry in split["representations"].items():
         rows.append([f"`{name}`", *error_cells(entry["stored"]["theta"], entry["stored"]["hard"]), microseconds(entry["stored"]["theta"]["us_per_function"])])
@@ -98,14 +91,6 @@ def sample_section(split):
         rows.append([f"`{name}`", mean("stored"), mean("direct"), mean("best_known"), microseconds(entry["direct"]["theta"]["us_per_function"]),
                      *(short_ratio(to_best[word]["median"]) for word in ("network", "stored")), short_ratio(to_best["stored"]["median_hard"])])
     return text + table(["", "stored", "direct", "best known", "direct, µs a function", "over best known: network", "stored", "stored, hard"], rows)
-
-
-def validation_section(split):
-    counts = split["functions"]
-    rows = [[f"`{name}`", *(number(entry[word]["theta"]["blend_rmse"]["mean"]) for word in STAGES), with_interval(entry["stored"]["theta"]["blend_rmse"], "p95"), number(entry["stored"]["hard"]["blend_rmse"]["mean"]),
-             number(entry["stored"]["theta"]["rmse"]["mean"]), share(entry["stored"]["theta"]["share_failing_check"]), share(entry["stored"]["theta"]["share_fitted"])] for name, entry in split["representations"].items()]
-    text = (f"\n## Validation: held-out scenes of the kinds trained on\n{counts['take_theta']:,} functions that take a θ, of {counts['held_out_scenes']} scenes. Errors are blend RMSEs where nothing else is said. Revision `{split['revision']}`.\n")
-    return text + table(["", *(f"{word}, mean" for word in STAGES), "stored, p95", "stored, hard: mean", "stored, mean RMSE", "fails the check", "share fitted"], rows)
 
 
 def frontier_section(front):
@@ -169,10 +154,10 @@ def stability_section(stability):
     groups = {}
     for case in cases:
         groups.setdefault(case["group"], []).append(case)
-    rows = [[group, len(found), sum(case["ran"] for case in found), sum(case["ran"] and case["holds"] for case in found)] for group, found in groups.items()]
+    rows = [[group, len(found), sum(case["holds"] for case in found)] for group, found in groups.items()]
     text = f"\n## Stability\n[Extreme cases](stability.md). Revision `{stability['revision']}`.\n"
-    text += table(["", "cases", "run", "hold"], rows)
-    failed = [f"{case['name']}: {case['must_hold']}. {case['measured']}" for case in cases if case["ran"] and not case["holds"]]
+    text += table(["", "cases", "hold"], rows)
+    failed = [f"{case['name']}: {case['must_hold']}. {case['measured']}" for case in cases if not case["holds"]]
     return text + "".join(f"\n- Does not hold: {line}" for line in failed) + ("\n" if failed else "")
 
 
@@ -215,23 +200,6 @@ def bakes_section(bakes):
     return text + table(BAKE_HEAD, rows)
 
 
-def savings_section(savings):
-    """A line a kind of what was left out, a column a scene."""
-    kinds = {key: line["what"] for entry in savings.values() for key, line in entry["lines"].items()}
-
-    def cell(line):
-        if line is None:
-            return ""
-        known = [f"{line['count']:,} of {line['of']:,}"]
-        known += [f"{line['seconds_saved']:,.1f} s"] if "seconds_saved" in line else []
-        known += [f"{line['bytes_saved'] / 1000:,.0f} kB"] if line.get("bytes_saved") else []
-        return "; ".join(known)
-
-    rows = [[what, *(cell(entry["lines"].get(key)) for entry in savings.values())] for key, what in kinds.items()]
-    text = "\n## What bakes left out\nHow many of how many, and the bytes that this saves; processor seconds where the machine was quiet ([bake](bake_json.md#savings)).\n"
-    return text + table(["", *savings], rows)
-
-
 # of all cases: the generator beside the machine's peak and libtorch; look-ups stand on the page of light
 SHOWN_BENCHMARKS = ("machine/", "peer/generator/", "generator/float32/batch/")
 
@@ -249,7 +217,7 @@ def page(all_results):
     results = all_results[MAIN]
     of_machine = f" All times are of one machine: {results['machine']}." if "machine" in results else ""
     text = INTRODUCTION + f"\nMade by `{results['command']}`; the SHA-256 of the weights stand in their [cards](../../weights/README.md).{of_machine}\n"
-    sections = {"evaluation": evaluation_section, "validation": validation_section, "frontier": frontier_section, "bakes": bakes_section, "savings": savings_section,
+    sections = {"evaluation": evaluation_section, "frontier": frontier_section, "bakes": bakes_section,
                 "stability": stability_section, "benchmarks": benchmarks_section}
     for key, write in sections.items():
         text += write(results[key]) if key in results else ""

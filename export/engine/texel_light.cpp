@@ -130,7 +130,7 @@ TexelJudge::TexelJudge(const MeasuredScene& scene, const ExtentBox& extent, int 
 void TexelJudge::trace(int rays) {
   GatherOptions gather{rays};
   gather.direct = scene_.options.place.direct;
-  truth_ = lightTruth(places_, scene_.transport, {gather, 0.0, mixSeed(seed_, kTruthStream), scene_.thread_count});
+  truth_ = lightTruth(places_, scene_.transport, {gather, mixSeed(seed_, kTruthStream), scene_.thread_count});
 }
 
 void TexelJudge::take(
@@ -144,7 +144,6 @@ void TexelJudge::take(
     truth_.at.push_back(at);
   }
   places_.places = std::move(known);
-  truth_.around.resize(truth_.at.size());
 }
 
 LightFigures TexelJudge::errorOf(const EngineIrradiance& shown) const {

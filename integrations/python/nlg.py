@@ -122,7 +122,7 @@ class LightGrid:
 
     @property
     def groups(self):
-        """list of str: names of the groups of light, in the order of mix(). Empty without --light-groups and --light-set."""
+        """list of str: names of the groups of light, in the order of mix(). Empty without --light-groups and --light-state."""
         return [_call("light_grid_group_name", self._grid, group).decode() for group in range(_call("light_grid_group_count", self._grid))]
 
     @property

@@ -12,7 +12,6 @@
 #include "tests/temporary_folder.h"
 #include "tool/error.h"
 #include "validate/light/asked_bakes.h"
-#include "validate/light/noise.h"
 
 namespace nlg {
 namespace {

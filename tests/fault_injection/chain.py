@@ -51,7 +51,7 @@ def tools():
         Tool("pca", ["nlg-pca", *config, "--shards", "training.h5", "--held-out", held_out, "--out", "basis.h5"], [CONFIG, "training.h5", held_out], ["basis.h5"], result="basis.json"),
         Tool("cache", ["nlg-cache", "--basis", "basis.h5", "--shards", "training.h5", "--out", "functions.cache"], ["basis.h5", "training.h5"], ["functions.cache"]),
         Tool("train", [*train, "--cache", "functions.cache"], [CONFIG, "basis.h5", "functions.cache", held_out], ["tent_mlp.ckpt", "run", "tent_mlp.csv"]),
-        Tool("curve", ["workflow/training_curve.py", "--log", "tent_mlp.csv", "--title", "tent_mlp", "--out", "curve.png"], ["tent_mlp.csv"], ["curve.png"], is_script=True),
+        Tool("curve", ["workflow/training_so_far.py", "--log", "tent_mlp.csv", "--curve", "curve.png"], ["tent_mlp.csv"], ["curve.png"], is_script=True),
         Tool("export", ["nlg-export", *config, "--checkpoint", "tent_mlp.ckpt", "--basis", "basis.h5", "--shards", held_out, "--out", weights, "--onnx", "tent_mlp.onnx"],
              [CONFIG, "tent_mlp.ckpt", "basis.h5", held_out], [weights, "tent_mlp.onnx"]),
         Tool("bake", ["nlg-bake", "house:1", *config, "--weights", weights, "--json", "bake.json", "--out", "grid.safetensors"], [CONFIG, weights], ["grid.safetensors", "bake.json"]),
@@ -67,9 +67,9 @@ def tools():
         Tool("stability", ["nlg-validate", "stability", "--short", "--only", "functions", "--weights", weights, "--out", "stability.json"], [weights], ["stability.json"]),
         Tool("light", ["nlg-validate", "light", "two_rooms:0", *config, *LIGHT, "--weights", weights, "--out", "light.json"], [CONFIG, weights], ["light.json"]),
         Tool("report", ["validate/report/report.py", "--summary", "validation/summary.json", "--functions", "validation/functions.csv", "--slices", "validation/slices.json",
-                        "--basis", "basis.json", "--logs", "tent_mlp.csv", "--frontier", "frontier/frontier.json", "--stability", "stability.json", "--light", "light.json",
+                        "--logs", "tent_mlp.csv", "--frontier", "frontier/frontier.json", "--stability", "stability.json", "--light", "light.json",
                         "--savings", "bake.json", "--out", "report.html"],
-             ["validation", "basis.json", "tent_mlp.csv", "frontier", "stability.json", "light.json", "bake.json"], ["report.html", "slices.png", "verdict.txt"], is_script=True),
+             ["validation", "tent_mlp.csv", "frontier", "stability.json", "light.json", "bake.json"], ["report.html", "slices.png", "verdict.txt"], is_script=True),
     ]
 
 

@@ -242,7 +242,7 @@ CHANGES = {
     "a cache of a killed run": (lambda w: ((w.run / "training").mkdir(exist_ok=True), (w.run / "training/functions.cache").write_text("x")), ""),
     "the results have moved": (lambda w: (setattr(w, "out", elsewhere(w, "out")), setattr(w, "run", w.out / "run")), ""),
     "another checkout": (other_checkout, ""),
-    "another script in it": (lambda w: (other_checkout(w), (w.root / "workflow/training_curve.py").open("a").write("# x\n")), "train"),
+    "another script in it": (lambda w: (other_checkout(w), (w.root / "workflow/training_so_far.py").open("a").write("# x\n")), "train"),
     "tools of another revision": (other_revision, "said: of revision"),
     "a shard of no run": (lambda w: shutil.copy(w.run / "dataset/training/plain.0.h5", w.run / "dataset/training/left.0.h5"), "said: left.0.h5"),
 }

@@ -126,7 +126,7 @@ def check_broken(tools):
                              (["--bin", "none"], "--bin"), (["docs"], ".glb, .gltf, .obj or .pk3 files in"), (["none.yaml"], "none.yaml")]:
         tools.refuses(USAGE_ERROR, words, ["./pipeline.sh", *arguments], cwd=SOURCES)
     # a table that the workflow's scripts read; tests/tool/scripts_test.py has what may be wrong in one
-    table = os.path.abspath(write("many_digits.json", b'{"cases": [{"ran": ' + b"9" * 400 + b"}]}"))
+    table = os.path.abspath(write("many_digits.json", b'{"cases": [{"holds": ' + b"9" * 400 + b"}]}"))
     tools.refuses(INPUT_ERROR, "many_digits.json", ["/usr/bin/python3", os.path.join(SOURCES, "workflow", "failed_cases.py"), table])
 
 

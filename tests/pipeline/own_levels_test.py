@@ -20,7 +20,7 @@ BIN = Path(sys.argv[1]).resolve()
 # as little as the stages take; what a user would leave alone
 SMALL = ["scenes.families=[house]", "scenes.per_family=1", "scenes.jitters=1", "datagen.max_functions=120", "datagen.test_points=512", "basis.components=64",
          "train.steps=40", "train.batch=32", "train.start_candidates=16", "representations={tent_mlp4: {}}", "validate.direct_functions=4",
-         "validate.direct_adam_steps=300", "validate.direct_lm_iterations=4", "validate.direct_restarts=1", "validate.convergence_functions=1",
+         "validate.direct_adam_steps=300", "validate.direct_lm_iterations=4", "validate.direct_restarts=1",
          "frontier.functions=4", "frontier.repeats=2", "frontier.direct_adam_steps=[250]", "bake.spacing_m=1.5"]
 
 

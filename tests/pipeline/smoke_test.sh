@@ -41,14 +41,14 @@ done
 import json, sys
 
 summary = json.load(open(sys.argv[1]))
-words, fits = ["network", "corrected", "fitted", "stored"], ["direct", "adam_theta0", "lm_theta0", "adam_random", "best_known"]
+words, fits = ["network", "corrected", "fitted", "stored"], ["direct", "best_known"]
 functions = summary["functions"]
 assert functions["distinct"] > functions["held_out"] > 0, functions
 assert functions["held_out"] >= functions["take_theta"] >= functions["hard"], functions
 for name, representation in summary["representations"].items():
     # corrections never end above where they started, and nothing is below what is best known
     means = {word: representation["sample"][word]["theta"]["blend_rmse"]["mean"] for word in words + fits}
-    for better, worse in [("corrected", "network"), *(("best_known", word) for word in words + fits), ("direct", "lm_theta0"), ("direct", "adam_theta0")]:
+    for better, worse in [("corrected", "network"), *(("best_known", word) for word in words + fits)]:
         assert means[better] <= means[worse] * (1 + 1e-4), f"{name}: {better} has a mean blend RMSE of {means[better]}, {worse} of {means[worse]}"
 PYTHON
 
@@ -107,8 +107,7 @@ cat >"$temporary/bin/nlg-validate" <<'SCRIPT'
 import json, sys
 
 table = json.load(open(sys.argv[1]))
-case = next(case for case in table["cases"] if case["ran"])
-case.update(name="made to fail", holds=False, note="")
+table["cases"][0].update(name="made to fail", holds=False)
 json.dump(table, open(sys.argv[2], "w"))
 PYTHON
 exit "$STABILITY_CODE"

@@ -22,7 +22,7 @@ BIN, STOPS = Path(sys.argv[1]).resolve(), int(sys.argv[2])
 # as little as the stages take
 SMALL = ["scenes.families=[]", "scenes.per_family=0", "scenes.jitters=1", "datagen.max_functions=40", "datagen.test_points=512", "basis.components=16", "train.steps=60", "train.batch=8", "train.start_candidates=4",
          "train.width=16", "train.layers=2", "representations={tent_mlp4: {}}", "split.held_out=[room1]", "export.parity_tolerance=1", "validate.direct_functions=2", "validate.direct_adam_steps=20",
-         "validate.direct_lm_iterations=2", "validate.direct_restarts=1", "validate.convergence_functions=0", "frontier.functions=2", "frontier.repeats=1", "frontier.direct_adam_steps=[20]", "report.savings=[]"]
+         "validate.direct_lm_iterations=2", "validate.direct_restarts=1", "frontier.functions=2", "frontier.repeats=1", "frontier.direct_adam_steps=[20]", "report.savings=[]"]
 SAME = ["basis.h5", "basis.json", "training/tent_mlp4.ckpt", "training/tent_mlp4.csv", "weights/tent_mlp4.safetensors"]  # in which no time stands
 
 

@@ -4,19 +4,21 @@
     training_test.py BIN_FOLDER [ROUNDS]
 """
 import csv
+import hashlib
 import json
+import math
 import os
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import time
 from random import Random
 
 sys.dont_write_bytecode = True
-sys.path += [os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", *place) for place in ((), ("..", "validate", "stability"))]
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from tools import INPUT_ERROR, NUMERICAL_ERROR, SECONDS, USAGE_ERROR, Tools, read, room, run_checks, write
-from training_cases import poisoned_cache
 
 TOOLS = Tools(sys.argv[1])
 check = TOOLS.check
@@ -25,6 +27,7 @@ OPTIONS = ["--input", "coefficients", "--batch", "8", "--checkpoint-steps", "10"
            "--theta-share", "0.25"]
 INPUTS = ["--representation", "tent_mlp", "--basis", "basis.h5", "--held-out", "held_out.h5"]
 CACHE = ["--cache", "functions.cache"]
+HEAD, POINTS, VALIDITY, SUMS, BLOCK = 4096, 8192, 1024, 8192, 512  # docs/reference/training_files.md, "Function cache"
 ROUNDS = int(sys.argv[2]) if len(sys.argv) > 2 else 2  # of stops by every signal, for each kind of run
 
 
@@ -52,6 +55,29 @@ def columns(path):
     with open(path, newline="") as file:
         rows = list(csv.DictReader(file))
     return {key: [float(row[key]) for row in rows] for key in rows[0]}
+
+
+def changed_cache(path, change):
+    """A copy of the function cache after change(records, size of one), with digests that fit."""
+    whole = bytearray(read("functions.cache"))
+    footer_first = struct.unpack_from("<Q", whole, 16)[0]
+    json_text, _, tail = bytes(whole[footer_first:]).partition(b"\n")
+    values = json.loads(json_text)
+    size = POINTS + 2 * VALIDITY + SUMS + 4 * values["coefficient_count"]
+    records = whole[HEAD:footer_first]
+    change(records, size)
+    values["block_sha256"] = [hashlib.sha256(records[i : i + BLOCK * size]).hexdigest() for i in range(0, len(records), BLOCK * size)]
+    footer = json.dumps(values).encode() + b"\n" + tail
+    whole[24:88] = hashlib.sha256(footer).hexdigest().encode()
+    write(path, bytes(whole[:HEAD] + records) + footer)
+
+
+def make_extreme(records, size):
+    """Of every five functions one of nothing but 255, one of nothing but 0, one without a valid point."""
+    for number in range(len(records) // size):
+        if number % 5 < 3:
+            phi, validity = ((255, 255), (0, 255), (0, 0))[number % 5]
+            records[number * size:number * size + POINTS + VALIDITY] = bytes([phi]) * POINTS + bytes([validity]) * VALIDITY
 
 
 def check_cache(_):
@@ -214,7 +240,7 @@ def check_lost_process(_):
 
 def check_rollbacks(_):
     """A function whose coefficients are absurd: training goes back, and says so."""
-    poisoned_cache("functions.cache", "poisoned.cache", 3)
+    changed_cache("poisoned.cache", lambda records, size: struct.pack_into("<f", records, 3 * size + POINTS + 2 * VALIDITY + SUMS, 1e30))
     data = ["--cache", "poisoned.cache"]
     out, err = end(train("poisoned", data=data))
     result = json.loads(out)
@@ -227,6 +253,53 @@ def check_rollbacks(_):
     check(os.path.exists("lasting_run/latest"), "a run that gave up left no checkpoint")
 
 
+def check_wild_rates(_):
+    """No error of a checkpoint is ever not finite: the run goes on at half the rate, or ends with the cause."""
+    for rate in ("1", "1000"):
+        process = train(f"rate_{rate}", learning_rate=rate)
+        _, err = process.communicate()
+        errors = columns(f"rate_{rate}_run/log.csv")["held_out_blend_rmse"] if os.path.exists(f"rate_{rate}_run/latest") else []
+        check(all(map(math.isfinite, errors)), f"rate {rate}: {errors}")
+        check(process.returncode == NUMERICAL_ERROR and "step" in err or process.returncode == 0 and errors, f"rate {rate}: exit code {process.returncode}, {err!r}")
+
+
+def check_extreme_targets(_):
+    changed_cache("extreme.cache", make_extreme)
+    end(train("extreme", data=["--cache", "extreme.cache"]))
+    errors = columns("extreme.csv")["held_out_blend_rmse"]
+    check(all(map(math.isfinite, errors)), f"targets of 0 and 255 alone: {errors}")
+
+
+def checkpointed(name, data, steps=120):
+    """A run that has made its first checkpoint."""
+    process = train(name, data=data, steps=steps)
+    deadline = time.time() + SECONDS
+    while process.poll() is None and not os.path.exists(f"{name}_run/latest") and time.time() < deadline:
+        time.sleep(0.01)
+    return process
+
+
+def check_vanished_data(_):
+    """What was read is no longer needed; a cache that is cut short ends the run, whose last checkpoint stays."""
+    shutil.copy("training.h5", "vanishing.h5")
+    process = checkpointed("vanishing", ["--shards", "vanishing.h5"])
+    os.remove("vanishing.h5")
+    end(process)
+    _, err = end(train("again", data=["--shards", "vanishing.h5"]), INPUT_ERROR)
+    check("vanishing.h5" in err, f"a shard that is gone: {err!r}")
+    shutil.copy("functions.cache", "vanishing.cache")
+    process = checkpointed("unlinked", ["--cache", "vanishing.cache"])
+    os.remove("vanishing.cache")
+    end(process)
+    end(train("undisturbed"))
+    check(read("unlinked.ckpt") == read("undisturbed.ckpt"), "a cache that vanished midway changed the run")
+    shutil.copy("functions.cache", "cut.cache")
+    process = checkpointed("cut", ["--cache", "cut.cache"], steps=1000000)
+    os.truncate("cut.cache", 3 * HEAD)
+    _, err = end(process, INPUT_ERROR)
+    check("cache" in err and os.path.exists("cut_run/latest"), f"a cache that is cut short: {err!r}")
+
+
 def make_inputs(tools):
     for command in ("nlg-datagen --scene house:1 --max-functions 700 --out training.h5", "nlg-datagen --scene house:2 --max-functions 24 --held-out --out held_out.h5",
                     "nlg-datagen --scene house:3 --max-functions 24 --held-out --out other.h5",
@@ -235,4 +308,4 @@ def make_inputs(tools):
 
 
 if __name__ == "__main__":
-    sys.exit(run_checks(TOOLS, (make_inputs, check_cache, check_damaged_checkpoint, check_other_process, check_processes, check_lost_process, check_rollbacks, check_stops, check_ignored_stop, check_other_runs, check_copies, check_bare_tent)))
+    sys.exit(run_checks(TOOLS, (make_inputs, check_cache, check_damaged_checkpoint, check_other_process, check_processes, check_lost_process, check_rollbacks, check_stops, check_ignored_stop, check_other_runs, check_copies, check_bare_tent, check_wild_rates, check_extreme_targets, check_vanished_data)))

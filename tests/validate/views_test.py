@@ -51,12 +51,10 @@ class Views(unittest.TestCase):
             for of_class in method.keys() - {"weights", "light"}:
                 figures = method[of_class]
                 self.assertGreater(figures["receivers"], 0)
-                for share in [figures[off][way] for off in ("off_1.5", "off_2") for way in SHARES] + [figures["below_eighth"], figures["ringing"], figures["dim"], figures["unlit"]]:
+                for share in [*(figures["off_2"][way] for way in SHARES), figures["below_eighth"], figures["ringing"]]:
                     self.assertTrue(0 <= share <= 1, figures)
                 self.assertLessEqual(figures["below_eighth"], figures["off_2"]["darker"])
                 self.assertGreaterEqual(figures["energy"], 0)
-                for way in SHARES:
-                    self.assertLessEqual(figures["off_2"][way], figures["off_1.5"][way])
             parts = [view_method["all"] for view in self.result["views"] for view_method in view["methods"] if view_method["weights"] == method["weights"]]
             self.assertAlmostEqual(method["all"]["hyab"], sum(part["hyab"] for part in parts) / len(parts), places=9)
 
@@ -99,7 +97,6 @@ class Views(unittest.TestCase):
             result = json.load(file)
         self.assertEqual([[round(x, 4) for x in view["eye_m"]] for view in result["views"]], [[-0.4, 1.6, -1.7], [3.75, 1.6, -1.7]])
         self.assertEqual([method["weights"] for method in result["methods"]], ["before", "exact visibility"])
-        self.assertEqual(result["methods"][-1]["all"]["dim"], 0)
         self.assertEqual(views("house:1", "--cameras", *size, "--out", out).returncode, INPUT_ERROR)
 
     def test_refuses_what_cannot_be_measured(self):

@@ -25,7 +25,7 @@ def quantiles(mean):
 def figures(mean):
     return {"functions": 1000, "blend_rmse": quantiles(1.5 * mean), "rmse": quantiles(mean), "rmse_test_points": quantiles(1.2 * mean), "rmse_occluded": quantiles(2 * mean),
             "leak": {"mean": 0.00012, "p99": 0.01}, "share_failing_check": interval(0.0312), "share_fitted": interval(0.25),
-            "us_per_function": 612.3, "us_per_function_median": 20.0}
+            "us_per_function": 612.3}
 
 
 def populations(mean):
@@ -34,15 +34,12 @@ def populations(mean):
 
 def representation(weights_sha256):
     words = {word: populations(mean) for word, mean in (("network", 0.0053), ("corrected", 0.0027), ("fitted", 0.00241), ("stored", 0.00239))}
-    fits = {word: populations(0.0017) for word in ("direct", "adam_theta0", "lm_theta0", "adam_random", "best_known")}
-    ratio = {key: interval(1.48) for key in ("median", "median_hard", "median_rmse", "median_test_points", "median_occluded_hard")}
-    ratios = {word: {"to_best_known": ratio, "to_direct": ratio, "without_duplicates": ratio} for word in words}
+    fits = {word: populations(0.0017) for word in ("direct", "best_known")}
+    ratios = {word: {"to_best_known": {"median": interval(1.48), "median_hard": interval(1.48)}} for word in words}
     stages = [{"name": "network", "word": "network", "population": "theta", "above_rmse": None, "budget": None, "text": "one pass"},
               {"name": "adam", "word": "fitted", "population": "theta", "above_rmse": 0.003, "budget": 500, "text": "500 steps of Adam"}]
     return {"parameters": 113, "theta_bytes": {"float32": 452, "float16": 226, "int8": 122}, "weights_bytes": 3032068, "weights_sha256": weights_sha256, "evaluate_us": 9.1,
-            "convergence": {"functions": 100, "by_restarts": [{"restarts": 2, "adam_steps": 32000, "blend_rmse_mean": 0.0017}],
-                            "by_adam_steps": [{"restarts": 2, "adam_steps": 64000, "blend_rmse_mean": 0.0016}]}, "stages": stages, **words, "sample": {"functions": 280, "hard": 70, "best_known_from": {"direct": 200, "adam_policy": 80}, **words, **fits, "ratios": ratios},
-            "by_scene": {"kaos2": {word: {"blend_rmse": quantiles(0.003), "rmse": quantiles(0.002)} for word in ("stored", "network")}}}
+            "stages": stages, **words, "sample": {"functions": 280, "hard": 70, **words, **fits, "ratios": ratios}}
 
 
 def summary(weights_sha256=SHA256):
@@ -54,34 +51,33 @@ def summary(weights_sha256=SHA256):
 
 
 def frontier():
-    statistics = {"mean": 0.003, "median": 0.001, "p5": 0.0005, "p95": 0.009, "worst": 0.02}
-    errors = {f"{error}_{key}": by * value for error, by in (("blend_rmse", 2), ("rmse", 1)) for key, value in statistics.items()}
+    statistics = {"mean": 0.006, "median": 0.002, "p5": 0.001, "p95": 0.018, "worst": 0.04}
+    errors = {**{f"blend_rmse_{key}": value for key, value in statistics.items()}, "rmse_mean": 0.003}
     found = {"us_median": 5246, "us_p25": 5000, "us_p75": 5500, **errors, "leak_p99": 0.01, "share_failing_check": 0.05, "share_fitted": 1.0, "on_front": True}
     point = {"representation": "tent_mlp", "family": "lm_from_theta0", "budget": 16, "label": "16 LM from theta0", "words": [],
-             "figures": {"all": found, "theta": found, "hard": {**found, "on_front": False}}, "by_scene": {"kaos2": {}}}
+             "figures": {"theta": found, "hard": {**found, "on_front": False}}, "by_scene": {"kaos2": {}}}
     stage = {**point, "family": "stages", "budget": None, "label": "Adam", "words": ["fitted"]}
     speed = {"time_us": 600.0, "blend_rmse_mean": 0.0048, "share_failing_check": interval(0.01), "baseline": "Adam from theta0", "baseline_us_at_equal_error": 3960.0,
              "baseline_share_failing_check": interval(0.02), "ratio": {"value": 6.6, "low": 5.1, "high": None}, "longest_us": None, "reason": None}
     none = {**speed, "baseline": None, "baseline_us_at_equal_error": None, "baseline_share_failing_check": None, "ratio": None, "longest_us": 9000.0, "reason": "no direct fit reaches the error"}
     return {"schema_version": 2, "provenance": {"revision": "0123abc", "inputs": {"held_out": "cd" * 32}},
-            "functions": {"all": 500, "theta": 246, "hard": 50, "bare_tents_at_time_0": 254}, "scenes": ["kaos2"],
-            "points": [point, stage, {**stage, "label": "refinement"}], "bare_tent": {"figures": {"all": errors, "theta": errors, "hard": errors}, "by_scene": {}},
-            "front_sentences": {"all": "One point.", "theta": "Another.", "hard": ""},
-            "speed_at_equal_error": {"tent_mlp": {"network": speed, "corrected": none, "fitted": none}}, "speed_at_equal_error_hard": {}}
+            "functions": {"theta": 246, "hard": 50}, "scenes": ["kaos2"],
+            "points": [point, stage, {**stage, "label": "refinement"}], "bare_tent": {"figures": {"theta": errors, "hard": errors}, "by_scene": {}},
+            "front_sentences": {"theta": "One point.", "hard": ""},
+            "speed_at_equal_error": {"tent_mlp": {"network": speed, "corrected": none, "fitted": none}}}
 
 
 def stability():
-    case = {"group": "functions", "name": "free space", "must_hold": "it holds", "measured": "0.0059", "figures": {}, "holds": True, "fails_check": False, "ran": True, "note": ""}
-    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "cases": [case, {**case, "name": "other", "ran": False, "holds": False}]}
+    case = {"group": "functions", "name": "free space", "must_hold": "it holds", "measured": "0.0059", "figures": {}, "holds": True, "fails_check": False}
+    return {"schema_version": 1, "provenance": {"revision": "0123abc"}, "cases": [case, {**case, "name": "other"}]}
 
 
 def bake():
-    line = {"what": "probes in solid", "count": 3, "of": 9, "seconds_saved": 33.8, "note": ""}
     counts = {key: 100 for key in ("probes", "free_space", "in_solid", "empty", "bare_tents", "duplicates", "functions", "took_fit", "still_failing", "bytes")}
     errors = {"mean": 0.0034, "median": 0.002, "p95": 0.01, "p99": 0.02, "worst": 0.03, "leak_mean": 0.0, "failing": 0, "us_per_function": 600.0}
     return {"scene": "kaos2", "threads": 2, **counts, "bytes_per_probe": 26.0, "share_fitted": {"all": 0.1, "theta": 0.4},
             "thread_seconds": {"visibility": 3.6, "functions": 0.9, "duplicates": 0.1, "stages": {"network": 0.05, "check": 0.01, "adam": 2.0}},
-            "wall_seconds": {"load": 0.2, "all": 7.6}, "light": {"wall_seconds": {"cache": 0.0, "measure": 2.0, "solve": 0.5}}, "rmse": {word: errors for word in ("network", "corrected", "fitted", "stored")}, "savings": [line]}
+            "wall_seconds": {"load": 0.2, "all": 7.6}, "light": {"wall_seconds": {"cache": 0.0, "measure": 2.0, "solve": 0.5}}, "rmse": {word: errors for word in ("network", "corrected", "fitted", "stored")}}
 
 
 def benchmarks():
@@ -91,9 +87,9 @@ def benchmarks():
 
 
 def light_method(weights, light, rmse, size, **more):
-    group = {"rmse": rmse, "smape": 0.1, "colour": {"mean": 2.0}, "unlit": 0.0, "outside": 0.0, "balanced": {"rooms": 3, "rmse": rmse ** 2}}
+    group = {"rmse": rmse, "smape": 0.1, "unlit": 0.0, "outside": 0.0, "balanced": {"rooms": 3, "rmse": rmse ** 2}}
     surface = {**group, "by_distance": [{"from_m": 0.05, "to_m": 0.1, "rmse": rmse}]}
-    return {"weights": weights, "light": light, "air": group, "surface": surface, "turned": group, "dark": {"excess": rmse / 10}, **{key: {"excess": rmse / 2} for key in ("edge", "corner", "beside_light")}, "jumps": {"mean": 0.01, "largest": 0.1},
+    return {"weights": weights, "light": light, "air": group, "surface": surface, "turned": group, "dark": {"places": 99, "excess": rmse / 10}, "edge": {"excess": rmse / 2}, "jumps": {"mean": 0.01, "largest": 0.1},
             "bytes": {"total": size, "per_probe": size / 8}, "probes": 8, "times": {"weights_s": 1.0, "light_s": 0.5}, "worst": [], **more}
 
 
@@ -145,10 +141,8 @@ class Results(unittest.TestCase):
         self.write("docs/figures/quotes.json", {})
         run = "out/openarena/"
         self.write(run + "evaluation/summary.json", summary(self.sha256))
-        self.write(run + "validation/summary.json", summary(self.sha256))
         self.write(run + "evaluation/frontier.json", frontier())
         self.write(run + "stability.json", stability())
-        self.write(run + "savings/kaos2.json", bake())
         self.write(run + "bakes/kaos2.json", bake())
         self.write(run + "benchmarks/runtime_eval.json", benchmarks())
 
@@ -185,7 +179,6 @@ class Results(unittest.TestCase):
             "tent_mlp.sample.ratios.stored.to_best_known.median_hard:.2": "1.48",
             "tent_mlp.network.theta.rmse.mean / tent_mlp.stored.theta.rmse.mean:.1": "2.2",
             "functions.take_theta:int": "1,000",
-            "validation.functions.held_out_scenes:int": "41",
             "frontier.points.tent_mlp.lm_from_theta0_16.figures.theta.us_median:us": "5,246",
             "frontier.points.tent_mlp.stages_Adam.figures.theta.rmse_mean:.4": ".0030",
             "frontier.speed_at_equal_error.tent_mlp.network.ratio:.1": "6.6",
@@ -230,8 +223,8 @@ class Results(unittest.TestCase):
                 cells = cells or line.count("|")
                 self.assertEqual(line.count("|"), cells, f"{page}: {line}")
 
-    def collect_light(self, *arguments):
-        return self.run_results("collect-light", "out/light", "--no-pictures", *arguments)
+    def collect_light(self):
+        return self.run_results("collect-light", "out/light", "--no-pictures")
 
     def write_light(self):
         for scene, baseline, ours in (("kaos2", 0.4, 0.1), ("am_thornish", 0.2, 0.1), ("aggressor", 0.1, 0.1)):
@@ -251,7 +244,6 @@ class Results(unittest.TestCase):
             "light@thinning.levels.at_equal_error.smape_in_air.over_before:.2": "1.03",  # 320 over 8 probes of 39
             "light@methods.levels.1m.tent_mlp4_thinned_0_03.solved.per_probe:int": "45",
             "light@targets.dark.1m.ours:.3": ".010",
-            "light@targets.level_bytes:int": "360",
             "light@targets.bytes_below_baselines:int": "360",
             "light@methods.levels.1m.tent_mlp4.solved.surface:.3": ".100",
             "light@methods.levels.1m.DDGI_as_shipped.own.per_probe:int": "1,250",
@@ -281,41 +273,12 @@ class Results(unittest.TestCase):
         (self.root / "out" / "light" / "views" / "kaos2_2.json").unlink()
         self.assertEqual(self.collect_light().returncode, 3)
 
-    def test_refuses_validation_and_evaluation_of_different_weights(self):
-        self.write("out/openarena/validation/summary.json", summary(SHA256))
+    def test_refuses_bakes_of_other_weights_than_the_evaluation(self):
+        self.write("out/openarena/bakes/kaos2.json", {**bake(), "weights": {"tent_mlp": {"sha256": SHA256}}})
         result = self.collect()
         self.assertEqual(result.returncode, 3)
         self.assertIn("figures of weights", result.stderr)
 
-    def add(self):
-        result = self.run_results("collect", "out/openarena", "--config", "c.yaml", "--no-pictures", "--add")
-        return result, json.loads((self.root / "docs/results/openarena.json").read_text())
-
-    def test_what_a_folder_has_not_measured_stays_when_it_is_added(self):
-        self.assertEqual(self.collect().returncode, 0)
-        before = json.loads((self.root / "docs/results/openarena.json").read_text())
-        shutil.rmtree(self.root / "out/openarena")
-        line = bake()["savings"][0]
-        self.write("out/openarena/savings/slimefac.json", {**bake(), "scene": "slimefac", "savings": [{**line, "count": 5}]})
-        result, after = self.add()
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual(after["savings"]["slimefac"]["lines"]["probes_in_solid"]["count"], 5)
-        self.assertEqual({**after, "savings": {"kaos2": after["savings"]["kaos2"]}}, before)
-
-    def test_figures_of_other_weights_are_not_added(self):
-        self.assertEqual(self.collect().returncode, 0)
-        before = json.loads((self.root / "docs/results/openarena.json").read_text())
-        shutil.rmtree(self.root / "out/openarena")
-        for split in ("validation", "evaluation"):
-            self.write(f"out/openarena/{split}/summary.json", summary(SHA256))
-            result, after = self.add()
-            self.assertEqual(result.returncode, 3)
-            self.assertIn("figures of weights", result.stderr)
-            self.assertEqual(after, before)
-        (self.root / "docs/results/openarena.json").unlink()
-        result = self.run_results("collect", "out/openarena", "--config", "c.yaml", "--no-pictures", "--add")
-        self.assertEqual(result.returncode, 3)
-        self.assertIn("earlier results", result.stderr)
 
 if __name__ == "__main__":
     unittest.main()

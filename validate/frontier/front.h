@@ -16,7 +16,7 @@ struct FrontPoint {
 
 // Shares: times that differ by less count as equal, errors that differ by less count as equal.
 struct FrontTolerances {
-  double time = 0.1, error = 0.02;
+  double time = 0.1, error = 0.02;  // those of every front that is written
 };
 
 // Whether each point is a member.

@@ -40,11 +40,10 @@ struct Plan {
   }
 };
 
-// The points of all weights, and the choice between those of product fields when there are several.
+// The points of all weights.
 Plan planOf(const Request& request, const FrontierOptions& options) {
   const FitBudgets budgets = options.budgets();
   Plan plan;
-  SharedGenerators fields;
   LoadedGenerators loaded = loadGenerators(request.weights);  // by rising number of parameters
   for (Generator& one : loaded.generators) {
     const auto generator = std::make_shared<const Generator>(std::move(one));
@@ -53,9 +52,7 @@ Plan planOf(const Request& request, const FrontierOptions& options) {
     plan.append(stagePoints(generator, options.policy));
     plan.append(fitsOfCorrected(generator, options.policy, budgets));
     plan.append(directFits(generator, options.policy, budgets, options.seed));
-    if (generator->representation().isField()) fields.push_back(generator);
   }
-  if (fields.size() > 1) plan.runs.push_back(choicePoint(fields, options.policy));
   return plan;
 }
 
@@ -65,35 +62,26 @@ std::map<std::string, std::string> inputHashes(const Request& request, const Fun
   return hashes;
 }
 
-// Every word of every representation against its direct fits, over the functions that count.
-std::vector<WordSpeed> speedsOver(const std::vector<bool>& counts, const FrontierResult& result,
-                                  const std::vector<PointMeasurement>& measured, const std::vector<FunctionBlock>& blocks,
-                                  const FunctionSet& set, const FrontierOptions& options) {
+// Every word of every representation against its direct fits.
+std::vector<WordSpeed> speeds(const FrontierResult& result, const std::vector<PointMeasurement>& measured,
+                              const std::vector<FunctionBlock>& blocks, const FunctionSet& set, const FrontierOptions& options) {
   std::vector<uint32_t> scene;
-  size_t at = 0;
   for (const FunctionBlock& block : blocks) {
-    for (const uint64_t function : block.functions) {
-      if (counts[at++]) scene.push_back(set.scene_idx[function]);
-    }
+    for (const uint64_t function : block.functions) scene.push_back(set.scene_idx[function]);
   }
-  std::vector<WordSpeed> speeds;
-  if (scene.empty()) return speeds;
   const SceneBootstrap bootstrap(scene, {options.bootstrap_draws, 0.95, options.seed});
   const auto timed = [&](size_t p) {
-    const std::vector<double> us = functionTimes(measured[p], blocks);
-    TimedPoint point{result.points[p].family, result.points[p].label, {}, {}, {}};
-    for (size_t i = 0; i < us.size(); ++i) {
-      if (!counts[i]) continue;
-      point.us.push_back(us[i]);
-      point.blend_rmse.push_back(measured[p].blend_rmse[i]);
-      point.fails_check.push_back(measured[p].fails_check[i]);
-    }
-    return point;
+    return TimedPoint{result.points[p].family,
+                      result.points[p].label,
+                      functionTimes(measured[p], blocks),
+                      measured[p].blend_rmse,
+                      {measured[p].fails_check.begin(), measured[p].fails_check.end()}};
   };
   std::map<std::string, std::vector<TimedPoint>> baselines;
   for (size_t p = 0; p < measured.size(); ++p) {
     if (result.points[p].is_direct) baselines[result.points[p].representation].push_back(timed(p));
   }
+  std::vector<WordSpeed> speeds;
   for (size_t p = 0; p < measured.size(); ++p) {
     const std::string& name = result.points[p].representation;
     if (result.points[p].words.empty()) continue;
@@ -118,26 +106,20 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
   const std::vector<PointMeasurement> measured =
       measureInterleaved(set, functions, blocks, plan.runs, options.policy.check(), options.interleave,
                          [&](int64_t done) { progress.update(done); });
-  // bare tents cost no time; they count in the mean error of all functions
-  const BareTents tents = measureBareTents(set, functions, options.policy.check().loss());
   std::vector<PointFigures> figures;
-  for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, set, functions, blocks, tents));
-  // fronts and speeds at equal error, over all and over hard functions
-  FrontierResult result = makeResult(plan.points(), std::move(figures), figuresOfTent(set, functions, tents), options.front);
-  const std::vector<bool> every(functions.with_theta.size(), true);
-  result.speeds = speedsOver(every, result, measured, blocks, set, options);
-  result.speeds_hard = speedsOver(functions.hard, result, measured, blocks, set, options);
+  for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, set, functions, blocks));
+  FrontierResult result =
+      makeResult(plan.points(), std::move(figures), figuresOfTent(set, functions, options.policy.check().loss()));
+  result.speeds = speeds(result, measured, blocks, set, options);
   for (const Population population : kPopulations) {
-    json["functions"][populationName(population)] = functions.count(population);
+    const std::vector<bool> counts = functions.of(population);
+    json["functions"][populationName(population)] = std::count(counts.begin(), counts.end(), true);
   }
-  json["functions"]["bare_tents_at_time_0"] = functions.bare_tents.size();
   json["scenes"] = set.scene_ids;
   json["representations"] = plan.representations;
   json.update(pointsJson(result));
   writeFileAtomically(request.out_dir + "/frontier.json", json.dump(1) + "\n");
-  for (const Front& front : result.fronts) {
-    if (!front.sentence.empty()) std::cout << front.sentence << '\n';
-  }
+  for (const auto& [population, front] : result.fronts) std::cout << front.sentence << '\n';
   std::cout << request.out_dir << "/frontier.json\n";
 }
 

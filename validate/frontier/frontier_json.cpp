@@ -13,8 +13,7 @@ namespace {
 
 using Mask = std::vector<bool>;  // of functions that take a theta: which of them count
 
-TimeFigures timeFigures(std::vector<double> samples, double scale = 1.0) {
-  for (double& sample : samples) sample *= scale;
+TimeFigures timeFigures(std::vector<double> samples) {
   return {quantile(samples, 0.5), quantile(samples, 0.25), quantile(samples, 0.75)};
 }
 
@@ -29,11 +28,6 @@ std::vector<double> picked(const std::vector<double>& values, const Mask& counts
     if (counts[i]) some.push_back(values[i]);
   }
   return some;
-}
-
-std::vector<double> joined(std::vector<double> first, const std::vector<double>& second) {
-  first.insert(first.end(), second.begin(), second.end());
-  return first;
 }
 
 // Where every block begins in the list of all functions.
@@ -69,23 +63,11 @@ bool any(const Mask& mask) { return std::find(mask.begin(), mask.end(), true) !=
 
 using Json = nlohmann::ordered_json;
 
-Json errorsJson(const BothErrors& errors) {
-  Json json;
-  for (const auto& [name, figures] : {std::pair{"blend_rmse", &errors.blend_rmse}, {"rmse", &errors.rmse}}) {
-    const std::string prefix = name;
-    json[prefix + "_mean"] = figures->mean;
-    json[prefix + "_median"] = figures->median;
-    json[prefix + "_p5"] = figures->p5;
-    json[prefix + "_p95"] = figures->p95;
-    json[prefix + "_worst"] = figures->worst;
-  }
-  return json;
-}
-
-Json figuresJson(const TimeFigures& time, const BothErrors& errors) {
-  Json json = {{"us_median", time.median_us}, {"us_p25", time.p25_us}, {"us_p75", time.p75_us}};
-  json.update(errorsJson(errors));
-  return json;
+Json figuresJson(const FrontierFigures& figures) {
+  const ErrorFigures& blend = figures.blend_rmse;
+  return {{"us_median", figures.time.median_us}, {"us_p25", figures.time.p25_us},     {"us_p75", figures.time.p75_us},
+          {"blend_rmse_mean", blend.mean},       {"blend_rmse_median", blend.median}, {"blend_rmse_p5", blend.p5},
+          {"blend_rmse_p95", blend.p95},         {"blend_rmse_worst", blend.worst},   {"rmse_mean", figures.rmse_mean}};
 }
 
 Json wordsJson(const std::vector<ThetaWord>& words) {
@@ -101,31 +83,25 @@ Json pointJson(const FrontierResult& result, size_t p) {
   json["label"] = point.label;
   json["words"] = wordsJson(point.words);
   // a population without functions is null, not 0
-  for (const Population population : kPopulations) {
-    const auto& figures = result.figures[p].figures[static_cast<size_t>(population)];
-    Json& of = json["figures"][populationName(population)] = nullptr;
-    if (!figures) continue;
-    of = figuresJson(figures->time, figures->errors);
-    of["leak_p99"] = figures->leak_p99;
-    of["share_failing_check"] = figures->share_failing_check;
-    of["share_fitted"] = figures->share_fitted;
-    of["on_front"] = static_cast<bool>(result.fronts[static_cast<size_t>(population)].members[p]);
+  for (const Population population : kPopulations) json["figures"][populationName(population)] = nullptr;
+  for (const auto& [population, figures] : result.figures[p].figures) {
+    Json& of = json["figures"][populationName(population)] = figuresJson(figures);
+    of["leak_p99"] = figures.leak_p99;
+    of["share_failing_check"] = figures.share_failing_check;
+    of["share_fitted"] = figures.share_fitted;
+    of["on_front"] = static_cast<bool>(result.fronts.at(population).members[p]);
   }
   json["by_scene"] = Json::object();
-  for (const auto& [scene, of_scene] : result.figures[p].by_scene) {
-    json["by_scene"][scene] = figuresJson(of_scene.time, of_scene.errors);
-  }
+  for (const auto& [scene, figures] : result.figures[p].by_scene) json["by_scene"][scene] = figuresJson(figures);
   return json;
 }
 
 Json tentJson(const TentFigures& tent) {
   Json json;
-  for (const Population population : kPopulations) {
-    const auto& figures = tent.figures[static_cast<size_t>(population)];
-    json["figures"][populationName(population)] = figures ? errorsJson(*figures) : Json(nullptr);
-  }
+  for (const Population population : kPopulations) json["figures"][populationName(population)] = nullptr;
+  for (const auto& [population, error] : tent.figures) json["figures"][populationName(population)] = {{"blend_rmse_mean", error}};
   json["by_scene"] = Json::object();
-  for (const auto& [scene, errors] : tent.by_scene) json["by_scene"][scene] = errorsJson(errors);
+  for (const auto& [scene, error] : tent.by_scene) json["by_scene"][scene] = {{"blend_rmse_mean", error}};
   return json;
 }
 
@@ -157,66 +133,35 @@ Json speedsJson(const std::vector<WordSpeed>& speeds) {
 
 }  // namespace
 
-BareTents measureBareTents(const FunctionSet& set, const ChosenFunctions& functions, const LossOptions& loss) {
-  BareTents tents;
+TentFigures figuresOfTent(const FunctionSet& set, const ChosenFunctions& functions, const LossOptions& loss) {
   ErrorMeter meter(set, loss);
-  for (const uint64_t function : functions.with_theta) tents.with_theta.push_back(meter.measureTent(function));
-  for (const uint64_t function : functions.bare_tents) {
-    const FunctionError error = meter.measureTent(function);
-    tents.blend_rmse.push_back(error.blend_rmse);
-    tents.rmse.push_back(error.rmse);
-    tents.leaks.add(meter.leakMagnitudes());
-  }
-  return tents;
-}
-
-TentFigures figuresOfTent(const FunctionSet& set, const ChosenFunctions& functions, const BareTents& tents) {
-  std::vector<double> blend_rmse, rmse;
-  for (const FunctionError& tent : tents.with_theta) blend_rmse.push_back(tent.blend_rmse), rmse.push_back(tent.rmse);
-  const auto of = [&](const Mask& counts) {
-    return BothErrors{errorFigures(picked(blend_rmse, counts)), errorFigures(picked(rmse, counts))};
-  };
+  std::vector<double> errors;
+  for (const uint64_t function : functions.with_theta) errors.push_back(meter.measureTent(function).blend_rmse);
   TentFigures figures;
-  figures.figures = {BothErrors{errorFigures(joined(blend_rmse, tents.blend_rmse)), errorFigures(joined(rmse, tents.rmse))},
-                     of(Mask(rmse.size(), true)), std::nullopt};
-  if (any(functions.hard)) figures.figures.back() = of(functions.hard);
-  for (const auto& [scene, mask] : masksByScene(set, functions)) figures.by_scene[scene] = of(mask);
+  for (const Population population : kPopulations) {
+    const Mask counts = functions.of(population);
+    if (any(counts)) figures.figures[population] = mean(picked(errors, counts));
+  }
+  for (const auto& [scene, mask] : masksByScene(set, functions)) figures.by_scene[scene] = mean(picked(errors, mask));
   return figures;
 }
 
 PointFigures figuresOf(const PointMeasurement& measured, const FunctionSet& set, const ChosenFunctions& functions,
-                       const std::vector<FunctionBlock>& blocks, const BareTents& tents) {
+                       const std::vector<FunctionBlock>& blocks) {
   // over a mask of functions, so that populations and scenes share their figures
-  const auto errorsOver = [&](const Mask& counts) {
-    return BothErrors{errorFigures(picked(measured.blend_rmse, counts)), errorFigures(picked(measured.rmse, counts))};
+  const auto over = [&](const Mask& counts) {
+    return FrontierFigures{timeFigures(timeSamples(measured, blocks, counts)), errorFigures(picked(measured.blend_rmse, counts)),
+                           mean(picked(measured.rmse, counts))};
   };
-  const auto figuresOver = [&](const Mask& counts, const PooledMagnitudes& leaks) {
-    const auto shareOf = [&](const std::vector<bool>& is) { return mean(picked({is.begin(), is.end()}, counts)); };
-    return PopulationFigures{timeFigures(timeSamples(measured, blocks, counts)), errorsOver(counts), leaks.quantile(0.99),
-                             shareOf(measured.fails_check), shareOf(measured.took_fit)};
-  };
-  const Mask every(functions.with_theta.size(), true);
   PointFigures figures;
-  figures.figures[static_cast<size_t>(Population::theta)] = figuresOver(every, measured.leaks);
-  if (any(functions.hard))
-    figures.figures[static_cast<size_t>(Population::hard)] = figuresOver(functions.hard, measured.leaks_hard);
-
-  // and the bare tents, which take no time and no fit, and pass the check
-  const auto count = static_cast<double>(functions.with_theta.size());
-  const double share_with_theta = count / (count + static_cast<double>(tents.rmse.size()));
-  PooledMagnitudes leaks = measured.leaks;
-  leaks.add(tents.leaks);
-  PopulationFigures all = *figures.figures[static_cast<size_t>(Population::theta)];
-  all.time = timeFigures(timeSamples(measured, blocks, every), share_with_theta);
-  all.errors = {errorFigures(joined(measured.blend_rmse, tents.blend_rmse)), errorFigures(joined(measured.rmse, tents.rmse))};
-  all.leak_p99 = leaks.quantile(0.99);
-  all.share_failing_check *= share_with_theta;
-  all.share_fitted *= share_with_theta;
-  figures.figures[static_cast<size_t>(Population::all)] = all;
-
-  for (const auto& [scene, mask] : masksByScene(set, functions)) {
-    figures.by_scene[scene] = {timeFigures(timeSamples(measured, blocks, mask)), errorsOver(mask)};
+  for (const Population population : kPopulations) {
+    const Mask counts = functions.of(population);
+    if (!any(counts)) continue;
+    const auto shareOf = [&](const std::vector<bool>& is) { return mean(picked({is.begin(), is.end()}, counts)); };
+    const PooledMagnitudes& leaks = population == Population::hard ? measured.leaks_hard : measured.leaks;
+    figures.figures[population] = {over(counts), leaks.quantile(0.99), shareOf(measured.fails_check), shareOf(measured.took_fit)};
   }
+  for (const auto& [scene, mask] : masksByScene(set, functions)) figures.by_scene[scene] = over(mask);
   return figures;
 }
 
@@ -231,21 +176,18 @@ std::vector<double> functionTimes(const PointMeasurement& measured, const std::v
   return median;
 }
 
-FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, TentFigures tent,
-                          const FrontTolerances& tolerances) {
-  FrontierResult result{std::move(points), std::move(figures), std::move(tent), {}, {}, {}};
+FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, TentFigures tent) {
+  FrontierResult result{std::move(points), std::move(figures), std::move(tent), {}, {}};
   std::vector<std::string> names;
   for (const PlotPoint& point : result.points) names.push_back(point.representation + ": " + point.label);
-  for (const Population population : kPopulations) {
-    const auto at = static_cast<size_t>(population);
-    if (!result.tent.figures[at]) continue;
+  for (const auto& [population, tent_error] : result.tent.figures) {
     std::vector<FrontPoint> times_and_errors;
     for (const PointFigures& point : result.figures) {
-      const double error = point.figures[at]->errors.blend_rmse.mean;
-      times_and_errors.push_back({point.figures[at]->time.median_us, error, error < result.tent.figures[at]->blend_rmse.mean});
+      const PopulationFigures& of = point.figures.at(population);
+      times_and_errors.push_back({of.time.median_us, of.blend_rmse.mean, of.blend_rmse.mean < tent_error});
     }
-    Front& front = result.fronts[at];
-    front.members = frontMembers(times_and_errors, tolerances);
+    Front& front = result.fronts[population];
+    front.members = frontMembers(times_and_errors, {});
     front.sentence = frontSentence(populationWords(population), times_and_errors, front.members, names);
   }
   return result;
@@ -255,11 +197,9 @@ Json pointsJson(const FrontierResult& result) {
   Json json = {{"points", Json::array()}};
   for (size_t p = 0; p < result.points.size(); ++p) json["points"].push_back(pointJson(result, p));
   json["bare_tent"] = tentJson(result.tent);
-  for (const Population population : kPopulations) {
-    json["front_sentences"][populationName(population)] = result.fronts[static_cast<size_t>(population)].sentence;
-  }
+  for (const Population population : kPopulations) json["front_sentences"][populationName(population)] = "";
+  for (const auto& [population, front] : result.fronts) json["front_sentences"][populationName(population)] = front.sentence;
   json["speed_at_equal_error"] = speedsJson(result.speeds);
-  json["speed_at_equal_error_hard"] = speedsJson(result.speeds_hard);
   return json;
 }
 

@@ -44,10 +44,6 @@ void describe(FrontierOptions& o, OptionTable& table) {
   table.add("direct_lm_steps", &o.direct_lm_steps, "budgets of LM steps from theta0");
   table.add("direct_adam_steps", &o.direct_adam_steps,
             "budgets of Adam steps from theta0 and from random starts; product fields and codes take 1/32 as many");
-  table.add("front_time_tolerance", &o.front.time, "relative difference of two times below which the front treats them as equal",
-            0.0, 10.0);
-  table.add("front_error_tolerance", &o.front.error,
-            "relative difference of two mean blend RMSEs below which the front treats them as equal", 0.0, 10.0);
   table.add("bootstrap_draws", &o.bootstrap_draws,
             "bootstrap draws of scenes and functions for the interval of the speed at equal error", 1, 1000000);
   table.add("seed", &o.seed, "seed of random starts and draws");

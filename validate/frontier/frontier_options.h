@@ -2,7 +2,6 @@
 #pragma once
 
 #include "tool/command/options.h"
-#include "validate/frontier/front.h"
 #include "validate/frontier/interleaved.h"
 #include "validate/frontier/timed_policy.h"
 
@@ -18,7 +17,6 @@ struct FrontierOptions {
   std::vector<std::string> direct_lm_steps = {"1", "2", "4", "8", "16", "32", "64"};
   std::vector<std::string> direct_adam_steps = {"125", "250", "500", "1000", "2000", "4000", "8000", "16000"};
   PolicyOptions policy;
-  FrontTolerances front;
   int bootstrap_draws = 1000;
   uint64_t seed = 1;
 

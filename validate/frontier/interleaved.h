@@ -31,16 +31,16 @@ struct FunctionBlock {
 // Cuts the list into blocks of at most kBatchCount functions, as equal as they can be.
 std::vector<FunctionBlock> makeBlocks(const FunctionSet& set, const std::vector<uint64_t>& functions);
 
-inline constexpr Population kPopulations[] = {Population::all, Population::theta, Population::hard};
+inline constexpr Population kPopulations[] = {Population::theta, Population::hard};
 
 const char* populationWords(Population population);  // "functions that take a θ"
 
 struct ChosenFunctions {
   std::vector<uint64_t> with_theta;  // what points run on, as many of every scene
   std::vector<bool> hard;            // of these
-  std::vector<uint64_t> bare_tents;  // that take none: in every scene as many beside the others as the scene has in proportion
 
-  uint64_t count(Population population) const;
+  // Which of them the population holds.
+  std::vector<bool> of(Population population) const;
 };
 
 // wanted   functions that take a theta; with fewer all are taken
@@ -79,7 +79,7 @@ struct FittedFunction {
 
 // One method with all its settings.
 struct PlotPoint {
-  std::string representation;    // a name of kRepresentationNames; of a choice, those that it chose from, joined by "+"
+  std::string representation;    // a name of kRepresentationNames
   std::string family;            // docs/reference/frontier.md
   std::optional<int> budget;     // what grows along the family: steps, coefficients, bits
   std::string label;             // "4 LM from theta0"

@@ -260,15 +260,6 @@ std::vector<PlotRun> stagePoints(const std::shared_ptr<const Generator>& generat
   return runs;
 }
 
-PlotRun choicePoint(const SharedGenerators& generators, const PolicyOptions& options) {
-  std::string names;
-  for (const auto& generator : generators) {
-    names += (names.empty() ? "" : "+") + std::string(representationName(generator->representation()));
-  }
-  return runOf({names, "choice", {}, "automatic choice", {}},
-               std::make_shared<TimedPolicy>(generators, options, ThetaStage::rounding));
-}
-
 std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                      const FitBudgets& budgets) {
   std::vector<PlotRun> runs;

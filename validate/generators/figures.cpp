@@ -7,6 +7,14 @@ using Json = nlohmann::ordered_json;
 
 Json ends(const Interval& interval) { return {interval.low, interval.high}; }
 
+// Figures over values of functions, each with its function's scene.
+struct ValuesByScene {
+  std::vector<double> values;
+  std::vector<uint32_t> scenes;
+
+  void add(double value, uint32_t scene) { values.push_back(value), scenes.push_back(scene); }
+};
+
 // The columns of one population.
 struct Columns {
   std::vector<uint32_t> scenes;  // of all but the occluded ones
@@ -31,8 +39,11 @@ Columns columnsOf(const MeasuredWord& word, Scope scope, Population population, 
   return columns;
 }
 
+// {median, mean, p95, p99, worst, functions}, and interval {median, mean, p95}: [low, high] each.
 Json quantilesJson(const std::vector<double>& values, const SceneBootstrap& bootstrap) {
-  Json json = nlg::quantilesJson(values);
+  const Quantiles q = quantiles(values);
+  Json json = {{"median", q.median}, {"mean", q.mean},   {"p95", q.p95},
+               {"p99", q.p99},       {"worst", q.worst}, {"functions", q.count}};
   const std::vector<Interval> quantiles = bootstrap.quantiles(values, {0.5, 0.95});
   json["interval"] = {{"median", ends(quantiles[0])}, {"mean", ends(bootstrap.mean(values))}, {"p95", ends(quantiles[1])}};
   return json;
@@ -42,48 +53,22 @@ Json figures(const MeasuredWord& word, Scope scope, Population population, const
   const Columns columns = columnsOf(word, scope, population, context);
   const SceneBootstrap bootstrap(columns.scenes, context.bootstrap);
   const PooledMagnitudes& leaks = word.leaks.of(scope, population);
-  const Quantiles time = quantiles(columns.elapsed_us);
   return {{"functions", columns.rmse.size()},
           {"blend_rmse", quantilesJson(columns.blend_rmse, bootstrap)},
           {"rmse", quantilesJson(columns.rmse, bootstrap)},
           {"rmse_test_points", quantilesJson(columns.rmse_test_points, bootstrap)},
-          {"rmse_occluded", nlg::quantilesJson(columns.rmse_occluded, context.bootstrap)},
+          {"rmse_occluded",
+           quantilesJson(columns.rmse_occluded.values, SceneBootstrap(columns.rmse_occluded.scenes, context.bootstrap))},
           {"leak", {{"mean", leaks.mean()}, {"p99", leaks.quantile(0.99)}}},
           {"share_failing_check", intervalJson(bootstrap.mean(columns.fails))},
           {"share_fitted", intervalJson(bootstrap.mean(columns.fitted))},
-          {"us_per_function", time.mean},
-          {"us_per_function_median", time.median}};
+          {"us_per_function", mean(columns.elapsed_us)}};
 }
-
-// One figure: which error, of which functions.
-struct Ratio {
-  const char* name;
-  Population population;
-  double FunctionError::*error;
-  bool needs_occluded;
-};
-
-constexpr Ratio kRatios[] = {
-    {"median", Population::theta, &FunctionError::blend_rmse, false},
-    {"median_hard", Population::hard, &FunctionError::blend_rmse, false},
-    {"median_rmse", Population::theta, &FunctionError::rmse, false},
-    {"median_test_points", Population::theta, &FunctionError::rmse_test_points, false},
-    {"median_occluded_hard", Population::hard, &FunctionError::rmse_occluded, true},
-};
 
 }  // namespace
 
 Json intervalJson(const Interval& interval) {
   return {{"value", interval.value}, {"low", interval.low}, {"high", interval.high}};
-}
-
-Json quantilesJson(const std::vector<double>& values) {
-  const Quantiles q = quantiles(values);
-  return {{"median", q.median}, {"mean", q.mean}, {"p95", q.p95}, {"p99", q.p99}, {"worst", q.worst}, {"functions", q.count}};
-}
-
-Json quantilesJson(const ValuesByScene& values, const BootstrapOptions& bootstrap) {
-  return quantilesJson(values.values, SceneBootstrap(values.scenes, bootstrap));
 }
 
 Json figuresByPopulation(const MeasuredWord& word, Scope scope, const FigureContext& context) {
@@ -95,22 +80,18 @@ Json figuresByPopulation(const MeasuredWord& word, Scope scope, const FigureCont
   return json;
 }
 
-nlohmann::ordered_json ratiosJson(const MeasuredWord& word, const MeasuredWord& reference, const FigureContext& context,
-                                  const std::function<bool(uint64_t function)>& counts) {
-  nlohmann::ordered_json json;
-  for (const Ratio& ratio : kRatios) {
+Json ratiosJson(const MeasuredWord& word, const MeasuredWord& reference, const FigureContext& context) {
+  Json json;
+  for (const auto& [name, population] : {std::pair("median", Population::theta), {"median_hard", Population::hard}}) {
     ValuesByScene ratios;
     size_t at = 0;  // in the word's functions, which rise as the reference's do
     for (const MeasuredFunction& one : reference.functions) {
       while (word.functions[at].function != one.function) ++at;
-      const FunctionError &above = word.functions[at].error, &below = one.error;
-      if (!counts(one.function) || !context.populations.contains(Scope::sample, ratio.population, one.function)) continue;
-      if (ratio.needs_occluded && !below.has_occluded) continue;
-      if (!(below.*ratio.error > 0.0)) continue;
-      ratios.add(above.*ratio.error / (below.*ratio.error), context.set.scene_idx[one.function]);
+      if (!context.populations.contains(Scope::sample, population, one.function) || !(one.error.blend_rmse > 0.0)) continue;
+      ratios.add(word.functions[at].error.blend_rmse / one.error.blend_rmse, context.set.scene_idx[one.function]);
     }
     const SceneBootstrap bootstrap(ratios.scenes, context.bootstrap);
-    json[ratio.name] = intervalJson(bootstrap.quantiles(ratios.values, {0.5}).front());
+    json[name] = intervalJson(bootstrap.quantiles(ratios.values, {0.5}).front());
   }
   return json;
 }

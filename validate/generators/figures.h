@@ -2,7 +2,6 @@
 // (docs/reference/formats.md).
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -21,32 +20,17 @@ struct FigureContext {
   BootstrapOptions bootstrap = {};
 };
 
-// Figures over values of functions, each with its function's scene.
-struct ValuesByScene {
-  std::vector<double> values;
-  std::vector<uint32_t> scenes;
-
-  void add(double value, uint32_t scene) { values.push_back(value), scenes.push_back(scene); }
-};
-
 // {value, low, high}
 nlohmann::ordered_json intervalJson(const Interval& interval);
-// {median, mean, p95, p99, worst, functions}
-nlohmann::ordered_json quantilesJson(const std::vector<double>& values);
-// … and interval {median, mean, p95}: [low, high] each
-nlohmann::ordered_json quantilesJson(const ValuesByScene& values, const BootstrapOptions& bootstrap);
 
 // {all, theta, hard}: the figures of a word's functions in every population.
 nlohmann::ordered_json figuresByPopulation(const MeasuredWord& word, Scope scope, const FigureContext& context);
 
-// How far one word is above another, function by function of the sample: medians of ratios, with intervals.
+// How far one word is above another, function by function of the sample: medians of ratios of blend RMSEs, {value, low, high}, over
+// all (`median`) and over hard functions (`median_hard`).
 //
-// {median, median_hard, median_rmse, median_test_points, median_occluded_hard}: of word's error over the reference's, {value, low, high}
-// each. The first two are of blend RMSEs, by which best known is the best; the others, of RMSEs, may be below 1.
 // word        on functions that hold all of the reference's
 // reference   on functions of the sample
-// counts      which functions take part
-nlohmann::ordered_json ratiosJson(const MeasuredWord& word, const MeasuredWord& reference, const FigureContext& context,
-                                  const std::function<bool(uint64_t function)>& counts);
+nlohmann::ordered_json ratiosJson(const MeasuredWord& word, const MeasuredWord& reference, const FigureContext& context);
 
 }  // namespace nlg

@@ -1,7 +1,6 @@
 #include "validate/generators/populations.h"
 
 #include <algorithm>
-#include <iterator>
 
 #include "tool/parallel_for.h"
 
@@ -44,12 +43,6 @@ uint64_t Populations::count(Scope scope, Population population) const {
   uint64_t count = 0;
   for (uint64_t i = 0; i < takes_theta_.size(); ++i) count += contains(scope, population, i);
   return count;
-}
-
-std::vector<uint64_t> Populations::hardOfSample(uint64_t wanted) const {
-  std::vector<uint64_t> hard;
-  std::copy_if(sample_.begin(), sample_.end(), std::back_inserter(hard), [&](uint64_t function) { return isHard(function); });
-  return chooseFrom(hard, wanted);
 }
 
 std::vector<uint64_t> Populations::chooseFrom(const std::vector<uint64_t>& functions, uint64_t wanted) const {

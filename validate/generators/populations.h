@@ -32,8 +32,6 @@ class Populations {
   uint64_t count(Scope scope, Population population) const;
   // Rising.
   const std::vector<uint64_t>& sample() const { return sample_; }
-  // At most so many of the sample's hard functions, evenly over scenes.
-  std::vector<uint64_t> hardOfSample(uint64_t wanted) const;
 
  private:
   std::vector<uint64_t> chooseFrom(const std::vector<uint64_t>& functions, uint64_t wanted) const;

@@ -10,62 +10,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json sampleRatios(const MeasuredWord& word, const LongFits& fits, const FigureContext& context) {
-  const auto all = [](uint64_t) { return true; };
-  const auto isNew = [&](uint64_t function) { return !context.known.in_training_mirrored[function]; };
-  const MeasuredWord &best = fits.at(LongFit::best_known), &direct = fits.at(LongFit::direct);
-  return {{"to_best_known", ratiosJson(word, best, context, all)},
-          {"to_direct", ratiosJson(word, direct, context, all)},
-          {"without_duplicates", ratiosJson(word, best, context, isNew)}};
-}
-
 Json sampleJson(const PolicyWords& policy, const LongFits& fits, const FigureContext& context) {
   Json json = {{"functions", context.populations.count(Scope::sample, Population::theta)},
                {"hard", context.populations.count(Scope::sample, Population::hard)}};
   Json ratios;
   for (const MeasuredWord& word : policy.words) {
     json[word.name] = figuresByPopulation(word, Scope::sample, context);
-    ratios[word.name] = sampleRatios(word, fits, context);
+    ratios[word.name] = {{"to_best_known", ratiosJson(word, fits.at(LongFit::best_known), context)}};
   }
   for (const MeasuredWord& fit : fits.words) json[fit.name] = figuresByPopulation(fit, Scope::sample, context);
-  json["best_known_from"] = fits.best_known_from;
   json["ratios"] = ratios;
   return json;
-}
-
-// Quantiles of population theta, scene by scene.
-Json sceneJson(const PolicyWords& policy, const FigureContext& context) {
-  const auto quantilesOf = [&](ThetaWord word, uint32_t scene) -> Json {
-    std::vector<double> blend_rmse, rmse;
-    for (const MeasuredFunction& one : policy.at(word).functions) {
-      if (!context.populations.takesTheta(one.function) || context.set.scene_idx[one.function] != scene) continue;
-      blend_rmse.push_back(one.error.blend_rmse);
-      rmse.push_back(one.error.rmse);
-    }
-    return {{"blend_rmse", quantilesJson(blend_rmse)}, {"rmse", quantilesJson(rmse)}};
-  };
-  Json json;
-  for (uint32_t scene = 0; scene < context.set.scene_ids.size(); ++scene) {
-    for (const ThetaWord word : {ThetaWord::stored, ThetaWord::network}) {
-      json[context.set.scene_ids[scene]][wordName(word)] = quantilesOf(word, scene);
-    }
-  }
-  return json;
-}
-
-Json convergenceJson(const Convergence& convergence) {
-  const auto curve = [](const std::vector<ConvergencePoint>& points) {
-    Json json = Json::array();
-    for (const ConvergencePoint& point : points) {
-      json.push_back(
-          {{"restarts", point.restarts}, {"adam_steps", point.adam_steps}, {"blend_rmse_mean", point.blend_rmse_mean}});
-    }
-    return json;
-  };
-  return {{"functions", convergence.functions},
-          {"by_restarts", curve(convergence.by_restarts)},
-          {"by_adam_steps", curve(convergence.by_steps)},
-          {"best_known_blend_rmse_mean", convergence.best_known_blend_rmse_mean}};
 }
 
 // Mean over the functions that take a theta: codes are as long as each function needs.
@@ -169,8 +124,6 @@ Json representationJson(const ValidatedGenerator& validated, const FigureContext
                {"stages", stagesJson(validated.policy.plan)}};
   for (const MeasuredWord& word : validated.policy.words) json[word.name] = figuresByPopulation(word, Scope::set, context);
   json["sample"] = sampleJson(validated.policy, validated.fits, context);
-  json["convergence"] = convergenceJson(validated.convergence);
-  json["by_scene"] = sceneJson(validated.policy, context);
   return json;
 }
 

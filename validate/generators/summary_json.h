@@ -20,7 +20,6 @@ struct ValidatedGenerator {
   std::string path;  // where it was read from
   PolicyWords policy;
   LongFits fits;
-  Convergence convergence;
 };
 
 nlohmann::ordered_json tauJson(const ValidateOptions& options);

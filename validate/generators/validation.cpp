@@ -24,8 +24,7 @@ ValidatedGenerator measure(const Generator& generator, const std::string& path, 
                            const ValidateOptions& options) {
   PolicyWords policy = measurePolicy(generator, context.set, context.populations, options);
   LongFits fits = measureLongFits(generator, context.set, context.populations, policy.least_wrong, options);
-  Convergence convergence = measureConvergence(generator, context.set, context.populations, fits, options);
-  return {generator, path, std::move(policy), std::move(fits), std::move(convergence)};
+  return {generator, path, std::move(policy), std::move(fits)};
 }
 
 }  // namespace
@@ -45,10 +44,6 @@ void describe(ValidateOptions& o, OptionTable& table) {
   table.add("direct_adam_steps", &o.direct.adam_steps, "direct optimisation: Adam steps per start", 0, 10000000);
   table.add("direct_lm_iterations", &o.direct.levenberg_iterations, "direct optimisation: LM iterations per start", 0, 100000);
   table.add("direct_restarts", &o.direct.restarts, "direct optimisation: number of random starts", 1, 1000);
-  table.add("convergence_functions", &o.convergence_functions,
-            "number of hard functions on which direct optimisation also runs with more and with fewer steps, to show that it has "
-            "converged. 0: none",
-            0, 100);
   table.add("threads", &o.threads, "number of threads. 0: one per hardware thread. No error depends on it", 0, 1024);
 }
 

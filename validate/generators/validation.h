@@ -20,8 +20,7 @@ struct ValidateOptions {
   double hard_tent_rmse = 0.01;                             // functions whose bare tent is at least so wrong are hard
   int direct_functions = 300;                               // the sample: functions that take a theta, on which long fits run
   DirectOptions direct;
-  int convergence_functions = 20;  // hard ones of the sample, on which direct fits are given more than they need; 0: not shown
-  int threads = 0;                 // 0: as many as the machine runs at once
+  int threads = 0;  // 0: as many as the machine runs at once
   uint64_t seed = 1;
 
   int threadCount() const;

@@ -30,16 +30,4 @@ MethodSetOptions methodSetOptions(const BakeOptions& options, const GatherOption
 // "pf3 or pf5" as a part of a file's name: pf3-or-pf5.
 std::string fileWord(std::string text);
 
-// Light grids of what functions are on their way into a grid: what a bake would store if it ended at the network, at corrections, or
-// before rounding. With target φ before them and the bake's own grid behind them they say what each step costs in light.
-struct WordGrid {
-  ThetaWord word = ThetaWord::network;
-  LightGrid grid;  // without light, in the world's coordinates
-};
-
-// One grid for each word but `stored`, in their order. Probes and functions are those of the bake with this one generator.
-// throws   as SceneFunctions does
-std::vector<WordGrid> wordGrids(const PreparedScene& scene, const Generator& generator, const BakeOptions& options,
-                                int thread_count);
-
 }  // namespace nlg

@@ -1,7 +1,6 @@
 #include "validate/commands.h"
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <filesystem>
 #include <iostream>
 
@@ -46,16 +45,14 @@ struct Request {
   LightPlaceOptions places;  // these numbers from those above
   GatherOptions truth{1024, 64}, probe{1024, 64};
   bool grids_only = false;  // no baselines: a fraction of the time
-  bool words = false;       // what functions are before they are stored, too
   bool neural = false;      // methods that learn, too
   int neural_samples = 4, neural_steps = 3000;
-  double look_up_seconds = 0.0;
   std::string pictures;  // the folder for pictures of worst places; empty: none are drawn
   int picture_rays = 64;
 };
 
 // On figures.
-const std::vector<std::string> kWithoutEffect = {"threads", "representation", "look_up_seconds", "picture_rays"};
+const std::vector<std::string> kWithoutEffect = {"threads", "representation", "picture_rays"};
 
 double finestSpacing(const Request& request) { return *std::min_element(request.spacings_m.begin(), request.spacings_m.end()); }
 
@@ -94,7 +91,6 @@ struct AtSpacing {
   bool grids_alone = false;
   // at the finest alone
   bool pictures = false;  // of the worst places of every grid, its light solved for
-  bool words = false;     // grids of one generator before they are stored, their light solved for
   bool learned = false;   // methods that learn light
 };
 
@@ -106,8 +102,7 @@ class LightMeasurement {
         threads_(options.threads > 0 ? options.threads : machineThreadCount()),
         transport_(scene.source.scene, scene.rays),
         places_(placesInRooms(scene, options.extent_m, request.places, threads_)),
-        truth_(lightTruth(places_, transport_,
-                          {request.truth, finestSpacing(request), mixSeed(options.seed, kTruthStream), threads_})),
+        truth_(lightTruth(places_, transport_, {request.truth, mixSeed(options.seed, kTruthStream), threads_})),
         origin_m_(scene.source.scene.origin_m),
         scene_id_(scene.source.id) {}
 
@@ -152,32 +147,16 @@ class LightMeasurement {
       blends.back().update(toJson(bake.statistics.blend));
       methods.addGrid(name, std::move(bake.grid), processorSeconds() - start);
     }
-    const size_t first_word = methods.methods().size();
-    std::vector<ThetaWord> words;  // of the methods from there on
-    for (const auto& [name, generators] : sets) {
-      // of a choice between generators there are no words before the last
-      if (!asked.words || generators.size() > 1) continue;
-      for (WordGrid& at : wordGrids(scene, generators.front(), options, threads_)) {
-        words.push_back(at.word);
-        methods.addGrid(name, std::move(at.grid), 0.0, {LightWay::solved});
-      }
-    }
     Json json = {{"spacing_m", options.spacing_m},
                  {"probes", {{"count", methods.probes().count()}, {"in_air", methods.probes().air_count}}},
                  {"blends", blends},
                  {"methods", Json::array()}};
-    for (size_t m = 0; m < first_word; ++m) {
-      const LightMethod& method = methods.methods()[m];
+    for (const LightMethod& method : methods.methods()) {
       const bool is_grid = std::any_of(sets.begin(), sets.end(), [&](const auto& set) { return set.first == method.weights; });
       const bool is_drawn = asked.pictures && is_grid && method.light == "solved";
       json["methods"].push_back(measured(method, is_drawn ? Draws::pictures : Draws::nothing));
     }
     if (asked.learned) addLearned({transport, scene.tree, scene.air}, options, &methods, &json["methods"]);
-    if (asked.words) json["words"] = Json::array();
-    for (size_t w = 0; w < words.size(); ++w) {
-      json["words"].push_back({{"word", wordName(words[w])}});
-      json["words"].back().update(measured(methods.methods()[first_word + w]));
-    }
     return json;
   }
 
@@ -212,7 +191,6 @@ class LightMeasurement {
       for (size_t i = 0; i < figures.worst.size(); ++i)
         json["worst"][i]["picture"] = drawWorst(method, figures.worst[i], answers[figures.worst[i].place], i + 1);
     }
-    if (request_.look_up_seconds > 0.0) json["times"]["look_ups_per_s"] = lookUpsPerSecond(method);
     return json;
   }
 
@@ -231,30 +209,6 @@ class LightMeasurement {
     const std::filesystem::path path = std::filesystem::path(request_.pictures) / name;
     writePng(path.string(), image, {{"Software", std::string("nlg-validate light ") + sourceRevision()}});
     return std::filesystem::proximate(path, std::filesystem::absolute(request_.out).parent_path()).generic_string();
-  }
-
-  // One thread, over the places in air; the median of five runs.
-  double lookUpsPerSecond(const LightMethod& method) const {
-    constexpr int kRuns = 5;
-    std::vector<double> rates;
-    glm::vec3 kept(0.0f);
-    for (int run = 0; run < kRuns; ++run) {
-      const auto start = std::chrono::steady_clock::now();
-      double seconds = 0.0;
-      uint64_t count = 0;
-      while (seconds < request_.look_up_seconds / kRuns) {
-        for (const LightPlace& place : places_.places) {
-          if (place.group != PlaceGroup::air) break;  // those in air come first
-          kept += answerAt(method.light_at, {place.position_m, place.normal}).irradiance;
-          ++count;
-        }
-        seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      }
-      rates.push_back(static_cast<double>(count) / seconds);
-    }
-    std::sort(rates.begin(), rates.end());
-    // read, so that no compiler leaves the loop out
-    return kept.x >= 0.0f ? rates[kRuns / 2] : 0.0;
   }
 
   const Request& request_;
@@ -305,7 +259,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
                {"truth", truthJson(measurement.places(), measurement.truth(), measurement.isBaked())}};
   json["floor"] = measurement.floorFigures();
   json["spacings"] = Json::array();
-  // pictures, stages of theta and learned methods cost most: at the finest spacing alone
+  // pictures and learned methods cost most: at the finest spacing alone
   const auto finest =
       static_cast<size_t>(std::min_element(request.spacings_m.begin(), request.spacings_m.end()) - request.spacings_m.begin());
   std::vector<std::unique_ptr<PreparedScene>> others;
@@ -316,7 +270,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
     options.spacing_m = spacings_m[s];
     if (s > 0) others.push_back(std::make_unique<PreparedScene>(request.scene, options));
     AtSpacing asked{s >= request.spacings_m.size()};
-    if (s == finest) asked = {asked.grids_alone, !request.pictures.empty(), request.words, request.neural};
+    if (s == finest) asked = {asked.grids_alone, !request.pictures.empty(), request.neural};
     json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, asked));
   }
   writeFileAtomically(request.out, json.dump(1) + "\n");
@@ -347,8 +301,6 @@ int lightMain(int argc, char** argv) {
             "number of sample points under a roof within 10 cm of an edge, and as many near corners", 0, 10000000);
   table.add("truth_rays", &request.truth.rays, "rays of ground truth per sample point", 8, 1 << 24);
   table.add("probe_rays", &request.probe.rays, "rays per probe", 8, 1 << 24);
-  table.add("look_up_seconds", &request.look_up_seconds,
-            "time for which each method's look-ups are measured, seconds. 0: not measured", 0.0, 600.0);
   table.add("picture_rays", &request.picture_rays,
             "rays of ground truth per pixel in pictures of the worst sample points; from 32 on, a pixel has four samples", 8,
             1 << 20);
@@ -366,13 +318,11 @@ int lightMain(int argc, char** argv) {
             "values of thin_error, each measured as a method of its own. None: thin_error of the bake", 1e-6, kMostThinError);
   table.add("grids_only", &request.grids_only,
             "measure only grids and target functions, without baselines, in a fraction of the time");
-  table.add("words", &request.words,
-            "also measure theta after the network, after corrections and after fits, with solved light at the finest spacing");
   table.add("neural", &request.neural,
             "also measure methods that learn the scene's light, at the finest spacing; minutes for each");
   table.add("neural_samples", &request.neural_samples,
             "ratio of the sample points that these methods learn from to those of the bake", 1, 64);
-  table.add("neural_steps", &request.neural_steps, "maximum training steps of a network of the whole scene", 1, 1000000);
+  table.add("neural_steps", &request.neural_steps, "maximum training steps of each of them", 1, 1000000);
   table.add("source_distance", &request.places.source_distance_m,
             "minimum distance of sample points from lamps and emissive faces, metres; at most 1/25 of the scene's diagonal. "
             "0: no minimum",

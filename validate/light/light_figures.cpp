@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "light/air.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "validate/generators/statistics.h"
-#include "validate/light/colour_difference.h"
 
 namespace nlg {
 namespace {
 
-constexpr uint64_t kTruthStream = 0x7472757468, kWalkStream = 0x77616c6b, kAroundStream = 0x61726f756e64;
+constexpr uint64_t kTruthStream = 0x7472757468, kWalkStream = 0x77616c6b;
 
 double channelMean(const glm::vec3& rgb) { return (double{rgb.r} + rgb.g + rgb.b) / 3.0; }
 double squares(const glm::vec3& rgb) { return (double{rgb.r} * rgb.r + double{rgb.g} * rgb.g + double{rgb.b} * rgb.b) / 3.0; }
@@ -28,7 +26,8 @@ bool isCounted(const LightPlace& place) {
 
 class GroupSum {
  public:
-  explicit GroupSum(double exposure) : exposure_(static_cast<float>(exposure)) {}
+  // truth_mean   of the level
+  explicit GroupSum(double truth_mean) : black_(kBlackShare * truth_mean) {}
 
   void add(const glm::vec3& truth, const LightAnswer& answer, double weight) {
     ++figures_.places;
@@ -38,43 +37,26 @@ class GroupSum {
     given_mean_ += weight * channelMean(answer.irradiance);
     truth_mean_ += weight * channelMean(truth);
     // what is below a hundredth of the level's mean is black to an eye: no share of it is an error
-    const double sum = std::max(absolutes(answer.irradiance) + absolutes(truth), kBlackShare * kExposedMean / exposure_);
+    const double sum = std::max(absolutes(answer.irradiance) + absolutes(truth), black_);
     smape_ += weight * quotient(absolutes(answer.irradiance - truth), sum);
-    const double colour = hyAb(labOf(exposure_ * answer.irradiance), labOf(exposure_ * truth));
-    colour_ += weight * colour;
-    colours_.push_back({colour, weight});
     unlit_ += weight * (answer.reach == Reach::unlit);
     outside_ += weight * (answer.reach == Reach::outside);
-    fallback_ += weight * (answer.reach == Reach::fallback);
   }
 
   GroupFigures figures() {
     figures_.rmse = std::sqrt(quotient(error_, truth_));
     figures_.energy = energyOf(given_mean_, truth_mean_);
     figures_.smape = quotient(smape_, weight_);
-    figures_.colour_mean = quotient(colour_, weight_);
-    figures_.colour_p95 = colourQuantile(0.95);
     figures_.unlit = quotient(unlit_, weight_);
     figures_.outside = quotient(outside_, weight_);
-    figures_.fallback = quotient(fallback_, weight_);
     return figures_;
   }
 
  private:
-  double colourQuantile(double share) {
-    std::sort(colours_.begin(), colours_.end());
-    double below = 0.0;
-    for (const auto& [colour, weight] : colours_) {
-      if ((below += weight) >= share * weight_) return colour;
-    }
-    return 0.0;
-  }
-
-  const float exposure_;
+  const double black_;
   GroupFigures figures_;
-  double weight_ = 0.0, error_ = 0.0, truth_ = 0.0, smape_ = 0.0, colour_ = 0.0, unlit_ = 0.0, outside_ = 0.0, fallback_ = 0.0;
+  double weight_ = 0.0, error_ = 0.0, truth_ = 0.0, smape_ = 0.0, unlit_ = 0.0, outside_ = 0.0;
   double given_mean_ = 0.0, truth_mean_ = 0.0;
-  std::vector<std::pair<double, double>> colours_;
 };
 
 // Sums by room. Places in no room have none.
@@ -91,18 +73,6 @@ class RoomSums {
   bool says(uint32_t room) const { return room < count_.size() && count_[room] >= kLeastOfRoom; }
   double mean(uint32_t room) const { return quotient(sum_[room], weight_[room]); }
 
-  // The mean of a figure over rooms with places enough, and how many these are.
-  template <class Figure>
-  void average(Figure figure, uint64_t* rooms, double* mean) const {
-    double sum = 0.0;
-    for (uint32_t room = 0; room < count_.size(); ++room) {
-      if (!says(room)) continue;
-      ++*rooms;
-      sum += figure(room);
-    }
-    *mean = quotient(sum, static_cast<double>(*rooms));
-  }
-
  private:
   std::vector<uint64_t> count_;
   std::vector<double> weight_, sum_;
@@ -112,12 +82,11 @@ class RoomSums {
 template <class Weight>
 void balance(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers, Weight weight,
              GroupFigures* figures) {
-  RoomSums light(places), given(places), errors(places);
+  RoomSums light(places), errors(places);
   for (size_t i = 0; i < places.places.size(); ++i) {
     const LightPlace& place = places.places[i];
     if (!(weight(place) > 0.0)) continue;
     light.add(place, channelMean(truth.at[i].irradiance), weight(place));
-    given.add(place, channelMean(answers[i].irradiance), weight(place));
   }
   for (size_t i = 0; i < places.places.size(); ++i) {
     const LightPlace& place = places.places[i];
@@ -126,60 +95,37 @@ void balance(const LightPlaces& places, const LightTruth& truth, const std::vect
     const double scale = std::max(own, kBlackShare * truth.mean);
     errors.add(place, quotient(squares(answers[i].irradiance - truth.at[i].irradiance), scale * scale), weight(place));
   }
-  errors.average([&](uint32_t room) { return std::sqrt(errors.mean(room)); }, &figures->rooms, &figures->balanced);
   for (uint32_t room = 0; room < places.room_count; ++room) {
-    if (errors.says(room)) figures->room_energy.push_back(energyOf(given.mean(room), light.mean(room)));
+    if (!errors.says(room)) continue;
+    ++figures->rooms;
+    figures->balanced += std::sqrt(errors.mean(room));
   }
+  figures->balanced = quotient(figures->balanced, static_cast<double>(figures->rooms));
 }
 
-// scale   of each place: dark is what is below kDarkShare of it
-template <class Scale>
-DarkFigures darkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers,
-                        Scale scale) {
-  DarkFigures dark;
-  double scales = 0.0;
+ExcessFigures darkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+  ExcessFigures dark;
   for (size_t i = 0; i < places.places.size(); ++i) {
     const double light = channelMean(truth.at[i].irradiance);
-    if (!isCounted(places.places[i]) || light >= kDarkShare * scale(i)) continue;
-    const double answer = channelMean(answers[i].irradiance);
+    if (!isCounted(places.places[i]) || light >= kDarkShare * truth.mean) continue;
     ++dark.places;
-    scales += scale(i);
-    dark.truth += light;
-    dark.excess += answer - light;
-    dark.added += std::max(0.0, answer - light);
+    dark.excess += channelMean(answers[i].irradiance) - light;
   }
-  for (double* sum : {&dark.truth, &dark.excess, &dark.added}) *sum = quotient(*sum, scales);
+  dark.excess = quotient(dark.excess, static_cast<double>(dark.places) * truth.mean);
   return dark;
 }
 
-EdgeFigures edgeFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers,
-                        PlaceGroup group) {
-  std::vector<double> ratios;
-  RoomSums lights(places), added(places);
+ExcessFigures edgeFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers,
+                          PlaceGroup group) {
+  ExcessFigures figures;
   double light = 0.0, answered = 0.0;
-  // light near edges and corners under a roof, as a ratio to truth
   for (size_t i = 0; i < places.places.size(); ++i) {
     if (places.places[i].group != group) continue;
-    const double expected = channelMean(truth.at[i].irradiance), answer = channelMean(answers[i].irradiance);
-    light += expected;
-    answered += answer;
-    // a floor on expected light, as a ratio of nearly nothing says nothing
-    ratios.push_back(quotient(answer, std::max(expected, kEdgeBlackShare * truth.mean)));
-    lights.add(places.places[i], expected, 1.0);
-    added.add(places.places[i], answer - expected, 1.0);
+    ++figures.places;
+    light += channelMean(truth.at[i].irradiance);
+    answered += channelMean(answers[i].irradiance);
   }
-  // over all points, then by room: a bright room must not hide a dark one
-  EdgeFigures figures;
-  const Quantiles q = quantiles(ratios);
-  figures.places = q.count;
-  figures.truth = quotient(light, static_cast<double>(q.count) * truth.mean);
   figures.excess = quotient(answered - light, light);
-  figures.ratio_median = q.median;
-  figures.ratio_p95 = q.p95;
-  const auto of_room = [&](uint32_t room) {
-    return quotient(added.mean(room), std::max(lights.mean(room), kEdgeBlackShare * truth.mean));
-  };
-  lights.average(of_room, &figures.rooms, &figures.balanced);
   return figures;
 }
 
@@ -193,7 +139,7 @@ WalkFigures walkFigures(const LightPlaces& places, const LightTruth& truth, cons
     jumps.push_back(quotient(std::max(0.0, answer - expected), truth.rms));
   }
   const Quantiles q = quantiles(jumps);
-  return {q.count, q.mean, q.p99, q.worst};
+  return {q.count, q.mean, q.worst};
 }
 
 std::vector<WorstPlace> worstPlaces(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
@@ -210,48 +156,17 @@ std::vector<WorstPlace> worstPlaces(const LightPlaces& places, const LightTruth&
   return all;
 }
 
-// Over all normals: light of second order has the mean of its irradiance over the six ends of the axes.
-double meanIrradiance(const LightSh& light) {
-  double sum = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    glm::vec3 normal(0.0f);
-    normal[axis] = 1.0f;
-    sum += channelMean(irradiance(light, normal)) + channelMean(irradiance(light, -normal));
-  }
-  return sum / 6.0;
-}
-
-double brightestAround(const glm::dvec3& position_m, const LightTransport& transport, const TruthOptions& options,
-                       uint64_t seed) {
-  constexpr int kTries = 4 * kAroundPlaces, kRays = 64;
-  GatherOptions gather = options.gather;
-  gather.rays = std::min(gather.rays, kRays);
-  Random random(seed);
-  double brightest = 0.0;
-  for (int t = 0, found = 0; t < kTries && found < kAroundPlaces; ++t) {
-    glm::dvec3 at = position_m;
-    for (int axis = 0; axis < 3; ++axis) at[axis] += random.uniform(-options.around_m, options.around_m);
-    if (!isInAir(transport.rays(), at)) continue;
-    ++found;
-    brightest = std::max(brightest, meanIrradiance(transport.gather(at, gather, mixSeed(seed, t)).light));
-  }
-  return brightest;
-}
-
 }  // namespace
 
 LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport, const TruthOptions& options) {
   LightTruth truth;
   truth.at.resize(places.places.size());
-  truth.around.resize(places.places.size());
   parallelFor(places.places.size(), options.threads, [&](uint64_t i, int) {
     const LightPlace& place = places.places[i];
     // the same rays at all steps of a walk: what changes between steps is light, not noise
     const uint64_t place_seed =
         place.group == PlaceGroup::walk ? mixSeed(options.seed, kWalkStream, place.walk) : mixSeed(options.seed, kTruthStream, i);
     truth.at[i] = transport.gatherIrradiance(place.position_m, place.normal, options.gather, place_seed);
-    if (isCounted(place) && options.around_m > 0.0)
-      truth.around[i] = brightestAround(place.position_m, transport, options, mixSeed(place_seed, kAroundStream));
   });
   // over points in air alone: those before surfaces are drawn by classes of distance
   double count = 0.0, noise = 0.0, light = 0.0;
@@ -278,10 +193,8 @@ std::vector<Receiver> receiversAt(const LightPlaces& places) {
 }
 
 LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
-  // one exposure for all colour differences: truth's mean is middle grey
-  const double exposure = quotient(kExposedMean, truth.mean);
-  GroupSum air(exposure), surface(exposure), turned(exposure);
-  std::vector<GroupSum> surface_class(kSurfaceClassCount, GroupSum(exposure)), turned_class = surface_class;
+  GroupSum air(truth.mean), surface(truth.mean), turned(truth.mean);
+  std::vector<GroupSum> surface_class(kSurfaceClassCount, GroupSum(truth.mean)), turned_class = surface_class;
   // each group by itself; surfaces weigh by their class of distance
   for (size_t i = 0; i < places.places.size(); ++i) {
     const LightPlace& place = places.places[i];
@@ -311,9 +224,7 @@ LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, co
     };
     balance(places, truth, answers, weight, of_group);
   }
-  // leaks: darkness against the mean of all light, and against the light around
-  figures.dark = darkFigures(places, truth, answers, [&](size_t) { return truth.mean; });
-  figures.beside_light = darkFigures(places, truth, answers, [&](size_t i) { return truth.around[i]; });
+  figures.dark = darkFigures(places, truth, answers);
   figures.edge = edgeFigures(places, truth, answers, PlaceGroup::edge);
   figures.corner = edgeFigures(places, truth, answers, PlaceGroup::corner);
   figures.jumps = walkFigures(places, truth, answers);

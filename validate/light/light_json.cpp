@@ -12,30 +12,23 @@ using Json = nlohmann::ordered_json;
 Json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 Json groupJson(const GroupFigures& f) {
-  return {{"places", f.places},     {"rmse", f.rmse},
-          {"smape", f.smape},       {"colour", {{"mean", f.colour_mean}, {"p95", f.colour_p95}}},
-          {"unlit", f.unlit},       {"outside", f.outside},
-          {"fallback", f.fallback}, {"energy", f.energy}};
-}
-
-// With the figure by room, which groups have and classes of distance have not.
-Json balancedJson(const GroupFigures& f) {
-  Json json = groupJson(f);
-  json["balanced"] = {{"rooms", f.rooms}, {"rmse", f.balanced}, {"energy", f.room_energy}};
-  return json;
-}
-
-Json darkJson(const DarkFigures& f) {
-  return {{"places", f.places}, {"truth", f.truth}, {"excess", f.excess}, {"added", f.added}};
+  return {{"places", f.places},
+          {"rmse", f.rmse},
+          {"smape", f.smape},
+          {"unlit", f.unlit},
+          {"outside", f.outside},
+          {"energy", f.energy},
+          {"balanced", {{"rooms", f.rooms}, {"rmse", f.balanced}}}};
 }
 
 Json byDistanceJson(const GroupFigures& all, const std::array<GroupFigures, kSurfaceClassCount>& classes, int first_class) {
-  Json json = balancedJson(all);
+  Json json = groupJson(all);
   json["by_distance"] = Json::array();
   for (int c = first_class; c < kSurfaceClassCount; ++c) {
-    Json of_class = {{"from_m", kSurfaceBordersM[c]}, {"to_m", kSurfaceBordersM[c + 1]}};
-    of_class.update(groupJson(classes[c]));
-    json["by_distance"].push_back(of_class);
+    json["by_distance"].push_back({{"from_m", kSurfaceBordersM[c]},
+                                   {"to_m", kSurfaceBordersM[c + 1]},
+                                   {"places", classes[c].places},
+                                   {"rmse", classes[c].rmse}});
   }
   return json;
 }
@@ -43,14 +36,6 @@ Json byDistanceJson(const GroupFigures& all, const std::array<GroupFigures, kSur
 const char* groupName(PlaceGroup group) {
   constexpr std::array<const char*, 6> kNames = {"air", "surface", "turned", "walk", "edge", "corner"};
   return kNames[static_cast<size_t>(group)];
-}
-
-Json edgeJson(const EdgeFigures& f) {
-  return {{"places", f.places},
-          {"truth", f.truth},
-          {"excess", f.excess},
-          {"ratio", {{"median", f.ratio_median}, {"p95", f.ratio_p95}}},
-          {"balanced", {{"rooms", f.rooms}, {"excess", f.balanced}}}};
 }
 
 Json worstJson(const LightFigures& figures, const LightPlaces& places, const LightTruth& truth,
@@ -110,17 +95,12 @@ std::string lightTable(const Json& spacings) {
 Json methodJson(const LightMethod& method, const LightFigures& figures, const LightPlaces& places, const LightTruth& truth,
                 const std::vector<LightAnswer>& answers, const glm::dvec3& origin_m) {
   Json json = {{"weights", method.weights}, {"light", method.light}};
-  json["air"] = balancedJson(figures.air);
+  json["air"] = groupJson(figures.air);
   json["surface"] = byDistanceJson(figures.surface, figures.surface_class, 0);
   json["turned"] = byDistanceJson(figures.turned, figures.turned_class, kFirstFarClass);
-  json["dark"] = darkJson(figures.dark);
-  json["beside_light"] = darkJson(figures.beside_light);
-  json["edge"] = edgeJson(figures.edge);
-  json["corner"] = edgeJson(figures.corner);
-  json["jumps"] = {{"steps", figures.jumps.steps},
-                   {"mean", figures.jumps.mean},
-                   {"p99", figures.jumps.p99},
-                   {"largest", figures.jumps.largest}};
+  for (const auto& [name, of] : {std::pair("dark", &figures.dark), {"edge", &figures.edge}, {"corner", &figures.corner}})
+    json[name] = {{"places", of->places}, {"excess", of->excess}};
+  json["jumps"] = {{"steps", figures.jumps.steps}, {"mean", figures.jumps.mean}, {"largest", figures.jumps.largest}};
   if (method.bytes.total() > 0) {
     json["bytes"] = {
         {"light", method.bytes.light},

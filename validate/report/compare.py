@@ -6,7 +6,7 @@
 Each is a run's folder, or a summary.json of nlg-validate. Every further run is compared with the first. Of a folder the validation is taken, and
 its trainings' options and where their curves end are shown besides.
 Functions are paired by the functions.csv beside both. Errors are blend RMSEs of the same functions in both runs, so the noise is that of
-the choice of functions: would another held-out set of the same kind say the same? docs/reference/formats.md says how each figure is
+the choice of functions: would another held-out set of the same kind say the same? docs/reference/json.md says how each figure is
 judged. Exit code 0: nothing is worse; 6: something is, or a representation is gone.
 """
 import argparse
@@ -31,13 +31,16 @@ from tool.errors import CHECK_FAILED, InputError, run, say
 from tool.input_file import read_json
 
 WORDS_BY_SCENE = ("network", "stored")  # what training makes, and what ships
+FALSE_ALARMS = 0.05     # the chance that noise alone makes any figure count as changed
+SMALLEST_CHANGE = 0.01  # that counts, as a share of the old value
+WORST_FACTOR = 2.0      # of a function's blend RMSE over its old one: what is above it, and above tau, is worse
 
 
 @dataclass
 class Run:
     path: str
     summary: object  # Node
-    samples: object  # of inputs.read_functions; None: no functions.csv lies beside it
+    samples: dict    # of inputs.read_functions
 
     def names(self):
         return [name for name, _ in self.summary["representations"].entries()]
@@ -52,7 +55,7 @@ class Change:
     old: float
     new: float
     standard_error: float = 0.0  # of new - old; 0: not known
-    chance: object = None        # that noise alone makes so large a difference; None: judged by a tolerance or a factor
+    chance: object = None        # that noise alone makes so large a difference; None: judged by a factor, or not at all
     note: str = ""
     trend: str = "same"          # where there is a chance: "same" until all figures are judged together
 
@@ -89,8 +92,6 @@ def read_run(path, is_folder=True):
     path = summary_of(path) if is_folder else os.path.join(path, "summary.json")
     summary = read_summary(path)
     functions = os.path.join(os.path.dirname(path), "functions.csv")
-    if not os.path.exists(functions):
-        return Run(path, summary, None)
     samples = read_functions(functions, [name for name, _ in summary["representations"].entries()])
     check_counts(functions, samples, summary)
     return Run(path, summary, samples)
@@ -124,9 +125,9 @@ def beyond_chance(chances, level):
     return beyond
 
 
-def trend_beyond(old, new, share):
-    """By more than a share of the old value."""
-    return "same" if abs(new - old) <= share * old else "better" if new < old else "worse"
+def trend_beyond(old, new):
+    """By more than SMALLEST_CHANGE."""
+    return "same" if abs(new - old) <= SMALLEST_CHANGE * old else "better" if new < old else "worse"
 
 
 # ---- one figure of the same functions in both runs, as fields of a Change
@@ -163,9 +164,9 @@ def failing_change(old, new):
     return {"old": float(old.mean()), "new": float(new.mean())} | crossings(old.astype(float), new.astype(float), 0.5)
 
 
-def worst_change(old, new, tau, factor):
+def worst_change(old, new, tau):
     """A function leaps when its blend RMSE is above so many times its error in the other run, and tau. What these very functions do is no matter of chance."""
-    risen, fallen = new.blend_rmse > factor * np.maximum(old.blend_rmse, tau), old.blend_rmse > factor * np.maximum(new.blend_rmse, tau)
+    risen, fallen = new.blend_rmse > WORST_FACTOR * np.maximum(old.blend_rmse, tau), old.blend_rmse > WORST_FACTOR * np.maximum(new.blend_rmse, tau)
     change = {"old": float(old.blend_rmse.max(initial=0.0)), "new": float(new.blend_rmse.max(initial=0.0))}
     if risen.any():
         # the figures are then those of the function that leapt highest: another one may be the worst of all
@@ -174,19 +175,19 @@ def worst_change(old, new, tau, factor):
     return change | ({"note": f"{fallen.sum()} no longer so high", "trend": "better"} if fallen.any() else {})
 
 
-def costs(old, new, options):
-    """The mean RMSE and how many functions took a fit, which are shown and never judged, and the time, which a busy machine changes."""
+def costs(old, new):
+    """The mean RMSE, how many functions took a fit, and the time, which a busy machine changes: they are shown and never judged."""
     yield "mean RMSE", {key: node["theta"]["rmse"]["mean"].number() if node["theta"]["functions"].count() else 0.0 for key, node in (("old", old), ("new", new))}
     fitted = [node["theta"]["share_fitted"]["value"].number() for node in (old, new)]
     times = [node["theta"]["us_per_function"].number() for node in (old, new)]
     yield "share that took a fit", dict(zip(("old", "new"), fitted))
-    yield "µs a function", dict(zip(("old", "new"), times)) | {"trend": trend_beyond(*times, options.time_tolerance) if options.time_tolerance else "same"}
+    yield "µs a function", dict(zip(("old", "new"), times))
 
 
 # ---- all figures
 
 
-def paired_changes(name, old, new, options):
+def changes_of(name, old, new):
     """(scene, figure, fields of a Change)"""
     tau = new.summary["tau"]["blend"].number()
     pairs = {}
@@ -198,52 +199,21 @@ def paired_changes(name, old, new, options):
         yield "", f"{word}, mean blend RMSE", mean_change(theta_a.blend_rmse, theta_b.blend_rmse)
         yield "", f"{word}, mean blend RMSE of hard functions", mean_change(hard_a.blend_rmse, hard_b.blend_rmse)
         yield "", f"{word}, p99 of blend RMSE", p99_change(theta_a.blend_rmse, theta_b.blend_rmse)
-        yield "", f"{word}, worst blend RMSE", worst_change(theta_a, theta_b, tau, options.worst_factor)
+        yield "", f"{word}, worst blend RMSE", worst_change(theta_a, theta_b, tau)
         yield "", f"{word}, share that fails the check", failing_change(theta_a.fails_check, theta_b.fails_check)
         yield "", f"{word}, mean leak of a function", mean_change(theta_a.leak_mean, theta_b.leak_mean)
-        for figure, fields in costs(old.summary["representations"][name][word], new.summary["representations"][name][word], options):
+        for figure, fields in costs(old.summary["representations"][name][word], new.summary["representations"][name][word]):
             yield "", f"{word}, {figure}", fields
-    for scene, _ in old.summary["representations"][name]["by_scene"].entries():
+    for scene in dict.fromkeys(old.samples[name, WORDS[0]].scene):
         for word in WORDS_BY_SCENE:
             a, b = [some.only(some.takes_theta & (some.scene == scene)) for some in pairs[word]]
             yield scene, f"{word}, mean blend RMSE", mean_change(a.blend_rmse, b.blend_rmse)
-            yield scene, f"{word}, worst blend RMSE", worst_change(a, b, tau, options.worst_factor)
+            yield scene, f"{word}, worst blend RMSE", worst_change(a, b, tau)
             yield scene, f"{word}, share that fails the check", failing_change(a.fails_check, b.fails_check)
-
-
-def summary_changes(name, old, new, options):
-    """The same without the functions of both."""
-    tau = new.summary["tau"]["blend"].number()
-    one, other = old.summary["representations"][name], new.summary["representations"][name]
-
-    def within(read, a, b):
-        values = read(a).number(), read(b).number()
-        return dict(zip(("old", "new"), values)) | {"trend": trend_beyond(*values, options.tolerance)}
-
-    def leap(a, b):
-        before, after = (node["theta"]["blend_rmse"]["worst"].number() for node in (a, b))
-        trend = "worse" if after > options.worst_factor * max(before, tau) else "better" if before > options.worst_factor * max(after, tau) else "same"
-        return {"old": before, "new": after, "trend": trend}
-
-    for word in WORDS:
-        a, b = one[word], other[word]
-        yield "", f"{word}, mean blend RMSE", within(lambda node: node["theta"]["blend_rmse"]["mean"], a, b)
-        if a["hard"]["functions"].count():
-            yield "", f"{word}, mean blend RMSE of hard functions", within(lambda node: node["hard"]["blend_rmse"]["mean"], a, b)
-        yield "", f"{word}, p99 of blend RMSE", within(lambda node: node["theta"]["blend_rmse"]["p99"], a, b)
-        yield "", f"{word}, worst blend RMSE", leap(a, b)
-        yield "", f"{word}, share that fails the check", within(lambda node: node["theta"]["share_failing_check"]["value"], a, b)
-        yield "", f"{word}, mean leak of a point", within(lambda node: node["theta"]["leak"]["mean"], a, b)
-        for figure, fields in costs(a, b, options):
-            yield "", f"{word}, {figure}", fields
-    for scene, words in one["by_scene"].entries():
-        for word in WORDS_BY_SCENE if scene in other["by_scene"] else ():
-            yield scene, f"{word}, mean blend RMSE", within(lambda node: node[word]["blend_rmse"]["mean"], words, other["by_scene"][scene])
 
 
 @dataclass
 class Comparison:
-    is_paired: bool
     lost: list   # representations that only the old run has
     added: list  # … only the new one
     changes: list
@@ -256,20 +226,19 @@ class Comparison:
         return len(self.of("worse")) + len(self.lost)
 
 
-def compare(old, new, options):
+def compare(old, new):
     refuse_other_runs(old, new)
     names = old.names(), new.names()
     both = [name for name in names[0] if name in names[1]]
     if not both:
         raise InputError(new.path, "representations", f"at least one of {old.path}", "none")
-    is_paired = old.samples is not None and new.samples is not None
-    changes = [Change(name, scene, figure, **fields) for name in both for scene, figure, fields in (paired_changes if is_paired else summary_changes)(name, old, new, options)]
+    changes = [Change(name, scene, figure, **fields) for name in both for scene, figure, fields in changes_of(name, old, new)]
     # all figures that have a chance, of all representations, are one family
     judged = [change for change in changes if change.chance is not None]
-    for change, is_beyond in zip(judged, beyond_chance([change.chance for change in judged], options.false_alarms)):
+    for change, is_beyond in zip(judged, beyond_chance([change.chance for change in judged], FALSE_ALARMS)):
         if is_beyond:
-            change.trend = trend_beyond(change.old, change.new, options.smallest_change)
-    return Comparison(is_paired, [name for name in names[0] if name not in names[1]], [name for name in names[1] if name not in names[0]], changes, len(judged))
+            change.trend = trend_beyond(change.old, change.new)
+    return Comparison([name for name in names[0] if name not in names[1]], [name for name in names[1] if name not in names[0]], changes, len(judged))
 
 
 # ---- what is printed
@@ -286,15 +255,12 @@ def line_of(change):
     return line + (f"; {change.note}" if change.note else "")
 
 
-def text_of(comparison, options):
-    if comparison.is_paired:
-        yield (f"of functions that take a theta; noise: a chance of at most {options.false_alarms:g} that it has any of the {comparison.judged_by_chance} figures"
-               f" judged by chance called changed; and {100 * options.smallest_change:g} % of the old value")
-    else:
-        yield f"of functions that take a theta; noise: {100 * options.tolerance:g} % of the old value; no functions.csv beside both files to pair functions by"
+def text_of(comparison, all_scenes):
+    yield (f"of functions that take a theta; noise: a chance of at most {FALSE_ALARMS:g} that it has any of the {comparison.judged_by_chance} figures"
+           f" judged by chance called changed; and {100 * SMALLEST_CHANGE:g} % of the old value")
     representation = None
     for change in comparison.changes:
-        if change.scene and change.trend == "same" and not options.all_scenes:
+        if change.scene and change.trend == "same" and not all_scenes:
             continue
         if change.representation != representation:
             representation = change.representation
@@ -306,34 +272,17 @@ def text_of(comparison, options):
     yield f"{len(comparison.of('better'))} better, {comparison.worse_count()} worse, {len(comparison.of('same'))} the same"
 
 
-def json_of(comparison, options):
-    head = {"schema_version": 1, "paired": comparison.is_paired, "lost": comparison.lost, "added": comparison.added}
-    if comparison.is_paired:
-        head["false_alarms"] = options.false_alarms
-    return json.dumps(head | {"judged_by_chance": comparison.judged_by_chance, "changes": [dataclasses.asdict(change) for change in comparison.changes]}, ensure_ascii=False)
+def json_of(comparison):
+    return json.dumps({"schema_version": 1, **dataclasses.asdict(comparison)}, ensure_ascii=False)
 
 
-def between(low, high):
-    def number(text):
-        value = float(text)
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"expected a number from {low:g} to {high:g}, got {text}")
-        return value
-    return number
-
-
-def parse_arguments(arguments=None):
+def parse_arguments():
     parser = argparse.ArgumentParser(description="Says what got better or worse between two validations of the same held-out functions, beyond noise; exit code 6 where something is worse.")
     parser.add_argument("old", help="folder or summary.json of the run to compare with")
     parser.add_argument("new", nargs="+", help="folders or summary.json of the runs to judge. Functions are paired by the functions.csv beside each summary.json")
-    parser.add_argument("--false-alarms", type=between(1e-12, 0.999), default=0.05, help="paired: probability that noise alone makes any figure count as changed (default: %(default)g)")
-    parser.add_argument("--smallest-change", type=between(0, 10), default=0.01, help="minimum change, as a share of the old value, that counts (default: %(default)g)")
-    parser.add_argument("--worst-factor", type=between(1, 1e6), default=2.0, help="ratio of a function's blend RMSE to its old one above which it is worse, if it is also above tau (default: %(default)g)")
-    parser.add_argument("--tolerance", type=between(0, 10), default=0.05, help="noise, as a share of the old value, assumed for functions that cannot be paired (default: %(default)g)")
-    parser.add_argument("--time-tolerance", type=between(0, 1000), default=0.0, help="noise of times, as a share of the old value. 0: times are shown, not judged (default: %(default)g)")
     parser.add_argument("--all-scenes", action="store_true", help="also print scenes where nothing changed")
     parser.add_argument("--json", action="store_true", help="print one line of JSON per comparison")
-    return parser.parse_args(arguments)
+    return parser.parse_args()
 
 
 def main():
@@ -342,11 +291,11 @@ def main():
     def work():
         old, worse = read_run(options.old), []
         for path in options.new:
-            comparison = compare(old, read_run(path), options)
+            comparison = compare(old, read_run(path))
             if options.json:
-                print(json_of(comparison, options))
+                print(json_of(comparison))
             else:
-                lines = [f"{options.old} -> {path}", *training_lines(options.old, path), *text_of(comparison, options)]
+                lines = [f"{options.old} -> {path}", *training_lines(options.old, path), *text_of(comparison, options.all_scenes)]
                 print("\n".join("".join(c if c.isprintable() or c == "\n" else " " for c in line) for line in lines))
             worse += [f"{name} is gone" for name in comparison.lost] + [", ".join(filter(None, (change.representation, change.scene))) + f": {change.figure}" for change in comparison.of("worse")]
         if not worse:

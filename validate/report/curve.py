@@ -33,78 +33,70 @@ POINT_COUNT = 8192  # that evaluate_us is the time of
 
 @dataclass
 class Cost:
-    """One representation: what a function costs and how wrong it is, by every statistic of the summary."""
+    """One representation: what a function costs and how wrong it is."""
     name: str
     bytes: float        # of one θ, as the summary's functions are stored: of codes, which end where they may, the mean
     evaluate_us: float  # 0: not measured
-    sample: dict        # word → the blend RMSE's statistics over the functions of the sample that take a θ
+    mean: dict          # word → mean blend RMSE over the functions of the sample that take a θ
 
 
-def costs(summary, times=None):
-    """times: the summary that evaluate_us is taken from; None: the same."""
+def costs(summary):
     result, precision = [], summary["theta_precision"].text()
     for name, node in summary["representations"].entries():
-        blend_rmse = lambda word: {q: node["sample"][word]["theta"]["blend_rmse"][q].number() for q in inputs_module.QUANTILES}
-        timed = times["representations"][name] if times else node
         size = node["stored_bytes_mean"].number() if name.startswith("code") else node["theta_bytes"][precision].count()
-        result.append(Cost(name, size, timed["evaluate_us"].number(), {word: blend_rmse(word) for word in SHOWN}))
+        result.append(Cost(name, size, node["evaluate_us"].number(), {word: node["sample"][word]["theta"]["blend_rmse"]["mean"].number() for word in SHOWN}))
     return result
 
 
 def decade_axis(axis, values, text):
-    """Plain numbers, a tick at 1, 2 and 5 of every decade, and room for names at both ends."""
+    """Plain numbers, a tick at 1, 2 and 5 of every decade."""
     axis.axes.set(xscale="log", xlim=(min(values) / 1.6, max(values) * 1.6))
     axis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=30))
     axis.set_major_formatter(FuncFormatter(lambda v, _: text(v)))
     axis.set_minor_formatter(NullFormatter())
 
 
-def draw_panel(figure, axes, some, statistic, x_of, limits):
+def draw_panel(axes, some, x_of, limits):
     """Filled: stored, open: best known, a thin line from there up to the network, ticks where it passes the network and the corrected;
-    dashed and dotted: Pareto fronts of stored and best known. Returns what writes the names, once the axes have their limits.
+    dashed and dotted: Pareto fronts of stored and best known.
     """
-    labels, lines = [], []
     for cost in some:
         x, shade, shape = x_of(cost), plots.representation_colour(cost.name), plots.representation_marker(cost.name)
-        errors = {word: cost.sample[word][statistic] for word in SHOWN}
-        line = [(x, min(errors.values())), (x, max(errors.values()))]
-        axes.plot(*zip(*line), color=shade, linewidth=1.0, alpha=0.6, zorder=3)
+        errors = cost.mean
+        axes.plot([x, x], [min(errors.values()), max(errors.values())], color=shade, linewidth=1.0, alpha=0.6, zorder=3)
         for word, size in (("network", 9), ("corrected", 6)):
             axes.plot(x, errors[word], "_", color=shade, markersize=size, markeredgewidth=1.2, alpha=0.8, zorder=3)
         axes.plot(x, errors["best_known"], shape, color=shade, markerfacecolor="white", markersize=6.5, markeredgewidth=1.4, zorder=4)
         axes.plot(x, errors["stored"], shape, color=shade, markersize=7.5, markeredgecolor="white", markeredgewidth=0.6, zorder=5)
-        labels.append((x, errors["stored"], cost.name + (" (the talk's)" if cost.name == TALK else ""), shade))
-        lines.append(line)
     for word, style in FRONTS.items():
-        front = plots.pareto([(x_of(c), c.sample[word][statistic]) for c in some])
+        front = plots.pareto([(x_of(c), c.mean[word]) for c in some])
         axes.plot(*zip(*front), color=plots.INK, linewidth=1.0, linestyle=style, zorder=2, alpha=0.7)
-        lines.append(front)
     plots.log_error_axis(axes.yaxis, *limits)
-    return lambda: plots.place_labels(figure, axes, labels, lines, [])
 
 
-def draw(summary, statistic="mean", times=None):
+def draw(summary):
     """The figure of both panels; the second stays empty, and says so, where the summary has no times."""
-    some = costs(summary, times)
-    errors = [c.sample[word][statistic] for c in some for word in SHOWN]
+    some = costs(summary)
+    errors = [c.mean[word] for c in some for word in SHOWN]
     limits = (0.75 * min(errors), 1.35 * max(errors))
-    figure, (left, right) = plots.plt.subplots(1, 2, figsize=(9.8, 4.4), layout="constrained", sharey=True)
+    figure, (left, right) = plots.plt.subplots(1, 2, figsize=(10.6, 4.4), layout="constrained", sharey=True)
+    figure.get_layout_engine().set(rect=(0, 0, 0.86, 1))  # the names stand beside
     for axes in (left, right):
         axes.grid(True)
-    place = [draw_panel(figure, left, some, statistic, lambda c: c.bytes, limits)]
+    draw_panel(left, some, lambda c: c.bytes, limits)
     decade_axis(left.xaxis, [c.bytes for c in some], plots.short)
-    left.set(xlabel=f"bytes a function, θ in {summary['theta_precision'].text()}", ylabel=f"blend RMSE of a function that takes a θ, {statistic}")
+    left.set(xlabel=f"bytes a function, θ in {summary['theta_precision'].text()}", ylabel=f"blend RMSE of a function that takes a θ, mean")
     right.set_xlabel(f"evaluation time of {POINT_COUNT} points, one core")
     timed = [c for c in some if c.evaluate_us > 0]
     if timed:
-        place.append(draw_panel(figure, right, timed, statistic, lambda c: c.evaluate_us, limits))
+        draw_panel(right, timed, lambda c: c.evaluate_us, limits)
         decade_axis(right.xaxis, [c.evaluate_us for c in timed], plots.duration)
     else:
         right.set_xticks([])
         right.annotate("not measured in this run", (0.5, 0.5), xycoords="axes fraction", ha="center", color=plots.MUTED)
     key(left, right)
-    for place_names in place:
-        place_names()
+    figure.legend(handles=[plots.plt.Line2D([], [], linewidth=0, marker=plots.representation_marker(c.name), color=plots.representation_colour(c.name), markersize=6,
+                                            label=c.name + (" (the talk's)" if c.name == TALK else "")) for c in some], loc="center right")
     return figure
 
 
@@ -118,24 +110,12 @@ def key(left, right):
         axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=len(handles), borderaxespad=0.3, columnspacing=1.4, handlelength=2.0)
 
 
-def png(summary, statistic, times):
-    figure = draw(summary, statistic, times)
-    return plots.png(figure)
-
-
 def main():
     parser = argparse.ArgumentParser(description="Draws blend RMSE against bytes a function and against evaluation time.")
     parser.add_argument("--summary", required=True, help="summary.json of nlg-validate")
-    parser.add_argument("--times", help="another summary.json of the same representations, from which evaluation times are taken")
-    parser.add_argument("--statistic", choices=inputs_module.QUANTILES, default="mean", help="statistic of the blend RMSE over functions; default: mean")
     parser.add_argument("--out", required=True, help="picture to write (.png)")
     arguments = parser.parse_args()
-
-    def make():
-        summary = inputs_module.read_summary(arguments.summary)
-        times = inputs_module.read_summary(arguments.times) if arguments.times else None
-        return {arguments.out: png(summary, arguments.statistic, times)}
-    return run("curve.py", lambda: write_files(make()))
+    return run("curve.py", lambda: write_files({arguments.out: plots.png(draw(inputs_module.read_summary(arguments.summary)))}))
 
 
 if __name__ == "__main__":

@@ -4,31 +4,26 @@ import os
 
 import numpy as np
 
-import plots
 import proof_inputs
 import verdict
-from findings import TALK_FITTED, bracket, error, factor, figures_row, grouped, percent, plural
+from findings import bracket, error, factor, figures_row, grouped, percent, plural
 from frontier import front_of, stage_points
 from inputs import ERRORS, WORDS
 from plots import NAMES, duration
 from tool.errors import InputError
 
-GROUP_NAMES = {"functions": "Functions", "codes": "Codes", "generator": "Generator", "training": "Training"}
+GROUP_NAMES = {"functions": "Functions", "codes": "Codes", "generator": "Generator"}
 
 
 def joined(names):
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-CASE_STATES = ("fails", "explained", "fails-check", "holds", "not-run")  # in the order of the table
+CASE_STATES = ("fails", "fails-check", "holds")  # in the order of the table
 
 
 def case_state(case):
-    if not case.ran:
-        return "not-run"
-    if not case.holds:
-        return "explained" if case.note.strip() else "fails"
-    return "fails-check" if case.fails_check else "holds"
+    return "fails" if not case.holds else "fails-check" if case.fails_check else "holds"
 
 
 def equal_error_words(judgement):
@@ -45,19 +40,18 @@ def equal_error_words(judgement):
 
 BAKES = {"these": "with these weights", "without": "without a generator"}
 WEIGHTS = {"supplied": "the supplied weights", "init": "the weights that it started from"}
-FALSE_ALARMS, SMALLEST_CHANGE = 0.05, 0.01  # as of `nlg compare`
 
 
 def comparison(inputs, representation, folder):
     """Whether a generator is better than other weights, by what is stored of the same functions: the paired test of compare.py."""
-    from compare import mean_change, read_run, trend_beyond  # which takes SciPy, and time to be loaded
+    from compare import FALSE_ALARMS, mean_change, read_run, trend_beyond  # which takes SciPy, and time to be loaded
     other = read_run(folder, is_folder=False)
     name = representation if representation in other.names() else other.names()[0]
     before, after = (samples[one, "stored"].of("theta") for samples, one in ((other.samples, name), (inputs.samples, representation)))
     if len(before) != len(after) or (before.function != after.function).any() or (before.scene != after.scene).any():
         raise InputError(folder, "functions.csv", "the functions that the run is validated on", "others")
     change = mean_change(before.blend_rmse, after.blend_rmse)
-    trend = trend_beyond(change["old"], change["new"], SMALLEST_CHANGE) if change.get("chance", 1.0) <= FALSE_ALARMS else "same"
+    trend = trend_beyond(change["old"], change["new"]) if change.get("chance", 1.0) <= FALSE_ALARMS else "same"
     word = {"better": "Better than", "worse": "Worse than", "same": "As good as"}[trend]
     of = "" if name == representation else f", {name}"
     return f"{word} {WEIGHTS.get(os.path.basename(folder), folder)}: {representation} has a mean blend RMSE of {error(change['new'])}, they {error(change['old'])}{of}, on the same {plural(len(after), 'function')}"
@@ -88,7 +82,7 @@ class Decision:
         self.inputs, self.limits, self.cases, self.bakes = inputs, limits, cases, bakes or {}
         self.judgements = verdict.judge(inputs, limits, frontier)
         self.leader = verdict.leader(inputs, self.judgements)
-        self.blocked = bool(cases) and bool(verdict.unexplained(cases))
+        self.blocked = bool(cases) and bool(verdict.failed(cases))
         self.comparisons = [comparison(inputs, self.leader, folder) for folder in against]
         self.copies = near_copies(inputs.summary)
         self.tau = {error: inputs.summary["tau"][key].number() for error, key in zip(ERRORS, ("blend", "rmse"))}
@@ -111,7 +105,7 @@ class Decision:
         ships = [j.representation for j in self.judgements if j.verdict == verdict.SHIPS]
         count = len(self.judgements)
         if self.blocked:
-            return f"Nothing may ship: {plural(len(verdict.unexplained(self.cases)), 'stability case')} failed without an explanation"
+            return f"Nothing may ship: {plural(len(verdict.failed(self.cases)), 'stability case')} failed"
         undecided = [j.representation for j in self.judgements if j.verdict == verdict.UNDECIDED]
         if count > 1 and len(ships) == count:
             return f"All {count} generators may ship"
@@ -290,33 +284,22 @@ class Decision:
         groups = []
         for group in proof_inputs.GROUPS:
             rows = sorted(((case_state(case), case) for case in self.cases if case.group == group), key=lambda row: CASE_STATES.index(row[0]))
-            left = sum(state == "not-run" for state, _ in rows)
             checked = sum(state == "fails-check" for state, _ in rows)
-            held = f"{sum(state in ('holds', 'fails-check') for state, _ in rows)} of {len(rows) - left} hold"
-            held += (f", and the bake’s check fails {checked} of these" if checked else "") + (f"; {left} not run" if left else "")
+            held = f"{sum(state in ('holds', 'fails-check') for state, _ in rows)} of {len(rows)} hold"
+            held += (f", and the bake’s check fails {checked} of these" if checked else "")
             groups += [(GROUP_NAMES[group], held, rows)] if rows else []
         return groups
 
     @property
     def stability_state(self):
-        """For the colour: good only where every case was run, holds, and passes the bake's check."""
+        """For the colour: good only where every case holds and passes the bake's check."""
         states = {case_state(case) for case in self.cases}
         return "bad" if "fails" in states else "good" if states == {"holds"} else "mixed"
 
     def stability_sentence(self):
-        failed, ran = verdict.failed(self.cases), [case for case in self.cases if case.ran]
-        text = f"{len(ran) - len(failed)} of {plural(len(ran), 'case')} hold"
-        unexplained = len(verdict.unexplained(self.cases))
-        explained = len(failed) - unexplained
-        if explained:
-            text += f"; {explained} {'fails and is' if explained == 1 else 'fail and are'} explained"
-        if unexplained:
-            text += f"; {unexplained} {'fails' if unexplained == 1 else 'fail'} without an explanation"
+        text = f"{sum(case.holds for case in self.cases)} of {plural(len(self.cases), 'case')} hold"
         checked = sum(case_state(case) == "fails-check" for case in self.cases)
-        if checked:
-            text += f"; the bake’s check fails {checked} of those that hold"
-        left = len(self.cases) - len(ran)
-        return text + (f"; {left} {'was' if left == 1 else 'were'} not run." if left else ".")
+        return text + (f"; the bake’s check fails {checked} of those that hold." if checked else ".")
 
 
 # ---- the frontier's rows

@@ -4,7 +4,7 @@ import re
 import numpy as np
 
 from curve import SHOWN, costs
-from inputs import ERRORS, FITS, INTERVALS, POPULATIONS, QUANTILES, RATIOS, REFERENCES, WORDS, interval_of
+from inputs import ERRORS, FITS, INTERVALS, POPULATIONS, QUANTILES, RATIOS, WORDS, interval_of
 from plots import NAMES, POPULATION_NAMES, duration, pareto
 from verdict import estimate, share_of
 
@@ -12,7 +12,6 @@ TALK_FITTED = "4–13\u00a0%"  # of its functions the talk gave to Adam after th
 NONE = {"text": "–", "over": False, "interval": ""}
 # an option of nlg-validate that says how much a long fit was given, and how the page says it
 BUDGETS = (("direct_adam_steps", "{} steps of Adam a start"), ("direct_lm_iterations", "{} iterations of LM a start"), ("direct_restarts", "{} random starts"))
-REFERENCE_NAMES = {"to_best_known": "over the best known", "to_direct": "over direct", "without_duplicates": "over the best known, without functions that training saw too"}
 
 
 def error(value):
@@ -122,11 +121,6 @@ class Findings:
         return (f"{plural(f['held_out'], 'distinct function')} of {plural(f['held_out_scenes'], 'scene')} that no training saw; {grouped(f['take_theta'])} of them take a θ "
                 f"(for the others the bare tent is enough), and {grouped(f['hard'])} are hard")
 
-    def duplicates_sentence(self):
-        f = self.functions
-        return (f"{grouped(f['held_out_in_training'])} of the held-out functions stand in some training scene too ({grouped(f['held_out_in_training_mirrored'])}, mirror images counted): "
-                f"a plain wall is the same everywhere. Ratios are also given without them.")
-
     def lead(self):
         def text(name):
             node = self.summary_of(name)["stored"]
@@ -176,7 +170,7 @@ class Findings:
         return f"Long fits were given {', '.join(some)}." if some else ""
 
     def sample_tables(self):
-        """Every way to a θ on the same functions, one table a representation; ratios where a word has them."""
+        """Every way to a θ on the same functions, one table a representation; how far each word is above the best known, function by function."""
         tables = []
         for name in self.inputs.representations:
             sample = self.summary_of(name)["sample"]
@@ -184,30 +178,9 @@ class Findings:
             for word in WORDS + FITS:
                 row = figures_row(word, sample[word]["theta"], "theta", self.limits)
                 row["hard"] = quantile_cells(sample[word]["hard"]["blend_rmse"])[0]
+                row["ratios"] = [ratio_cell(sample["ratios"][word]["to_best_known"][key]) for key in RATIOS] if word in WORDS else [NONE] * len(RATIOS)
                 rows.append(row)
             tables.append({"name": name, "rows": rows})
-        return tables
-
-    def convergence(self):
-        """Whether direct fits have converged: mean blend RMSE by random starts and by steps of Adam, where validate measured it."""
-        rows = []
-        for name in self.inputs.representations:
-            node = self.summary_of(name)
-            if "convergence" not in node.value or not node["convergence"]["functions"].count():
-                continue
-            point = lambda p, key, noun: (plural(p[key].count(), noun), error(p["blend_rmse_mean"].number()))
-            of = node["convergence"]
-            rows.append({"name": name, "functions": grouped(of["functions"].count()), "restarts": [point(p, "restarts", "start") for p in of["by_restarts"].items()],
-                         "steps": [point(p, "adam_steps", "step") for p in of["by_adam_steps"].items()]})
-        return rows
-
-    def ratio_tables(self):
-        """How far each word is above the best known and above direct, function by function."""
-        tables = []
-        for name in self.inputs.representations:
-            ratios = self.summary_of(name)["sample"]["ratios"]
-            tables.append({"name": name, "parts": [{"title": REFERENCE_NAMES[reference], "rows": [
-                {"label": NAMES[word], "word": word, "cells": [ratio_cell(ratios[word][reference][key]) for key in RATIOS]} for word in WORDS]} for reference in REFERENCES]})
         return tables
 
     # ---- what was left out
@@ -243,54 +216,22 @@ class Findings:
     def curve(self):
         """Who is best by bytes and by blend RMSE, as stored, over the functions of the sample that take a θ."""
         some = costs(self.inputs.summary)
-        mean = lambda cost, word: cost.sample[word]["mean"]
-        front = [name for _, _, name in pareto([(c.bytes, mean(c, "stored"), c.name) for c in some])]
-        best = min(some, key=lambda c: mean(c, "stored"))
-        text = (f"The lowest mean blend RMSE of what is stored has {best.name}, {error(mean(best, 'stored'))} at {best.bytes} bytes in {self.precision} "
-                f"(best known: {error(mean(best, 'best_known'))}). On the front of bytes and blend RMSE: {', '.join(front)}.")
+        front = [name for _, _, name in pareto([(c.bytes, c.mean["stored"], c.name) for c in some])]
+        best = min(some, key=lambda c: c.mean["stored"])
+        text = (f"The lowest mean blend RMSE of what is stored has {best.name}, {error(best.mean['stored'])} at {best.bytes} bytes in {self.precision} "
+                f"(best known: {error(best.mean['best_known'])}). On the front of bytes and blend RMSE: {', '.join(front)}.")
         return [("", text)]
 
     def curve_table(self):
         """By bytes: the mean blend RMSE of every word, and the time that what is stored took."""
         rows = []
-        for c in sorted(costs(self.inputs.summary), key=lambda c: (c.bytes, c.sample["stored"]["mean"])):
+        for c in sorted(costs(self.inputs.summary), key=lambda c: (c.bytes, c.mean["stored"])):
             sample = self.summary_of(c.name)["sample"]
             mean_of = lambda word: quantile_cells(sample[word]["theta"]["blend_rmse"])[QUANTILES.index("mean")]
             time_of = lambda word: duration(sample[word]["theta"]["us_per_function"].number())
             rows.append({"name": c.name, "bytes": grouped(c.bytes), "time": duration(c.evaluate_us) if c.evaluate_us > 0 else "–",
                          "cells": [(mean_of(word), time_of(word)) for word in SHOWN], "fitted": share_cell(sample["stored"]["theta"], "share_fitted")})
         return rows
-
-    def histogram(self):
-        def text(name):
-            tent, stored = self.inputs.over(name, "tent").blend_rmse, self.stored(name).blend_rmse
-            if not len(stored):
-                return "no function takes a θ"
-            return (f"what is stored is better than the bare tent for {percent(np.mean(stored < tent))} of these functions, and brings the "
-                    f"95th percentile of the blend RMSE from {error(np.quantile(tent, 0.95))} to {error(np.quantile(stored, 0.95))}")
-        return self.each(text)
-
-    def test_points(self):
-        def text(name):
-            samples = self.stored(name)
-            some = (samples.rmse > 0) & np.isfinite(samples.rmse_test_points)
-            ratio = samples.rmse_test_points[some] / samples.rmse[some]
-            if not len(ratio):
-                return "there is no error to compare"
-            return (f"the RMSE at test points is {np.median(ratio):.2f} times that at support points (median), and above 1.5 times for "
-                    f"{percent(np.mean(ratio > 1.5))} of the functions")
-        return self.each(text)
-
-    def occluded(self):
-        def text(name):
-            samples = self.stored(name)
-            samples = samples.only(np.isfinite(samples.rmse_occluded))
-            if not len(samples):
-                return "no function has occluded points"
-            tent = self.inputs.over(name, "tent").rmse_occluded
-            return (f"as stored, the median RMSE is {error(np.median(samples.rmse_occluded))} at occluded points against {error(np.median(samples.rmse))} at all valid points of the same "
-                    f"functions; the bare tent has {error(np.nanmedian(tent))} there")
-        return self.each(text)
 
     def training(self):
         def text(name):
@@ -305,12 +246,3 @@ class Findings:
             alone = f" (network: {error(log.held_out_network[-1])})" if log.held_out_network[-1] != last else ""
             return f"the held-out blend RMSE ends at {error(last)}{alone} after {plural(int(log.step[-1]), 'step')}; {trend}"
         return self.each(text)
-
-    def spectrum(self):
-        basis = self.inputs.basis
-        components = basis["components"].count()
-        kept = {int(name): node.number() for name, node in basis["held_out_variance_kept"].entries()}
-        at = max([c for c in kept if c <= components], default=min(kept))
-        return (f"{plural(basis['functions'].count(), 'training function')} (mirror images not counted) gave {plural(components, 'component')}; "
-                f"the first {at} keep {percent(kept[at], 1)} of the variance of held-out functions, so the generator never sees the other "
-                f"{percent(1 - kept[at], 1)}.")

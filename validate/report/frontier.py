@@ -3,12 +3,9 @@
 
     frontier.py --frontier out/frontier/frontier.json --out docs/images/error_against_time.png
 
-The report shows the same figure, one of the same kind a scene, and the rows behind them.
+The report shows the same figure, and one of the same kind a scene.
 """
 import argparse
-import csv
-import dataclasses
-import io
 import logging
 import sys
 from dataclasses import dataclass
@@ -32,7 +29,7 @@ from tool.errors import run
 # marker, filled, size, words
 MARKS = {"network": ("o", True, 6.5, "network"), "corrected": ("s", True, 5.5, "corrected"), "fitted": ("D", True, 5, "fitted"), "stored": ("P", True, 6.5, "stored"),
          "stages": (".", True, 5.5, "other stages"), "lm": ("^", True, 5, "+ LM"), "adam": ("v", True, 5, "+ Adam"), "direct_lm": ("^", False, 5.5, "LM alone"),
-         "direct_adam": ("v", False, 5.5, "Adam alone"), "setting": ("x", True, 4.5, "settings")}
+         "direct_adam": ("v", False, 5.5, "Adam alone")}
 FAMILIES = {"stages": "stages", "lm_from_corrected": "lm", "adam_from_corrected": "adam",
             "lm_from_theta0": "direct_lm", "lm_from_random": "direct_lm", "adam_from_theta0": "direct_adam", "adam_from_random": "direct_adam"}
 BAND = "#0072B2"
@@ -70,12 +67,12 @@ def kind_of(point):
     """Which mark: the last of its words, or its family."""
     if point.words:
         return point.words[-1]
-    return FAMILIES.get(point.family.removesuffix("_loosely").removesuffix("_gated"), "setting")
+    return FAMILIES[point.family.removesuffix("_gated")]
 
 
 def is_chain(point):
     """Whether a line joins the budgets of the point's family."""
-    return point.family == "stages" and point.budget is None or kind_of(point) in ("lm", "adam", "direct_lm", "direct_adam")
+    return point.family != "stages" or point.budget is None
 
 
 def look(point):
@@ -257,22 +254,6 @@ def scene_svgs(frontier, order):
                      [spread for scene in scenes for _, spread in front_of_scene(frontier, scene)])
     return [plots.finish(figure, f"frontier-{index}", f"Blend RMSE against run time, {scene}", hover)
             for index, scene in enumerate(scenes) for figure, hover in [draw_scene(frontier, scene, *axes)]]
-
-
-def csv_bytes(frontier):
-    """One row a point and population, over the whole set as scene 'all', then one a point and scene, of functions that take a theta."""
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(["scene", "representation", "family", "budget", "label", "words", "population", "on_front", *proof_inputs.POINT_KEYS])
-    for p in frontier.points:
-        who = [p.representation, p.family, "" if p.budget is None else f"{p.budget:g}", p.label, "+".join(p.words)]
-        for population, figures in p.figures.items():
-            if figures:
-                rows.writerow(["all", *who, population, int(p.fronts[population]), *(f"{figures[k]:.6g}" for k in proof_inputs.POINT_KEYS)])
-        for scene, s in p.by_scene.items():
-            values = dict(zip(proof_inputs.SPREAD_KEYS, dataclasses.astuple(s)))
-            rows.writerow([scene, *who, "theta", "", *(f"{values[k]:.6g}" if k in values else "" for k in proof_inputs.POINT_KEYS)])
-    return text.getvalue().encode()
 
 
 def png(frontier):

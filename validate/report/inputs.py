@@ -14,15 +14,14 @@ from tool.input_file import Node, parse_number, read_columns, read_json
 # the four words of every table: what a function is, stage by stage, on its way into the grid; in this order everywhere
 WORDS = ("network", "corrected", "fitted", "stored")
 # what stands beside them, on the functions of the sample only; best known: the lowest error that any long fit found
-FITS = ("adam_theta0", "lm_theta0", "adam_random", "direct", "best_known")
+FITS = ("direct", "best_known")
 POPULATIONS = ("theta", "hard", "all")  # the main one first: functions that take a theta
 SCHEMA_VERSION = 2
 PRECISIONS = ("float32", "float16", "int8")  # that θ may be stored in
 QUANTILES = ("median", "mean", "p95", "p99", "worst")
 INTERVALS = ("median", "mean", "p95")   # the quantiles that have one
 ERRORS = ("blend_rmse", "rmse")  # over support points; the first is the root of the loss, by which things are judged
-RATIOS = ("median", "median_hard", "median_rmse", "median_test_points", "median_occluded_hard")
-REFERENCES = ("to_best_known", "to_direct", "without_duplicates")
+RATIOS = ("median", "median_hard")  # of blend RMSEs over the best known, function by function
 SLICE_NAMES = ("p5", "median", "p95", "worst")
 
 
@@ -86,7 +85,6 @@ class Inputs:
     representations: list     # names in the order of the summary
     samples: dict             # (representation, word or fit) → Samples; the bare tent is ("tent", "tent")
     slices: list
-    basis: Node
     logs: dict                # representation → Log
     paths: dict               # role → path
 
@@ -172,13 +170,12 @@ def interval_of(node):
     return low, high
 
 
-def check_quantiles(node, has_intervals=True):
+def check_quantiles(node):
     """What stands in a list of no function is not read."""
     if node["functions"].count() == 0:
         return
     [node[q].number() for q in QUANTILES]
-    if has_intervals:
-        [interval_of(node["interval"][q]) for q in INTERVALS]
+    [interval_of(node["interval"][q]) for q in INTERVALS]
 
 
 def check_estimate(node, high):
@@ -191,7 +188,7 @@ def check_figures(node):
     [check_quantiles(node[key]) for key in (*ERRORS, "rmse_test_points", "rmse_occluded")]
     [node["leak"][key].number() for key in ("mean", "p99")]
     [check_estimate(node[key], 1.0) for key in ("share_failing_check", "share_fitted")]
-    node["us_per_function"].number(), node["us_per_function_median"].number()
+    node["us_per_function"].number()
 
 
 def check_populations(node):
@@ -202,11 +199,10 @@ def check_sample(sample):
     sample["functions"].number(1), sample["hard"].count()
     [check_populations(sample[word]) for word in WORDS + FITS]
     for word in WORDS:
-        for reference in REFERENCES:
-            for key in RATIOS:
-                ratio = sample["ratios"][word][reference][key]
-                if ratio["value"].value:  # 0 or null: no function stands behind it
-                    check_estimate(ratio, math.inf)
+        for key in RATIOS:
+            ratio = sample["ratios"][word]["to_best_known"][key]
+            if ratio["value"].value:  # 0 or null: no function stands behind it
+                check_estimate(ratio, math.inf)
 
 
 def check_stage(stage):
@@ -224,8 +220,6 @@ def check_representation(node):
     [check_stage(stage) for stage in node["stages"].items()]
     [check_populations(node[word]) for word in WORDS]
     check_sample(node["sample"])
-    for _, scene in node["by_scene"].entries():
-        [check_quantiles(scene[word][key], has_intervals=False) for word in ("stored", "network") for key in ERRORS]
 
 
 def check_summary(summary):
@@ -252,15 +246,6 @@ def read_summary(path):
     return summary
 
 
-def check_basis(basis):
-    basis["functions"].count(), basis["components"].count()
-    basis["spectrum"].numbers(low=0.0)
-    for name, kept in basis["held_out_variance_kept"].entries():
-        if not name.isdigit():
-            kept.refuse("a count of components as its name", f"'{name[:40]}'")
-        kept.number(high=1.0 + 1e-9)
-
-
 def check_counts(functions_path, samples, summary):
     """As many rows of each representation and word as the summary counts functions."""
     for (name, word), some in samples.items():
@@ -272,14 +257,12 @@ def check_counts(functions_path, samples, summary):
                 raise InputError(functions_path, f"rows of '{name}', '{word}', population '{population}'", f"{expected} as in the summary", str(len(some.of(population))))
 
 
-def read_inputs(summary_path, functions_path, slices_path, basis_path, log_paths):
+def read_inputs(summary_path, functions_path, slices_path, log_paths):
     summary = read_summary(summary_path)
     representations = [name for name, _ in summary["representations"].entries()]
-    basis = read_json(basis_path)
-    check_basis(basis)
     logs = read_logs(log_paths, representations)
     samples = read_functions(functions_path, representations)
     check_counts(functions_path, samples, summary)
-    paths = {"summary": summary_path, "functions": functions_path, "slices": slices_path, "basis": basis_path}
+    paths = {"summary": summary_path, "functions": functions_path, "slices": slices_path}
     paths.update({f"log {os.path.basename(p)}": p for p in log_paths})
-    return Inputs(summary, representations, samples, read_slices(slices_path, representations), basis, logs, paths)
+    return Inputs(summary, representations, samples, read_slices(slices_path, representations), logs, paths)

@@ -9,23 +9,18 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tool.errors import InputError
-from tool.input_file import as_documented, read_json
+from tool.input_file import read_json
 
 SCHEMA_VERSION = 1
-REFERENCE = ("valid trilinear", "point")
 GROUPS = ("air", "surface", "turned")
 GROUP_NAMES = {"air": "in air", "surface": "5–50 cm before surfaces", "turned": "the same, any normal"}
 LIGHTS = ("point", "own", "solved")
 LEAST_DARK = 30  # places: a scene with fewer says nothing of light in the dark
-FIGURES = ("smape", "colour", "dark", "jump_mean", "jump_largest", "unlit", "outside", "seconds", "per_probe")
 RESAMPLES, SEED = 4000, 1
 NOT_STORED = "target functions"  # whose bytes nobody would keep
 THINNED = ", thinned "  # between the name of a grid and what it was thinned to
 TEST_BOXES = ("cornell", "two_rooms")
-BY_ROOM = {group: f"{group}_by_room" for group in GROUPS}
-LEAKS = ("edge", "corner", "beside_light")  # excess; these and the ones by room: not in results of before 25 November 2026
 DAYLIGHT = "daylight"
-FLOOR, TARGET = "harmonics at the point", "target φ"  # steps before the words
 SCENE_KINDS = {"levels": "levels that hold their own light", "furnished": "furnished and thin-walled scenes", "daylight": "rooms beside daylight", "boxes": "test boxes"}
 
 
@@ -51,8 +46,8 @@ class Point:
     method: tuple  # weights, light
     rmse: dict     # by group
     smape: float
-    colour: float
     dark: float
+    edge: float
     jump_mean: float
     jump_largest: float
     unlit: float
@@ -61,23 +56,10 @@ class Point:
     probes: int
     per_probe: float
     seconds: float  # of the bake: weights and light
-    look_ups_per_s: float = math.nan  # NaN: not measured
     dark_places: int = LEAST_DARK
-    leaks: dict = field(default_factory=dict)  # errors by room and what leaks, by BY_ROOM and LEAKS
+    by_room: dict = field(default_factory=dict)  # by group, the mean over rooms
     by_distance: list = field(default_factory=list)  # (from_m, to_m, RMSE) before surfaces
     worst: list = field(default_factory=list)
-
-
-@dataclass
-class Step:
-    """What is wrong with light that is solved for, at one step from what harmonics can hold to what a bake stores; at the finest spacing."""
-    scene: str
-    step: str            # FLOOR, TARGET, or one of the four words
-    representation: str  # empty for the first two
-    rmse: dict           # by group
-    dark: float
-    jump_mean: float
-    unlit: float
 
 
 def scene_kind(name, holds_light):
@@ -95,24 +77,15 @@ def read_worst(node, scene):
     return Worst(scene, node["group"].text(), *(read_vector(node[key]) for key in ("position_m", "normal", "truth", "answer")), node["error"].number(), picture)
 
 
-def read_leaks(node):
-    """Errors by room, and where light leaks; empty of a result that has none of them."""
-    if "beside_light" not in node:
-        return {}
-    by_room = {key: node[group]["balanced"]["rmse"].number() for group, key in BY_ROOM.items()}
-    return {**by_room, **{key: node[key]["excess"].number(low=-math.inf) for key in LEAKS}}
-
-
 def read_method(node, scene, kind, spacing_m):
     air, jumps, times, size = node["air"], node["jumps"], node["times"], node["bytes"]
     distances = [(some["from_m"].number(), some["to_m"].number(), some["rmse"].number()) for some in node["surface"]["by_distance"].items()]
     worst = [read_worst(some, scene) for some in node["worst"].items()]
     return Point(scene, kind, spacing_m, (node["weights"].text(), node["light"].text()), {group: node[group]["rmse"].number() for group in GROUPS},
-                 air["smape"].number(0.0, 1.0), air["colour"]["mean"].number(), node["dark"]["excess"].number(low=-math.inf), jumps["mean"].number(),
+                 air["smape"].number(0.0, 1.0), *(node[key]["excess"].number(low=-math.inf) for key in ("dark", "edge")), jumps["mean"].number(),
                  jumps["largest"].number(), air["unlit"].number(0.0, 1.0), air["outside"].number(0.0, 1.0), size["total"].count(), node["probes"].count(),
                  size["per_probe"].number(), times["weights_s"].number() + times["light_s"].number(),
-                 times["look_ups_per_s"].number() if "look_ups_per_s" in times else math.nan,
-                 node["dark"]["places"].count() if "places" in node["dark"] else LEAST_DARK, read_leaks(node), distances, worst)
+                 node["dark"]["places"].count(), {group: node[group]["balanced"]["rmse"].number() for group in GROUPS}, distances, worst)
 
 
 def read_points(path):
@@ -130,29 +103,6 @@ def read_points(path):
     if not points:
         result["spacings"].refuse("at least one method", "none")
     return points
-
-
-def read_step(node, scene, step, representation=""):
-    return Step(scene, step, representation, {group: node[group]["rmse"].number() for group in GROUPS}, node["dark"]["excess"].number(low=-math.inf),
-                node["jumps"]["mean"].number(), node["air"]["unlit"].number(0.0, 1.0))
-
-
-def read_steps(path):
-    """Of a result with --words; none of others."""
-    result = read_json(path)
-    scene = result["scene"].text()
-    for spacing in result["spacings"].items():
-        if "words" not in spacing:
-            continue
-        solved = {node["weights"].text(): node for node in spacing["methods"].items() if node["light"].text() == "solved"}
-        words = [(node["weights"].text(), node["word"].text(), node) for node in spacing["words"].items()]
-        with as_documented(path):  # words of a grid that is not among the methods
-            steps = [read_step(result["floor"], scene, FLOOR), read_step(solved[NOT_STORED], scene, TARGET)]
-            for name in dict.fromkeys(name for name, _, _ in words):
-                steps += [read_step(node, scene, word, name) for other, word, node in words if other == name]
-                steps.append(read_step(solved[name], scene, "stored", name))
-        return steps
-    return []
 
 
 def read_all(paths):
@@ -197,27 +147,6 @@ def in_the_dark(points):
     return [point.dark for point in points if point.dark_places >= LEAST_DARK] or [point.dark for point in points]
 
 
-def method_figures(points, references):
-    """points: of one method at one spacing; references: scene → the reference's point."""
-    figures = {"scenes": sorted(point.scene for point in points)}
-    for group in GROUPS:
-        values = [point.rmse[group] for point in points]
-        figures[group] = {**figure(values), "median": float(np.median(values)), "median_interval": interval(values, np.median)}
-        ratios = ratios_to(points, references, group)
-        if ratios:
-            figures[group]["ratio"] = figure(ratios, geometric_mean)
-    for name in FIGURES:
-        figures[name] = figure([getattr(point, name) for point in points] if name != "dark" else in_the_dark(points))
-    for name in (*BY_ROOM.values(), *LEAKS):
-        if all(name in point.leaks for point in points):
-            figures[name] = figure([point.leaks[name] for point in points])
-    look_ups = [point.look_ups_per_s for point in points if point.look_ups_per_s > 0.0]
-    if look_ups:
-        figures["look_ups_per_s"] = figure(look_ups, geometric_mean)
-    figures["bytes"] = int(sum(point.bytes for point in points))
-    return figures
-
-
 def of_method(points, method):
     return [point for point in points if point.method == method]
 
@@ -230,12 +159,3 @@ def methods_of(points):
 def spacings_of(points):
     return sorted({point.spacing_m for point in points})
 
-
-def summary(points):
-    spacings = []
-    for spacing_m in spacings_of(points):
-        of_spacing = [point for point in points if point.spacing_m == spacing_m]
-        references = {point.scene: point for point in of_method(of_spacing, REFERENCE)}
-        spacings.append({"spacing_m": spacing_m, "methods": [{"weights": method[0], "light": method[1], **method_figures(of_method(of_spacing, method), references)}
-                                                             for method in methods_of(of_spacing)]})
-    return {"schema_version": SCHEMA_VERSION, "scenes": sorted({point.scene for point in points}), "reference": {"weights": REFERENCE[0], "light": REFERENCE[1]}, "spacings": spacings}

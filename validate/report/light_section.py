@@ -10,8 +10,8 @@ import numpy as np
 
 import plots
 from decision import bytes_text, seconds_text
-from findings import bracket, grouped, percent, plural
-from light_figures import FLOOR, GROUP_NAMES, GROUPS, LIGHTS, NOT_STORED, TARGET, geometric_mean, interval, methods_of, of_method, spacings_of
+from findings import bracket, percent, plural
+from light_figures import GROUP_NAMES, GROUPS, LIGHTS, NOT_STORED, geometric_mean, interval, methods_of, of_method, spacings_of
 from tool.errors import InputError
 from tool.input_file import read_bytes
 
@@ -33,11 +33,15 @@ def position(values):
     return ", ".join(f"{value:.2f}" for value in values)
 
 
+def data_uri(png):
+    return "data:image/png;base64," + base64.b64encode(png).decode()
+
+
 def png_uri(path):
     data = read_bytes(path)
     if not data.startswith(PNG_SIGNATURE):
         raise InputError(path, "byte 0", "a PNG file", "other bytes")
-    return "data:image/png;base64," + base64.b64encode(data).decode()
+    return data_uri(data)
 
 
 def one_of(points, spacing_m):
@@ -45,10 +49,9 @@ def one_of(points, spacing_m):
 
 
 class LightSection:
-    """points: of all scenes and methods; leader: the generator that the page looks at first; steps: of the scenes that have any."""
+    """points: of all scenes and methods; leader: the generator that the page looks at first."""
 
-    def __init__(self, points, leader, steps=()):
-        self.steps = steps
+    def __init__(self, points, leader):
         self.points, self.scenes, self.spacings, self.methods = points, sorted({point.scene for point in points}), spacings_of(points), methods_of(points)
         names = list(dict.fromkeys(name for name, _ in self.methods))
         baselines = [name for name in names if name not in plots.REPRESENTATIONS]
@@ -77,10 +80,9 @@ class LightSection:
             values = [point.rmse[group] for point in points]
             cells.append({"text": error(np.median(values)), "interval": bracket(interval(values, np.median), error) if len(values) >= 3 else ""})
         median = lambda key: float(np.median([getattr(point, key) for point in points]))
-        look_ups = [point.look_ups_per_s for point in points if point.look_ups_per_s > 0]
         return {"weights": points[0].method[0], "light": points[0].method[1], "colour": self.colours[points[0].method[0]], "is_ours": points[0].method == self.ours, "cells": cells,
                 "others": [f"{median('dark'):+.4f}".replace("-", "−"), f"{median('jump_mean'):.4f}", f"{median('jump_largest'):.2f}", percent(max(point.unlit for point in points)),
-                           bytes_text(median("bytes")), f"{median('per_probe'):,.0f}", seconds_text(median("seconds")), grouped(round(geometric_mean(look_ups))) if look_ups else "–"]}
+                           bytes_text(median("bytes")), f"{median('per_probe'):,.0f}", seconds_text(median("seconds"))]}
 
     def tables(self):
         """(spacing, groups of rows): light gathered and in own forms first, solved light behind it."""
@@ -99,21 +101,6 @@ class LightSection:
             if values:
                 rows.append({"weights": method[0], "light": method[1], "colour": self.colours[method[0]], "texts": [error(value) for value in np.median(values, axis=0)]})
         return [f"{100 * low:g}–{100 * high:g} cm" for low, high in classes], rows
-
-    def step_rows(self):
-        """Medians over scenes; `added`: to the error in air of the step that this one rests on."""
-        rows = {}
-        for key in dict.fromkeys((some.step, some.representation) for some in self.steps):
-            here = [some for some in self.steps if (some.step, some.representation) == key]
-            median = lambda value: float(np.median([value(some) for some in here]))
-            rows[key] = {"step": key[0], "representation": key[1] or None, **{f"RMSE {GROUP_NAMES[group]}": median(lambda some: some.rmse[group]) for group in GROUPS},
-                         "in the dark, beyond truth": median(lambda some: some.dark), "jumps beyond truth": median(lambda some: some.jump_mean),
-                         "unlit, most": max(some.unlit for some in here)}
-        in_air = f"RMSE {GROUP_NAMES['air']}"
-        for (step, _), row in rows.items():
-            before = rows.get((FLOOR if step == TARGET else TARGET, ""))
-            row["added in air"] = None if step == FLOOR else row[in_air] - before[in_air]
-        return list(rows.values())
 
     def worst(self):
         """Of ours, the places that are farthest from truth, over all scenes at the finest spacing, with their pictures where there are any."""

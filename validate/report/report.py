@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 """Draws nlg-validate's results as one self-contained page, report.html; beside it the slices as slices.png and the verdict as verdict.txt.
 
-    report.py --summary S.json --functions F.csv --slices L.json --basis B.json --logs mlp.csv tent_mlp.csv
+    report.py --summary S.json --functions F.csv --slices L.json --logs mlp.csv tent_mlp.csv
         [--frontier FRONTIER.json] [--stability STABILITY.json] [--savings BAKE_REPORT.json ... [--bakes OTHER_REPORT.json ...]] [--light LIGHT.json ...] [--data DATASET.json [--run FOLDER]] [--evaluation] [--against FOLDER ...] --out report.html
 
 The same inputs give the same bytes. A file that cannot be used ends it with one line on stderr and exit code 3, an output that
 cannot be written with 5, a Python without its packages with 2 (tool/error.h); nothing half-written is left behind. docs/reference/formats.md says what the inputs hold.
 """
 import argparse
-import base64
 import logging
 import os
 import sys
@@ -22,7 +21,6 @@ import packages
 packages.need("report.py", "jinja2", "markupsafe", "matplotlib", "numpy")
 
 import jinja2
-import numpy as np
 from markupsafe import Markup
 
 import curve
@@ -49,7 +47,6 @@ class Proof:
     cases: object = None     # of proof_inputs.Case
     savings: object = None   # of (scene, rows)
     light: object = None     # light_figures.Point of all scenes and methods
-    light_steps: object = None  # light_figures.Step of all scenes
     data: object = None         # tables of plan_section
     against: list = field(default_factory=list)  # folders of other weights' results
     bakes: dict = field(default_factory=dict)    # proof_inputs.Bake of one scene, by weights
@@ -58,36 +55,15 @@ class Proof:
     left_out: list = field(default_factory=list)  # what the run did less of than a full one, in words
 
 
-def draw_plots(inputs, findings, frontier, scene_order):
+def draw_plots(inputs, frontier, scene_order):
     """Section name → one SVG a representation (or a figure, or a scene)."""
-    names = inputs.representations
-    over = lambda word: [inputs.over(n, word) for n in names]
-    every = [some for word in ("tent", *inputs_module.WORDS) for some in over(word)]
-    limits = plots.error_limits([some.blend_rmse for some in every])
-    spread = lambda values: np.quantile(values[np.isfinite(values)], (0.05, 0.95)) if np.isfinite(values).any() else values
-    test_limits = plots.error_limits([values for some in over("stored") for values in (some.rmse, some.rmse_test_points)])
-    occluded_limits = plots.error_limits([spread(values) for some in every for values in (some.rmse, some.rmse_occluded)])
     log_limits = plots.error_limits([array for log in inputs.logs.values() for array in (log.training_loss, log.held_out_network, log.held_out)])
     return {
         "curve": [plots.finish(curve.draw(inputs.summary), "curve", "Blend RMSE against bytes a function and against evaluation time")],
-        "histogram": [plots.histogram(inputs, n, limits, findings.tau["blend"]) for n in names],
         "frontier": frontier_module.whole_svgs(frontier) if frontier else [],
         "frontier_scenes": frontier_module.scene_svgs(frontier, scene_order) if frontier else [],
-        "test_points": [plots.test_points(inputs, n, test_limits) for n in names],
-        "occluded": [plots.occluded(inputs, n, occluded_limits) for n in names],
-        "training": [plots.training_curve(inputs, n, log_limits) for n in names],
-        "spectrum": [plots.spectrum(inputs.basis), plots.kept_variance(inputs.basis)],
+        "training": [plots.training_curve(inputs, n, log_limits) for n in inputs.representations],
     }
-
-
-def frontier_tables(frontier):
-    """(title, what it says, rows) behind the frontier's plots."""
-    settings = [{"representation": p.representation, "what": p.label, "time": plots.duration(p.figures["theta"]["us_median"]),
-                 **{f"blend RMSE {key}": p.figures["theta"][f"blend_rmse_{key}"] for key in ("median", "mean", "p95", "worst")}, "RMSE mean": p.figures["theta"]["rmse_mean"],
-                 "fails the check": findings_module.percent(p.figures["theta"]["share_failing_check"]),
-                 "took a fit": findings_module.percent(p.figures["theta"]["share_fitted"]), "leak p99": p.figures["theta"]["leak_p99"]}
-                for p in frontier.points if not frontier_module.is_chain(p) and p.figures["theta"]]
-    return [("Generators and settings", "Functions that take a θ: θ rounded to int8, and the policy over all product fields.", settings)]
 
 
 # section's id → its name in the list of contents
@@ -118,12 +94,11 @@ def proof_values(proof, decision):
               "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier)}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
-        values |= {"frontier_views": [(view, decision_module.front_rows(proof.frontier, view)) for view in views], "front_summary": decision_module.front_summary, "frontier_tables": frontier_tables(proof.frontier),
-                   "frontier_csv": base64.b64encode(frontier_module.csv_bytes(proof.frontier)).decode()}
+        values |= {"frontier_views": [(view, decision_module.front_rows(proof.frontier, view)) for view in views], "front_summary": decision_module.front_summary}
     if proof.savings:
         values |= {"saving_groups": decision_module.saving_groups(proof.savings), "savings_sentence": decision_module.savings_sentence(proof.savings)}
     if proof.light:
-        light = light_section.LightSection(proof.light, decision.leader, proof.light_steps)
+        light = light_section.LightSection(proof.light, decision.leader)
         values |= {"light": light, "light_plots": {cost: [Markup(text) for text in light.panels(cost)] for cost in light_section.COSTS}}
     return values
 
@@ -134,14 +109,14 @@ def render(inputs, proof, limits):
     limit = slices.difference_limit(inputs.slices)
     environment = jinja2.Environment(loader=jinja2.FileSystemLoader(os.path.dirname(os.path.abspath(__file__))), autoescape=True,
                                      undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    galleries = [(name, slices.gallery([s for s in inputs.slices if s.representation == name], limit)) for name in [decision.leader, *decision.others()]]
+    galleries = [(name, light_section.data_uri(slices.plate(inputs.slices, [name], limit))) for name in [decision.leader, *decision.others()]]
     scene_order = [row["scene"] for row in decision.scene_rows()]
-    svg = {name: [Markup(text) for text in panels] for name, panels in draw_plots(inputs, findings, proof.frontier, scene_order).items()}
+    svg = {name: [Markup(text) for text in panels] for name, panels in draw_plots(inputs, proof.frontier, scene_order).items()}
     page = environment.get_template("report.html.j2").render(
         findings=findings, grouped=findings_module.grouped, plural=findings_module.plural, plots=svg, galleries=galleries,
-        scales=slices.scales(limit), colour=plots.colour, representation_colour=plots.representation_colour,
+        colour=plots.colour, representation_colour=plots.representation_colour,
         provenance=provenance_rows(inputs, proof, limits), quantiles=inputs_module.QUANTILES, names=plots.NAMES, shown=curve.SHOWN, **proof_values(proof, decision))
-    return page.encode(), slices.plate(inputs.slices, inputs.representations, limit), decision.text().encode()
+    return page.encode(), slices.plate(inputs.slices, inputs.representations[:slices.PLATE_REPRESENTATIONS], limit), decision.text().encode()
 
 
 def read_proof(arguments, summary):
@@ -163,7 +138,6 @@ def read_proof(arguments, summary):
         proof.paths |= {f"bake, {name}": path for name, path in paths.items() if name != "these"}
     if arguments.light:
         proof.light = light_figures.read_all(arguments.light)
-        proof.light_steps = [step for path in arguments.light for step in light_figures.read_steps(path)]
         proof.paths |= {f"light of {os.path.splitext(os.path.basename(path))[0]}": path for path in arguments.light}
     if arguments.data:
         proof.data, proof.paths["data card"] = plan_section.tables(arguments.run, arguments.data), arguments.data
@@ -175,7 +149,6 @@ def parse_arguments():
     parser.add_argument("--summary", required=True, help="summary.json of nlg-validate")
     parser.add_argument("--functions", required=True, help="functions.csv of nlg-validate")
     parser.add_argument("--slices", required=True, help="slices.json of nlg-validate")
-    parser.add_argument("--basis", required=True, help="output of nlg-pca")
     parser.add_argument("--logs", required=True, nargs="+", help="training curves of nlg-train, each named after its representation")
     parser.add_argument("--frontier", help="frontier.json of nlg-validate frontier")
     parser.add_argument("--stability", help="output of nlg-validate stability")
@@ -202,7 +175,7 @@ def main():
     arguments = parse_arguments()
 
     def make():
-        inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.basis, arguments.logs)
+        inputs = inputs_module.read_inputs(arguments.summary, arguments.functions, arguments.slices, arguments.logs)
         limits = verdict.Limits(arguments.max_share_failing, arguments.max_error_hard, arguments.min_speedup)
         page, plate, text = render(inputs, read_proof(arguments, inputs.summary), limits)
         beside = lambda name: os.path.join(os.path.dirname(arguments.out), name)

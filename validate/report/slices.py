@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
-"""Pictures of planes through weighting functions: target, stored, difference, and what stands there; for the page, and as one PNG.
+"""Pictures of planes through weighting functions: target, stored, difference, and what stands there.
 
     slices.py --summary S.json --slices L.json --out slices.png
 """
 import argparse
-import base64
 import io
 import sys
 
@@ -26,9 +25,8 @@ PHI_MAP = matplotlib.colormaps["inferno"]
 DIFFERENCE_MAP = matplotlib.colormaps["PuOr_r"]  # orange: the representation lets more in than the function
 KINDS = ("target", "stored", "difference", "geometry cut")
 SIGHT, OCCLUDED = "#ffe9a8", "#46566e"  # valid points: in plain sight of the probe, and not
-PLATE_REPRESENTATIONS = 2  # beside each other
+PLATE_REPRESENTATIONS = 2  # beside each other in slices.png
 ZOOM = 3
-WHICH_NAMES = {"p5": "5th percentile", "median": "median", "p95": "95th percentile", "worst": "worst"}
 
 
 def upright(slice_, picture):
@@ -74,31 +72,8 @@ def colour_image(slice_, kind, limit):
     return (255 * rgb + 0.5).astype(np.uint8)
 
 
-def data_uri(image):
-    buffer = io.BytesIO()
-    plt.imsave(buffer, image, format="png", metadata={"Software": None}, pil_kwargs={"optimize": True})
-    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
-
-
-def gradient(colour_map, transfer=lambda v: v):
-    """A colour map as CSS, for the scale's bar."""
-    stops = [matplotlib.colors.to_hex(colour_map(transfer(v))) for v in np.linspace(0, 1, 17)]
-    return f"linear-gradient(to right, {', '.join(stops)})"
-
-
-def scales(limit):
-    return {"phi": gradient(PHI_MAP, np.sqrt), "difference": gradient(DIFFERENCE_MAP), "limit": limit, "sight": SIGHT, "occluded": OCCLUDED}
-
-
-def gallery(slices, limit):
-    """What the page shows of each function: the worst first, the files' order being from best to worst."""
-    return [{"which": WHICH_NAMES.get(s.which, s.which), "scene": s.scene, "function": s.function, "blend_rmse": s.blend_rmse, "rmse": s.rmse,
-             "plane": plane_text(s), "images": [(kind, data_uri(colour_image(s, kind, limit))) for kind in KINDS]} for s in reversed(slices)]
-
-
-def plate(slices, representations, limit):
-    """The same of the first two representations as one PNG: a column a function, a row a kind of picture."""
-    names = representations[:PLATE_REPRESENTATIONS]
+def plate(slices, names, limit):
+    """The functions of some representations as one PNG: a column a function, a row a kind of picture."""
     shown = [s for name in names for s in slices if s.representation == name]
     left, cell, gap = 1.0, 1.42, 0.35
     band_height = 0.69 + cell * len(KINDS)
@@ -157,7 +132,7 @@ def main():
     def make():
         representations = [name for name, _ in inputs_module.read_summary(arguments.summary)["representations"].entries()]
         slices = inputs_module.read_slices(arguments.slices, representations)
-        return {arguments.out: plate(slices, representations, difference_limit(slices))}
+        return {arguments.out: plate(slices, representations[:PLATE_REPRESENTATIONS], difference_limit(slices))}
     return run("slices.py", lambda: write_files(make()))
 
 

@@ -1,4 +1,4 @@
-// Codes: whether a fit ends at one code wherever it starts, and how well its equations are conditioned.
+// Codes: how near to a minimum the fits of bakes end, and how well their equations are conditioned.
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -11,7 +11,6 @@
 #include "runtime_eval/fit/code_fit.h"
 #include "runtime_eval/numbers/finite.h"
 #include "runtime_eval/numbers/random.h"
-#include "validate/generators/populations.h"
 #include "validate/stability/extreme_function.h"
 
 namespace nlg {
@@ -20,10 +19,6 @@ namespace {
 // Fits that may take their time: their ends are minima to what the rounding of float sums hides.
 constexpr int kIterations = 300;
 constexpr double kProgress = 1e-9;
-constexpr int kStarts = 10, kNearStarts = 8;  // zero, the network's, random ones; those after them are so many times as far out
-constexpr float kFarOut = 4.0f;
-// Ends are one code where bytes hardly tell them apart.
-constexpr double kRounding = 0.5;
 // As CodeFit damps: every number counts as if it did so much of what the strongest does.
 constexpr double kLeastDiagonal = 1e-3;
 // As bakes are judged: what the ends may be above the best that is known of the function.
@@ -73,121 +68,6 @@ Theta networkCode(const Generator& generator, const StoredFunction& stored) {
   return z;
 }
 
-struct End {
-  Theta z;
-  double rmse = 0.0;  // weighed
-};
-
-double furthest(const Theta& a, const Theta& b) {
-  double most = 0.0;
-  for (size_t k = 0; k < a.size(); ++k) most = std::max(most, std::fabs(static_cast<double>(a[k]) - b[k]));
-  return most;
-}
-
-// What ten starts of one function came to.
-struct OneCode {
-  std::vector<End> ends;
-
-  // Starts of the first `count` that end where most do.
-  int together(int count) const {
-    int most = 0;
-    for (int i = 0; i < count; ++i) {
-      const auto isNear = [&](const End& end) { return furthest(end.z, ends[static_cast<size_t>(i)].z) <= kRounding; };
-      most = std::max(most, static_cast<int>(std::count_if(ends.begin(), ends.begin() + count, isNear)));
-    }
-    return most;
-  }
-  double leastRmse() const {
-    return std::min_element(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.rmse < b.rmse; })->rmse;
-  }
-};
-
-OneCode fitFromStarts(const NamedGenerator& named, const StoredFunction& stored, const std::string& what,
-                      StabilityFigures* figures) {
-  const Representation& code = named.generator.representation();
-  const WeightingFunction function = decodeFunction(stored, pointOrder(code), CheckOptions().loss());
-  CodeFit fit;
-  OneCode result;
-  for (int start = 0; start < kStarts; ++start) {
-    Theta z(static_cast<size_t>(code.code_count), 0.0f);
-    if (start == 1) z = networkCode(named.generator, stored);
-    if (start > 1) z = randomTheta(code, static_cast<uint64_t>(start));
-    for (float& number : z) number *= start < kNearStarts ? 1.0f : kFarOut;
-    const double before = functionRmse(code, function, z.data());
-    const FitResult end =
-        fit.iterate(code, function, {.iterations = kIterations, .progress_tolerance = kProgress, .all_points = true},
-                    code.code_count, z.data());
-    figures->require(allFinite(z) && std::isfinite(end.rmse) && end.rmse <= before,
-                     fmt::format("{} from start {} got worse", what, start));
-    result.ends.push_back({std::move(z), end.rmse});
-  }
-  return result;
-}
-
-// What ten starts come to, over many functions.
-class OneCodeCount {
- public:
-  void add(const OneCode& fits, const std::string& what) {
-    const double least = fits.leastRmse();
-    ++functions_;
-    one_of_ten_ += fits.together(kStarts) == kStarts;
-    one_of_near_ += fits.together(kNearStarts) == kNearStarts;
-    zero_as_network_ += furthest(fits.ends[0].z, fits.ends[1].z) <= kRounding;
-    double most = 0.0;
-    for (const End& end : fits.ends) most = std::max(most, end.rmse);
-    worst_zero_ = std::max(worst_zero_, fits.ends[0].rmse / least);
-    worst_network_ = std::max(worst_network_, fits.ends[1].rmse / least);
-    worst_of_all_ = std::max(worst_of_all_, most / least);
-    if (fits.together(kStarts) < kStarts) {
-      exceptions_.push_back(fmt::format("{}: {} of {} starts at one code, errors {:.4f} to {:.4f}", what, fits.together(kStarts),
-                                        kStarts, least, most));
-    }
-  }
-
-  void report(StabilityFigures* figures) const {
-    figures->show("functions", functions_);
-    figures->show("functions_of_one_code_from_ten_starts", one_of_ten_);
-    figures->show("functions_of_one_code_without_far_starts", one_of_near_);
-    figures->show("functions_of_one_code_from_zero_and_the_network", zero_as_network_);
-    figures->atMost("error_from_zero_over_the_least", worst_zero_, kBestKnownFactor);
-    figures->atMost("error_from_the_network_over_the_least", worst_network_, kBestKnownFactor);
-    figures->show("error_from_any_start_over_the_least", worst_of_all_);
-    for (const std::string& exception : exceptions_) figures->remark("exception: " + exception);
-  }
-
- private:
-  int functions_ = 0, one_of_ten_ = 0, one_of_near_ = 0, zero_as_network_ = 0;
-  double worst_zero_ = 1.0, worst_network_ = 1.0, worst_of_all_ = 1.0;
-  std::vector<std::string> exceptions_;
-};
-
-void measureOneCode(const StabilityInputs& inputs, StabilityFigures* figures) {
-  OneCodeCount count;
-  for (const NamedGenerator* named : codesOf(inputs)) {
-    for (const NamedFunction& function : wallFunctions(inputs.isBrief() ? 2 : 12)) {
-      const std::string what = named->name + ", " + function.name;
-      count.add(fitFromStarts(*named, function.sampled.view(), what, figures), what);
-    }
-  }
-  count.report(figures);
-}
-
-void measureHeldOut(const StabilityInputs& inputs, StabilityFigures* figures) {
-  ValidateOptions sample;
-  sample.direct_functions = inputs.isBrief() ? 2 : 48;
-  const FunctionSet& set = *inputs.held_out;
-  const std::vector<uint64_t> functions = Populations(set, sample).sample();
-  OneCodeCount count;
-  for (const NamedGenerator* named : codesOf(inputs)) {
-    for (const uint64_t function : functions) {
-      const std::string what =
-          fmt::format("{}, function {} of {}", named->name, function, set.scene_ids[set.scene_idx[function]]);
-      count.add(fitFromStarts(*named, storedFunction(set, function), what, figures), what);
-    }
-  }
-  count.report(figures);
-}
-
 // Fits as bakes have them: few steps, of active points.
 void measureBakedFits(const StabilityInputs& inputs, StabilityFigures* figures) {
   double worst_zero = 0.0, worst_network = 0.0, mean_zero = 0.0, mean_network = 0.0;
@@ -195,7 +75,7 @@ void measureBakedFits(const StabilityInputs& inputs, StabilityFigures* figures) 
   for (const NamedGenerator* named : codesOf(inputs)) {
     const Representation& code = named->generator.representation();
     CodeFit fit;
-    for (const NamedFunction& one : wallFunctions(inputs.isBrief() ? 4 : 24)) {
+    for (const NamedFunction& one : wallFunctions(inputs.is_short ? 4 : 24)) {
       const WeightingFunction function = decodeFunction(one.sampled.view(), pointOrder(code), CheckOptions().loss());
       const auto rmseFrom = [&](Theta z, const CodeFitOptions& options) {
         return fit.iterate(code, function, options, code.code_count, z.data()).rmse;
@@ -276,23 +156,13 @@ void measureConditions(const StabilityInputs& inputs, StabilityFigures* figures)
 
 std::vector<StabilityCase> codeCases() {
   return {
-      {"codes", "from ten starts",
-       "from zero, the network's code, six random codes and two far ones no fit of all points ends worse than it began; from "
-       "zero and from "
-       "the network it ends at most at 1.5 times the least error that any start reaches; functions that do not end at one code "
-       "to half a "
-       "byte's step are named",
-       StabilityDepth::brief, measureOneCode, true},
-      {"codes", "of held-out functions from ten starts", "the same of functions of held-out levels, evenly over their scenes",
-       StabilityDepth::brief, measureHeldOut, true, true},
       {"codes", "fits as bakes have them",
-       "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", StabilityDepth::brief,
-       measureBakedFits, true},
+       "a bake's fit from the network's code ends at most at 1.5 times the error of a minimum", measureBakedFits, true},
       {"codes", "condition of their equations",
        "of walls, of functions that are dark or lit everywhere, of one valid point, of points in one corner and of noise the "
        "equations with "
        "their prior are solvable in float, and no fit ends worse than it began",
-       StabilityDepth::brief, measureConditions, true},
+       measureConditions, true},
   };
 }
 

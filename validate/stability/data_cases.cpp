@@ -90,13 +90,13 @@ void measureCoefficients(const StabilityInputs& inputs, const Coefficient& coeff
   bakes.report(figures);
 }
 
-StabilityCase coefficientCase(const std::string& name, StabilityDepth depth, const Coefficient& coefficient) {
+StabilityCase coefficientCase(const std::string& name, const Coefficient& coefficient) {
   return {
       "generator", name,
       "theta and what it stands for are finite on every SIMD target, theta is within 4.3e-4 of the largest number of the "
       "formulas in double, no stage of a bake makes it worse, and what the bake stores of the nearest storable function is at "
       "most as far off as the check allows, or 1.01 times what one constant does",
-      depth, [coefficient](const StabilityInputs& inputs, StabilityFigures* figures) {
+      [coefficient](const StabilityInputs& inputs, StabilityFigures* figures) {
         measureCoefficients(inputs, coefficient, figures);
       }};
 }
@@ -141,7 +141,7 @@ StabilityCase sampledCase(const std::string& name, const std::function<SampledFu
       "functions", name,
       "every generator's theta is finite, no stage of the bake makes it worse, and the error of what a bake stores is at most "
       "what the check allows, or 1.01 times that of the best constant in place of the network or field",
-      StabilityDepth::brief, [make](const StabilityInputs& inputs, StabilityFigures* figures) {
+      [make](const StabilityInputs& inputs, StabilityFigures* figures) {
         WorstBake worst;
         worst.addAll(inputs, make().view(), ErrorBound::constant);
         worst.report(figures);
@@ -153,7 +153,7 @@ StabilityCase familyCase(const std::string& name, SampledFunction (*make)(uint64
   StabilityCase family = sampledCase(name, {});
   family.measure = [make](const StabilityInputs& inputs, StabilityFigures* figures) {
     WorstBake worst;
-    for (uint64_t n = 0; n < (inputs.isBrief() ? 1 : 4); ++n) worst.addAll(inputs, make(500 + n).view(), ErrorBound::constant);
+    for (uint64_t n = 0; n < (inputs.is_short ? 1 : 4); ++n) worst.addAll(inputs, make(500 + n).view(), ErrorBound::constant);
     worst.report(figures);
   };
   return family;
@@ -171,14 +171,12 @@ void measureBareTent(const StabilityInputs& inputs, StabilityFigures* figures) {
 }  // namespace
 
 std::vector<StabilityCase> coefficientCases() {
-  const auto brief = StabilityDepth::brief, full = StabilityDepth::full;
   return {
-      coefficientCase("all coefficients zero", brief, [](int, int) { return 0.0; }),
-      coefficientCase("a single coefficient, 10 deviations out", full,
-                      [](int k, int count) { return k == count / 2 ? 10.0 : 0.0; }),
-      coefficientCase("coefficients 10 deviations out", full, farOut(10.0)),
-      coefficientCase("coefficients 100 deviations out", full, farOut(100.0)),
-      coefficientCase("coefficients 1000 deviations out", brief, farOut(1000.0)),
+      coefficientCase("all coefficients zero", [](int, int) { return 0.0; }),
+      coefficientCase("a single coefficient, 10 deviations out", [](int k, int count) { return k == count / 2 ? 10.0 : 0.0; }),
+      coefficientCase("coefficients 10 deviations out", farOut(10.0)),
+      coefficientCase("coefficients 100 deviations out", farOut(100.0)),
+      coefficientCase("coefficients 1000 deviations out", farOut(1000.0)),
   };
 }
 
@@ -191,7 +189,7 @@ std::vector<StabilityCase> sampledFunctionCases() {
        "a bake that gives even the bare tent a theta holds it to what the check allows with every generator, or to 1.5 times the "
        "best "
        "known",
-       StabilityDepth::brief, measureBareTent},
+       measureBareTent},
       sampledCase("zero at every point", constant(0.0, true)),
       sampledCase("one at every point", constant(1.0, true)),
       // in the middle of the octant's curve: not at the probe, not at the border

@@ -43,10 +43,10 @@ double constantRmse(const Representation& representation, const StoredFunction& 
 double bestKnownRmse(const StabilityInputs& inputs, const Generator& generator, const StoredFunction& stored, const Theta& theta,
                      const LossOptions& loss) {
   DirectOptions options;
-  if (inputs.isBrief()) options.adam_steps = 8000, options.restarts = 1;
+  if (inputs.is_short) options.adam_steps = 8000, options.restarts = 1;
   NormalEquationsKernel kernel;
   const WeightingFunction function = decodeFunction(stored, pointOrder(generator.representation()), loss);
-  return fitLong(generator, function, theta, options, &kernel).at(LongFit::best_known).rmse;
+  return fitLong(generator, function, theta, options, &kernel)[static_cast<size_t>(LongFit::best_known)].rmse;
 }
 
 }  // namespace

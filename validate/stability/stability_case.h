@@ -5,23 +5,15 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
-#include "datagen/dataset/function_set.h"
 #include "nlg/generator.h"
 #include "runtime_eval/evaluator/generator/generator_data.h"
 
 namespace nlg {
-
-// How much of the suite runs: each depth includes the ones before it.
-enum class StabilityDepth {
-  brief,  // some seconds: the tests
-  full,   // about a minute
-};
 
 // An exported generator as engines get it, and its numbers for the reference in double.
 struct NamedGenerator {
@@ -31,11 +23,8 @@ struct NamedGenerator {
 };
 
 struct StabilityInputs {
-  StabilityDepth depth = StabilityDepth::full;
+  bool is_short = false;  // fewer functions a case, and shorter direct fits
   std::vector<NamedGenerator> generators;
-  std::optional<FunctionSet> held_out;  // of the levels that figures are of
-
-  bool isBrief() const { return depth == StabilityDepth::brief; }
 };
 
 // What a case measured. It holds while every figure is within its bound and nothing is said to be broken.
@@ -53,8 +42,6 @@ class StabilityFigures {
 
   // What a bake stores of some function here fails its check, which counts it: allowed where the bound is wider than the check's.
   bool fails_check = false;
-  // What a reader must know to judge the case; else empty.
-  std::string note;
 
   bool holds() const { return holds_; }
   // Figures by key. JSON knows no infinity: null says that a figure was not finite.
@@ -75,10 +62,8 @@ class StabilityFigures {
 struct StabilityCase {
   std::string group, name;
   std::string must_hold;  // one sentence
-  StabilityDepth depth = StabilityDepth::brief;
   std::function<void(const StabilityInputs&, StabilityFigures*)> measure;
-  bool needs_codes = false;  // a code among the generators
-  bool needs_held_out = false;
+  bool needs_codes = false;  // is left out where no generator is a code's
 };
 
 // The cases in the table's order.

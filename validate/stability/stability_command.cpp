@@ -15,7 +15,6 @@
 #include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
-#include "validate/generators/function_counts.h"
 #include "validate/stability/stability_case.h"
 
 namespace nlg {
@@ -23,42 +22,30 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<const char*, 4> kGroups = {"functions", "codes", "generator", "training"};
+constexpr std::array<const char*, 3> kGroups = {"functions", "codes", "generator"};
 
 struct StabilityRequest {
-  std::vector<std::string> weights;   // exported generators; without any no case is run
-  std::vector<std::string> held_out;  // shards; without any the case that takes their functions is not run
-  std::string training;               // what training_cases.py wrote; empty: the training cases are not run
-  std::string only;                   // one group; empty: all
+  std::vector<std::string> weights;  // exported generators
+  std::string only;                  // one group; empty: all
   std::string out;
-  StabilityDepth depth = StabilityDepth::full;
+  bool is_short = false;
 };
 
 struct StabilityTable {
   Json cases = Json::array();       // docs/reference/formats.md
-  std::vector<std::string> failed;  // names of cases that ran and did not hold
-  int passed = 0, not_run = 0;
+  std::vector<std::string> failed;  // names of cases that do not hold
+  int passed = 0;
 
-  void addNotRun(Json row, const std::string& why) {
-    row.update({{"measured", "not run"}, {"figures", Json::object()}, {"holds", false}, {"fails_check", false}, {"ran", false}});
-    row["note"] = "not run: " + why;
-    cases.push_back(std::move(row));
-    ++not_run;
-  }
-
-  void addRun(Json row) {
-    row["ran"] = true;
-    const bool holds = row.at("holds").get<bool>();
-    const auto measured = row.at("measured").get<std::string>(), note = row.at("note").get<std::string>();
-    if (holds) {
+  void add(Json row, const StabilityFigures& figures) {
+    if (figures.holds()) {
       ++passed;
     } else {
       failed.push_back(row.at("group").get<std::string>() + ": " + row.at("name").get<std::string>());
-      // A case may note something whatever comes out. Beside a failure that would read like its excuse, and the report would count
-      // the failure as explained.
-      row["measured"] = note.empty() ? measured : measured + " (" + note + ")";
-      row["note"] = "";
     }
+    row.update({{"measured", figures.measured()},
+                {"figures", figures.figures()},
+                {"holds", figures.holds()},
+                {"fails_check", figures.fails_check}});
     cases.push_back(std::move(row));
   }
 };
@@ -74,7 +61,7 @@ std::vector<StabilityCase> allCases() {
 StabilityInputs readInputs(const StabilityRequest& request) {
   constexpr const char* kExpected = "a generator of this support pattern";
   StabilityInputs inputs;
-  inputs.depth = request.depth;
+  inputs.is_short = request.is_short;
   auto [generators, paths] = loadGenerators(request.weights);
   for (size_t i = 0; i < generators.size(); ++i) {
     WeightsFile file;
@@ -84,25 +71,11 @@ StabilityInputs readInputs(const StabilityRequest& request) {
     const std::string name = representationName(data.representation);
     inputs.generators.push_back({name, std::move(generators[i]), std::move(data)});
   }
-  if (!request.held_out.empty()) inputs.held_out = readHeldOut(request.held_out);
   return inputs;
-}
-
-// Why a case is not run; empty when it is.
-std::string reasonToSkip(const StabilityCase& stability_case, const StabilityInputs& inputs) {
-  if (inputs.generators.empty()) return "it needs --weights";
-  const auto isCode = [](const NamedGenerator& named) { return named.generator.representation().isCode(); };
-  if (stability_case.needs_codes && std::none_of(inputs.generators.begin(), inputs.generators.end(), isCode)) {
-    return "it needs --weights of a code";
-  }
-  if (stability_case.needs_held_out && !inputs.held_out) return "it needs --held-out";
-  return stability_case.depth <= inputs.depth ? "" : "left out by --short";
 }
 
 void runCase(const StabilityCase& stability_case, const StabilityInputs& inputs, StabilityTable* table) {
   Json row = {{"group", stability_case.group}, {"name", stability_case.name}, {"must_hold", stability_case.must_hold}};
-  const std::string reason = reasonToSkip(stability_case, inputs);
-  if (!reason.empty()) return table->addNotRun(row, reason);
   StabilityFigures figures;
   try {
     stability_case.measure(inputs, &figures);
@@ -111,31 +84,7 @@ void runCase(const StabilityCase& stability_case, const StabilityInputs& inputs,
   } catch (const std::exception& error) {
     figures.require(false, std::string("ended with an exception: ") + error.what());
   }
-  row.update({{"measured", figures.measured()},
-              {"figures", figures.figures()},
-              {"holds", figures.holds()},
-              {"fails_check", figures.fails_check},
-              {"note", figures.note}});
-  table->addRun(row);
-}
-
-// The cases of training_cases.py, or one row that says that they were not run.
-void addTraining(const std::string& path, StabilityTable* table) {
-  if (path.empty()) {
-    return table->addNotRun({{"group", "training"},
-                             {"name", "nlg-train while things go wrong"},
-                             {"must_hold", "training stops with the cause, or resumes from the last good state"}},
-                            "it needs --training, the file of training_cases.py");
-  }
-  try {
-    const Json file = Json::parse(readFile(path));
-    for (Json row : file.at("cases")) {
-      row["fails_check"] = false;
-      table->addRun(std::move(row));
-    }
-  } catch (const nlohmann::json::exception& error) {
-    throw InputError(path, "JSON", "the file of training_cases.py", error.what());
-  }
+  table->add(row, figures);
 }
 
 StabilityTable runAll(const StabilityRequest& request) {
@@ -144,41 +93,39 @@ StabilityTable runAll(const StabilityRequest& request) {
   }
   const StabilityInputs inputs = readInputs(request);
   std::vector<StabilityCase> cases = allCases();
-  std::erase_if(cases, [&](const StabilityCase& c) { return !request.only.empty() && c.group != request.only; });
+  const bool has_codes = std::any_of(inputs.generators.begin(), inputs.generators.end(),
+                                     [](const NamedGenerator& one) { return one.generator.representation().isCode(); });
+  std::erase_if(cases, [&](const StabilityCase& c) {
+    return (!request.only.empty() && c.group != request.only) || (c.needs_codes && !has_codes);
+  });
+  if (cases.empty()) throw UsageError("--weights", "a code, for --only " + request.only, "none");
   StabilityTable table;
   Progress progress("cases", static_cast<int64_t>(cases.size()));
   for (size_t i = 0; i < cases.size(); ++i) {
     progress.update(static_cast<int64_t>(i), cases[i].group + ": " + cases[i].name);
     runCase(cases[i], inputs, &table);
   }
-  if (request.only.empty() || request.only == "training") addTraining(request.training, &table);
   return table;
 }
 
 Json originOf(const StabilityRequest& request, const OptionTable& options) {
   std::map<std::string, std::string> inputs;
-  for (size_t i = 0; i < request.held_out.size(); ++i) inputs["held_out_" + std::to_string(i)] = fileSha256(request.held_out[i]);
   for (size_t i = 0; i < request.weights.size(); ++i) inputs["weights_" + std::to_string(i)] = fileSha256(request.weights[i]);
-  if (!request.training.empty()) inputs["training"] = fileSha256(request.training);
   Json given = options.toJson();
-  given["depth"] = request.depth == StabilityDepth::brief ? "short" : "full";
+  given["depth"] = request.is_short ? "short" : "full";
   given["only"] = request.only;
   return provenance("nlg-validate stability", given, inputs);
 }
 
 void run(const StabilityRequest& request, const OptionTable& options) {
-  std::vector<std::string> inputs = request.weights;
-  inputs.insert(inputs.end(), request.held_out.begin(), request.held_out.end());
-  inputs.push_back(request.training);
-  refuseToReplaceInputs(request.out, inputs);
+  refuseToReplaceInputs(request.out, request.weights);
   requireOutputFile(request.out);
   const StabilityTable table = runAll(request);
   const Json json = {{"schema_version", 1}, {"provenance", originOf(request, options)}, {"cases", table.cases}};
   writeFileAtomically(request.out, json.dump(1) + "\n");
-  std::cout << fmt::format("{}: {} cases hold, {} do not, {} were not run\n", request.out, table.passed, table.failed.size(),
-                           table.not_run);
+  std::cout << fmt::format("{}: {} cases hold, {} do not\n", request.out, table.passed, table.failed.size());
   if (table.failed.empty()) return;
-  throw CheckFailed("stability", "every case that ran to hold",
+  throw CheckFailed("stability", "every case to hold",
                     fmt::format("{} that do not: {}", table.failed.size(), fmt::join(table.failed, "; ")));
 }
 
@@ -188,19 +135,12 @@ int stabilityMain(int argc, char** argv) {
   CLI::App app{"Runs stiff and extreme cases, and writes what must hold and what was measured. Exit code 6 if a case fails.",
                "nlg-validate stability"};
   StabilityRequest request;
-  bool is_short = false;
   OptionTable table("stability");  // it has no options of a configuration
   app.add_option("--out", request.out, "table to write (.json)")->required();
-  app.add_option("--weights", request.weights, "exported generators. None: only cases of training are taken over");
-  app.add_option("--held-out", request.held_out,
-                 "shards of held-out scenes; codes are fitted to their functions from ten starts");
-  app.add_option("--training", request.training, "training cases, written by training_cases.py");
+  app.add_option("--weights", request.weights, "exported generators")->required();
   app.add_option("--only", request.only, fmt::format("group of cases to run: {}", fmt::join(kGroups, ", ")));
-  app.add_flag("--short", is_short, "run fewer and smaller cases: some seconds");
-  return runTool(argc, argv, app, table, [&] {
-    if (is_short) request.depth = StabilityDepth::brief;
-    run(request, table);
-  });
+  app.add_flag("--short", request.is_short, "smaller cases: some seconds");
+  return runTool(argc, argv, app, table, [&] { run(request, table); });
 }
 
 }  // namespace nlg

@@ -87,7 +87,6 @@ StabilityCase wallCase(const std::string& name, const std::function<std::vector<
       "phi is in [0, 1] and 0 in solid, nothing behind the wall is lit, what stands in plain sight has the tent, nothing "
       "occluded is brighter than what is seen; what a bake stores is finite, no stage makes it worse, and its error is at most "
       "what the check allows, or 1.5 times the best known of the function in that representation",
-      StabilityDepth::brief,
       [make](const StabilityInputs& inputs, StabilityFigures* figures) { measureWalls(inputs, make(), figures); }};
 }
 

@@ -66,19 +66,8 @@ class Neighbours {
 };
 
 // All figures but the count.
-std::array<double*, 12> numbersOf(ViewFigures* f) {
-  return {&f->colour,
-          &f->rmse,
-          &f->relative,
-          &f->energy,
-          &f->off_first.brighter,
-          &f->off_first.darker,
-          &f->off_last.brighter,
-          &f->off_last.darker,
-          &f->below_eighth,
-          &f->ringing,
-          &f->dim,
-          &f->unlit};
+std::array<double*, 6> numbersOf(ViewFigures* f) {
+  return {&f->colour, &f->energy, &f->off.brighter, &f->off.darker, &f->below_eighth, &f->ringing};
 }
 
 // A view darker than what the eye adapts to is exposed as if that light were everywhere.
@@ -96,40 +85,26 @@ class ClassSum {
     ++figures_.receivers;
     truth_ += light;
     answer_ += answer;
-    const double larger = std::max(light, answer);
-    if (!(larger > black)) return;
-    figures_.relative += (answer - light) * (answer - light) / (larger * larger);
+    if (!(std::max(light, answer) > black)) return;
     const double most = light + kSureDeviations * deviation, least = light - kSureDeviations * deviation;
-    figures_.off_first.brighter += answer > kFirstFactor * most;
-    figures_.off_first.darker += kFirstFactor * answer < least;
-    figures_.off_last.brighter += answer > kLastFactor * most;
-    figures_.off_last.darker += kLastFactor * answer < least;
+    figures_.off.brighter += answer > kOffFactor * most;
+    figures_.off.darker += kOffFactor * answer < least;
     figures_.below_eighth += answer < kEighth * least;
   }
   void addColour(double difference) { figures_.colour += difference; }
-  void addSquares(double difference, double truth) {
-    error_squares_ += difference;
-    truth_squares_ += truth;
-  }
   void addRing() { figures_.ringing += 1.0; }
-  void addDim() { figures_.dim += 1.0; }
-  void addUnlit() { figures_.unlit += 1.0; }
 
   ViewFigures finish() const {
     ViewFigures f = figures_;
     const auto count = static_cast<double>(std::max<uint64_t>(1, f.receivers));
-    for (double* share : {&f.colour, &f.off_first.brighter, &f.off_first.darker, &f.off_last.brighter, &f.off_last.darker,
-                          &f.below_eighth, &f.ringing, &f.dim, &f.unlit})
-      *share /= count;
-    f.relative = std::sqrt(f.relative / count);
-    f.rmse = std::sqrt(over(error_squares_, truth_squares_));
+    for (double* share : {&f.colour, &f.off.brighter, &f.off.darker, &f.below_eighth, &f.ringing}) *share /= count;
     if (truth_ > 0.0) f.energy = answer_ / truth_;
     return f;
   }
 
  private:
   ViewFigures figures_;
-  double truth_ = 0.0, answer_ = 0.0, error_squares_ = 0.0, truth_squares_ = 0.0;
+  double truth_ = 0.0, answer_ = 0.0;
 };
 
 }  // namespace
@@ -198,16 +173,11 @@ ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& tr
     // ring: clearly darker than all truth nearby, and by more than noise explains
     const bool is_ring = truth.least_nearby[i] > black && answer < kRingDarker * truth.least_nearby[i] &&
                          light - answer > kSureDeviations * deviation;
-    // dim: below a factor of what exact visibility gives with the same probes
-    const bool is_dim = !truth.exact.empty() && truth.exact[i] > black && kLastFactor * answer < truth.exact[i];
     for (size_t c = 0; c < kViewClassCount; ++c) {
       if (!surfaces.isOf(i, static_cast<ViewClass>(c))) continue;
       sums[c].add(light, answer, deviation, black);
       sums[c].addColour(colour);
-      sums[c].addSquares(squareSum(given - right), squareSum(right));
       if (is_ring) sums[c].addRing();
-      if (is_dim) sums[c].addDim();
-      if (!answers[i].isLit()) sums[c].addUnlit();
     }
   }
   ViewFiguresByClass figures;

@@ -16,17 +16,17 @@
 
 namespace nlg {
 
-inline constexpr double kLastFactor = 2.0, kFirstFactor = 1.5;  // of light that is off
-inline constexpr double kEighth = 1.0 / 8.0;                    // of truth's light: what has less is a black spot
-inline constexpr double kSureDeviations = 1.0;                  // of truth's noise: what differs by less is not off
+inline constexpr double kOffFactor = 2.0;       // of light that is off
+inline constexpr double kEighth = 1.0 / 8.0;    // of truth's light: what has less is a black spot
+inline constexpr double kSureDeviations = 1.0;  // of truth's noise: what differs by less is not off
 // Of the irradiance that the eye has adapted to: where neither truth nor answer has more, all is black to it. A surface of the view's
 // median colour is shown as .0018 there, L* 1.6, and less than 2.3 is not seen.
 inline constexpr double kBlackOfMedian = 0.01;
 // Of the median irradiance of the scene's brightest view, or of a tenth of its brightest source where that is more (render/tone.h): a
 // view that has less is shown darker than middle grey, and one without any light stays black.
 inline constexpr double kLeastLight = 1e-3;
-// Of medianNoise: with more, three standard deviations are as much as light off by kLastFactor, at half of the receivers.
-inline constexpr double kMostNoise = (kLastFactor - 1.0) / 3.0;
+// Of medianNoise: with more, three standard deviations are as much as light off by kOffFactor, at half of the receivers.
+inline constexpr double kMostNoise = (kOffFactor - 1.0) / 3.0;
 inline constexpr double kRingM = 0.2;             // around a receiver
 inline constexpr double kRingDarker = 2.0 / 3.0;  // of the least truth there: a ring is darker
 inline constexpr float kRingNormal = 0.9f;        // cosine between normals of surfaces that are held against each other
@@ -34,7 +34,6 @@ inline constexpr float kRingNormal = 0.9f;        // cosine between normals of s
 struct ViewTruth {
   std::vector<LightAnswer> at;      // by sample
   std::vector<float> least_nearby;  // luminance: the least truth within kRingM, of like normals; by sample
-  std::vector<float> exact;         // luminance that exact visibility gives, by sample; empty: not known, and nothing is dim
   double exposure = 1.0;
   double median = 0.0;        // medianLight
   double least = 0.0;         // that an eye adapts to
@@ -62,15 +61,11 @@ struct OffShares {
 // Of the receivers of one class. Light is the luminance of irradiance.
 struct ViewFigures {
   uint64_t receivers = 0;
-  double colour = 0.0;    // mean HyAB
-  double rmse = 0.0;      // of all channels, over truth's root mean square in the class
-  double relative = 0.0;  // root mean square of |answer - truth| over the larger of both: a factor of two is .5 either way
-  double energy = 1.0;    // the answers' mean over truth's; 1 where truth is black
-  OffShares off_first, off_last;  // shares off by more than kFirstFactor and kLastFactor, truth's noise allowed for
-  double below_eighth = 0.0;      // share with less than kEighth of truth's light, likewise
-  double ringing = 0.0;           // share that is darker than a ring may be
-  double dim = 0.0;               // share with less than 1 / kLastFactor of what exact visibility gives, black left aside
-  double unlit = 0.0;             // share where the method knows no light
+  double colour = 0.0;        // mean HyAB
+  double energy = 1.0;        // the answers' mean over truth's; 1 where truth is black
+  OffShares off;              // shares off by more than kOffFactor, truth's noise allowed for
+  double below_eighth = 0.0;  // share with less than kEighth of truth's light, likewise
+  double ringing = 0.0;       // share that is darker than a ring may be
 };
 using ViewFiguresByClass = std::array<ViewFigures, kViewClassCount>;
 

@@ -20,16 +20,11 @@ namespace {
 
 constexpr int kTurns = 16;  // of short rays around a normal
 
-bool meetsWithin(const RayScene& rays, const Receiver& receiver, const glm::vec3& direction, double reach_m) {
-  return rays.isBlocked(glm::vec3(receiver.position_m), glm::vec3(receiver.position_m + reach_m * glm::dvec3(direction)));
-}
-
-// Short rays at an angle to the surface's plane, all around.
-bool meetsAround(const RayScene& rays, const Receiver& receiver, double sine, double reach_m) {
-  const auto height = static_cast<float>(sine);
+// Short rays along the surface's plane, all around.
+bool risesBeside(const RayScene& rays, const Receiver& receiver) {
   for (int turn = 0; turn < kTurns; ++turn) {
-    const glm::vec3 direction = aroundAxis(receiver.normal, height, static_cast<double>(turn) / kTurns);
-    if (meetsWithin(rays, receiver, direction, reach_m)) return true;
+    const glm::dvec3 along(aroundAxis(receiver.normal, 0.0f, static_cast<double>(turn) / kTurns));
+    if (rays.isBlocked(glm::vec3(receiver.position_m), glm::vec3(receiver.position_m + kEdgeM * along))) return true;
   }
   return false;
 }
@@ -39,18 +34,11 @@ uint8_t bitOf(ViewClass of_class) { return static_cast<uint8_t>(1 << static_cast
 uint8_t classesOf(const LightTransport& transport, const Receiver& receiver, bool is_on_figure) {
   uint8_t classes = bitOf(ViewClass::all);
   const RayScene& rays = transport.rays();
-  if (is_on_figure) {
-    classes |= bitOf(ViewClass::figure);
-  } else {
-    if (meetsAround(rays, receiver, 0.0, kEdgeM)) classes |= bitOf(ViewClass::edge);
-    if (meetsAround(rays, receiver, 0.0, kNearM) || meetsAround(rays, receiver, std::sqrt(0.5), kNearM) ||
-        meetsWithin(rays, receiver, receiver.normal, kNearM))
-      classes |= bitOf(ViewClass::near);
-  }
+  if (is_on_figure) classes |= bitOf(ViewClass::figure);
+  if (!is_on_figure && risesBeside(rays, receiver)) classes |= bitOf(ViewClass::edge);
   const Scene& scene = transport.scene();
-  if (scene.light.suns.empty()) return classes;
-  const bool is_sunlit = isInSunlight(scene, rays, receiver.position_m, receiver.normal);
-  return classes | bitOf(is_sunlit ? ViewClass::sun : ViewClass::shadow);
+  const bool is_in_shadow = !scene.light.suns.empty() && !isInSunlight(scene, rays, receiver.position_m, receiver.normal);
+  return is_in_shadow ? classes | bitOf(ViewClass::shadow) : classes;
 }
 
 constexpr const char* kKey = "truth_of";

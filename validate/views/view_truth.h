@@ -23,15 +23,13 @@ namespace nlg {
 enum class ViewClass : uint8_t {
   all,
   edge,    // a surface rises beside the receiver, within 10 cm along the plane that it lies in
-  near,    // another surface stands within 5 cm
-  sun,     // the middle of a sun is seen from there, and shines on it
-  shadow,  // the rest, in scenes that have suns
-  figure,  // on the figure, not on the scene's own surfaces: the figure is of none of edge and near
+  shadow,  // where no sun shines, in scenes that have suns
+  figure,  // on the figure, not on the scene's own surfaces, which alone have edges
 };
-inline constexpr std::array<const char*, 6> kViewClassNames = {"all", "edge", "near", "sun", "shadow", "figure"};
+inline constexpr std::array<const char*, 4> kViewClassNames = {"all", "edge", "shadow", "figure"};
 inline constexpr size_t kViewClassCount = kViewClassNames.size();
 
-inline constexpr double kEdgeM = 0.1, kNearM = 0.05;
+inline constexpr double kEdgeM = 0.1;
 
 struct ViewSurfaces {
   Sights sights;

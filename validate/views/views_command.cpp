@@ -104,7 +104,6 @@ class ViewsMeasurement {
                       methodSetOptions(options_, {request_.probe_rays, 64}, scene_.air.places.size(), threads_));
     if (request_.target_functions) methods.addTargetFunctions(receivers(), options_.diffusion, {LightWay::solved});
     methods.addExactVisibility({LightWay::solved});
-    takeExact(methods.methods().back());
     for (const auto& [name, generators] : sets) measureGrid(name, generators);
     for (const std::string& path : request_.grids) {
       GridMetadata metadata;
@@ -151,14 +150,6 @@ class ViewsMeasurement {
   }
 
   std::string viewName(size_t view) const { return fmt::format("{}_{:02}", fileWord(scene_.source.id), view + 1); }
-
-  // What all methods' dimness is held against.
-  void takeExact(const LightMethod& method) {
-    for (ReadyView& view : ready_) {
-      for (const LightAnswer& at : lightSamples(view.surfaces.sights, method.light_at, threads_))
-        view.truth.exact.push_back(static_cast<float>(luminanceOf(at.irradiance)));
-    }
-  }
 
   // As the bake leaves it in its file.
   void measureGrid(const std::string& name, const std::vector<Generator>& generators) {

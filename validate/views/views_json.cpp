@@ -21,28 +21,20 @@ Image enlarged(const Image& image, int scale) {
 }
 
 std::vector<std::string> captionOf(const ViewFigures& f) {
-  return {fmt::format("HyAB {:.1f}, > 2x {:.1f} %", f.colour, 100.0 * (f.off_last.brighter + f.off_last.darker)),
-          fmt::format("dim {:.1f} %", 100.0 * f.dim)};
+  return {fmt::format("HyAB {:.1f}, > 2x {:.1f} %", f.colour, 100.0 * (f.off.brighter + f.off.darker))};
 }
 
 using Json = nlohmann::ordered_json;
 
 Json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
-Json offJson(const OffShares& off) { return {{"brighter", off.brighter}, {"darker", off.darker}}; }
-
 Json figuresJson(const ViewFigures& f) {
   return {{"receivers", f.receivers},
           {"hyab", f.colour},
-          {"rmse", f.rmse},
-          {"relative", f.relative},
           {"energy", f.energy},
-          {"off_1.5", offJson(f.off_first)},
-          {"off_2", offJson(f.off_last)},
+          {"off_2", {{"brighter", f.off.brighter}, {"darker", f.off.darker}}},
           {"below_eighth", f.below_eighth},
-          {"ringing", f.ringing},
-          {"dim", f.dim},
-          {"unlit", f.unlit}};
+          {"ringing", f.ringing}};
 }
 
 Json byClassJson(const std::string& weights, const std::string& light, const ViewFiguresByClass& figures) {
@@ -113,15 +105,15 @@ Json methodsJson(const std::vector<MeasuredViews>& methods) {
 }
 
 std::string viewsTable(const std::string& scene, const std::vector<MeasuredViews>& methods, double colour_noise) {
-  const auto off = [](const ViewFigures& f) { return 100.0 * (f.off_last.brighter + f.off_last.darker); };
-  std::string table = fmt::format("{:<18} {:<48} {:>6} {:>6} {:>8} {:>8} {:>12} {:>10} {:>7}\n", "scene", "method", "HyAB",
-                                  "energy", "> 2x, %", "< 1/8, %", "edges > 2x, %", "ringing, %", "dim, %");
+  const auto off = [](const ViewFigures& f) { return 100.0 * (f.off.brighter + f.off.darker); };
+  std::string table = fmt::format("{:<18} {:<48} {:>6} {:>6} {:>8} {:>8} {:>12} {:>10}\n", "scene", "method", "HyAB", "energy",
+                                  "> 2x, %", "< 1/8, %", "edges > 2x, %", "ringing, %");
   for (const MeasuredViews& method : methods) {
     const ViewFiguresByClass mean = meanFigures(method.views);
     const ViewFigures &all = mean[static_cast<size_t>(ViewClass::all)], &edge = mean[static_cast<size_t>(ViewClass::edge)];
-    table += fmt::format("{:<18} {:<48} {:>6.2f} {:>6.2f} {:>8.2f} {:>8.2f} {:>13.2f} {:>10.3f} {:>7.2f}\n", scene,
+    table += fmt::format("{:<18} {:<48} {:>6.2f} {:>6.2f} {:>8.2f} {:>8.2f} {:>13.2f} {:>10.3f}\n", scene,
                          method.weights + ", " + method.light, all.colour, all.energy, off(all), 100.0 * all.below_eighth,
-                         off(edge), 100.0 * all.ringing, 100.0 * all.dim);
+                         off(edge), 100.0 * all.ringing);
   }
   return table + fmt::format("{:<18} {:<48} {:>6.2f}\n", scene, "(noise of truth)", colour_noise);
 }

@@ -37,10 +37,8 @@ TEST(LightFigures, AreZeroInAFurnace) {
     EXPECT_LT(f.surface.rmse, 0.02) << name;
     EXPECT_LT(f.turned.rmse, 0.02) << name;
     EXPECT_LT(f.air.smape, 0.02) << name;
-    EXPECT_LT(f.air.colour_p95, 1.0) << name;
     EXPECT_LT(f.jumps.largest, 0.02) << name;
     EXPECT_EQ(f.dark.places, 0u) << name;
-    EXPECT_EQ(f.beside_light.places, 0u) << name;
     EXPECT_LT(f.air.balanced, 0.02) << name;
     EXPECT_NEAR(f.air.energy, 1.0, 0.02) << name;
     EXPECT_NEAR(f.edge.excess, 0.0, 0.02) << name;
@@ -56,17 +54,9 @@ TEST(LightFigures, FindTheLightThatTrilinearBlendsLeak) {
   const FiguresByMethod figures = measureAll(lit);
   const LightFigures &trilinear = figures.at("valid trilinear, point"), &exact = figures.at("exact visibility, point");
   EXPECT_GT(trilinear.dark.places, 50u);
-  EXPECT_EQ(trilinear.dark.truth, 0.0) << "the dark room has no light at all";
   // of a dark room 3 m long the first .6 m lie in cells with the bright room's probes: a sixth of the light at the least, there
   EXPECT_GT(trilinear.dark.excess, 0.03);
   EXPECT_EQ(exact.dark.excess, 0.0);
-  // places within a metre of the wall have lit ones around them
-  EXPECT_GT(trilinear.beside_light.places, 20u);
-  EXPECT_GT(trilinear.beside_light.excess, 0.03);
-  EXPECT_EQ(exact.beside_light.excess, 0.0);
-  // the bright room loses as much as the dark one gains; by room the dark one has a thousandth of the level's light to be held against
-  EXPECT_GT(trilinear.edge.balanced, 1.0);
-  EXPECT_NEAR(exact.edge.balanced, 0.0, 0.02);
   EXPECT_EQ(trilinear.air.rooms, 2u);
   EXPECT_EQ(figures.at("target functions, point").dark.excess, 0.0);
   EXPECT_LT(figures.at("DDGI as shipped, own").dark.excess, trilinear.dark.excess);
@@ -103,20 +93,15 @@ TEST(LightFigures, CountRoomsAlikeByTheLightThatStandsInThem) {
   }
   add(2, 1.0f, 100.0f);
   add(3, 1.0f, 100.0f);  // in no room
-  truth.around.assign(truth.at.size(), 0.0);
   truth.mean = 5.0;
   truth.rms = 7.0;
   const LightFigures f = lightFigures(places, truth, answers);
   EXPECT_EQ(f.air.rooms, 2u);
   EXPECT_NEAR(f.air.balanced, (0.1 + 1.0) / 2, 1e-6);
-  // 9 over 10, and the mean of 1.5 and 3 over 1
-  ASSERT_EQ(f.air.room_energy.size(), 2u);
-  EXPECT_NEAR(f.air.room_energy[0], 0.9, 1e-6);
-  EXPECT_NEAR(f.air.room_energy[1], 2.25, 1e-6);
   EXPECT_NEAR(f.air.energy, (8 * 9.0 + 8 * 2.25 + 200.0) / (8 * 10.0 + 8 * 1.0 + 2.0), 1e-6);
 }
 
-TEST(LightFigures, OfEdgesPoolOverPlacesAndAreRelativeWhereTheyStand) {
+TEST(LightFigures, OfEdgesPoolOverPlaces) {
   LightPlaces places;
   LightTruth truth;
   std::vector<LightAnswer> answers;
@@ -124,19 +109,13 @@ TEST(LightFigures, OfEdgesPoolOverPlacesAndAreRelativeWhereTheyStand) {
   for (LightPlace& place : places.places) place.group = PlaceGroup::edge;
   truth.mean = 10.0;
   truth.rms = 10.0;
-  truth.around.assign(3, 0.0);
   truth.at = {{glm::vec3(1.0f), {}}, {glm::vec3(4.0f), {}}, {glm::vec3(0.0f), {}}};
   for (const float light : {3.0f, 2.0f, 0.1f}) answers.push_back({glm::vec3(light), Reach::lit});
   const LightFigures f = lightFigures(places, truth, answers);
   EXPECT_EQ(f.edge.places, 3u);
   EXPECT_EQ(f.corner.places, 0u);
-  EXPECT_NEAR(f.edge.truth, 5.0 / 3 / 10.0, 1e-6);
   EXPECT_NEAR(f.edge.excess, (5.1 - 5.0) / 5.0, 1e-6);
-  // 3, .5, and .1 over a thousandth of the mean; the 95th percentile lies nine tenths of the way from the second to the third
-  EXPECT_NEAR(f.edge.ratio_median, 3.0, 1e-6);
-  EXPECT_NEAR(f.edge.ratio_p95, 3.0 + 0.9 * (10.0 - 3.0), 1e-5);
   EXPECT_EQ(f.dark.places, 0u) << "edges are figures of their own";
-  EXPECT_EQ(f.edge.rooms, 0u);
   EXPECT_TRUE(f.worst.empty());
 }
 
@@ -150,7 +129,6 @@ TEST(LightFigures, CountOnlyJumpsThatTruthDoesNotMake) {
     places.places.push_back(step);
   }
   for (const float light : {1.0f, 2.0f, 2.0f, 9.0f, 9.0f, 9.0f}) truth.at.push_back({glm::vec3(light), {}});
-  truth.around.assign(6, 0.0);
   truth.rms = 2.0;
   std::vector<LightAnswer> answers;
   for (const float light : {1.0f, 1.5f, 2.0f, 5.0f, 5.0f, 6.0f}) answers.push_back({glm::vec3(light), Reach::lit});

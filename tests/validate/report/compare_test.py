@@ -28,12 +28,6 @@ TAU, BLEND = made_up.TAU["rmse"], made_up.BLEND
 SCENES = made_up.SCENES
 
 
-def options(**changed):
-    some = compare.parse_arguments(["old", "new"])
-    vars(some).update(changed)
-    return some
-
-
 def same(function, rmse):
     return rmse
 
@@ -44,7 +38,7 @@ class Comparisons(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
 
-    def write(self, name, changed=same, with_functions=True, held_out=made_up.HELD_OUT):
+    def write(self, name, changed=same, held_out=made_up.HELD_OUT):
         """A run whose functions that take a θ have an RMSE from .001 to .021 at every stage, but for what `changed` makes of it."""
         table = made_up.samples(1)
         for word in WORDS:
@@ -53,15 +47,14 @@ class Comparisons(unittest.TestCase):
                 rmse = changed(row[0], 0.001 + 0.02 * chance.uniform()) if row[2] else row[4]
                 table["mlp", word][i] = (*row[:4], rmse, row[5], rmse > TAU or BLEND * rmse > made_up.TAU["blend"], *row[7:])
         os.makedirs(os.path.join(self.folder, name), exist_ok=True)
-        if with_functions:
-            made_up.write_functions(os.path.join(self.folder, name, "functions.csv"), table)
+        made_up.write_functions(os.path.join(self.folder, name, "functions.csv"), table)
         return made_up.write_json(os.path.join(self.folder, name, "summary.json"), made_up.summary(table, held_out))
 
     def run_of(self, *arguments, **keywords):
         return compare.read_run(self.write(*arguments, **keywords))
 
-    def change(self, old, new, figure, scene="", **changed):
-        return next(some for some in compare.compare(old, new, options(**changed)).changes if (some.figure, some.scene) == (figure, scene))
+    def change(self, old, new, figure, scene=""):
+        return next(some for some in compare.compare(old, new).changes if (some.figure, some.scene) == (figure, scene))
 
     def only(self, old, word, function, rmse):
         """The same run with another error of one function at one stage."""
@@ -71,8 +64,8 @@ class Comparisons(unittest.TestCase):
 
     def test_finds_nothing_between_a_run_and_itself(self):
         run = self.run_of("old")
-        comparison = compare.compare(run, run, options())
-        self.assertTrue(comparison.is_paired and comparison.changes)
+        comparison = compare.compare(run, run)
+        self.assertTrue(comparison.changes)
         self.assertEqual({some.trend for some in comparison.changes}, {"same"})
 
     def test_sees_a_small_change_of_all_functions(self):
@@ -87,7 +80,7 @@ class Comparisons(unittest.TestCase):
         # either run's errors are off by up to 30 %, so that each function's two could as well stand the other way round
         chance = np.random.default_rng(11)
         noise = lambda i, rmse: rmse * (0.7 + 0.6 * chance.uniform())
-        self.assertEqual({some.trend for some in compare.compare(self.run_of("old", noise), self.run_of("new", noise), options()).changes}, {"same"})
+        self.assertEqual({some.trend for some in compare.compare(self.run_of("old", noise), self.run_of("new", noise)).changes}, {"same"})
 
     def test_counts_functions_that_come_to_fail_the_check(self):
         old, worse = self.run_of("old", lambda i, rmse: rmse / 2), self.run_of("new", lambda i, rmse: 0.03 if i % 10 == 0 else rmse / 2)
@@ -95,26 +88,17 @@ class Comparisons(unittest.TestCase):
         self.assertEqual((there.old, there.trend), (0.0, "worse"))
         self.assertIn(" rose above it, 0 fell below", there.note)
 
-    def test_falls_back_to_the_tolerance_without_functions(self):
-        runs = {name: self.run_of(name, changed, with_functions=False) for name, changed in
-                (("old", same), ("slightly", lambda i, rmse: 1.04 * rmse), ("clearly", lambda i, rmse: 1.06 * rmse), ("leapt", lambda i, rmse: max(rmse, 0.9 * (i == 5))))}
-        self.assertFalse(compare.compare(runs["old"], runs["slightly"], options()).is_paired)
-        for name, figure, trend in [("slightly", "mean blend RMSE", "same"), ("clearly", "mean blend RMSE", "worse"), ("clearly", "p99 of blend RMSE", "worse"), ("clearly", "worst blend RMSE", "same"),
-                                    ("leapt", "worst blend RMSE", "worse")]:
-            self.assertEqual(self.change(runs["old"], runs[name], f"network, {figure}").trend, trend, (name, figure))
-
-    def test_judges_times_only_when_asked(self):
+    def test_judges_no_times(self):
         old, slow = self.run_of("old"), self.run_of("new")
         slow.summary.value["representations"]["mlp"]["network"]["theta"]["us_per_function"] *= 3
         self.assertEqual(self.change(old, slow, "network, µs a function").trend, "same")
-        self.assertEqual(self.change(old, slow, "network, µs a function", time_tolerance=0.5).trend, "worse")
 
     def test_refuses_other_functions_and_other_thresholds(self):
         old = self.run_of("old")
 
         def refuses(word, new):
             with self.assertRaises(InputError) as refused:
-                compare.compare(old, new, options())
+                compare.compare(old, new)
             self.assertIn(word, str(refused.exception))
         refuses("held_out", self.run_of("other", held_out="f" * 64))
         for place, value in (("tau", made_up.TAU | {"rmse": 0.03}), ("theta_precision", "float32"), ("representations", {"pf3": old.summary.value["representations"]["mlp"]})):

@@ -10,37 +10,6 @@
 #include "tool/error.h"
 
 namespace nlg {
-namespace {
-
-constexpr double kLogGain = 10.0;
-
-class DenseLearner : public Learner {
- public:
-  DenseLearner(const LightSamples& samples, const DenseShape& shape, DenseCode code, int64_t batch, uint64_t seed)
-      : samples_(samples), shape_(shape), code_(code), batch_(batch), parameters_({initialParameters(shape, seed)}) {}
-
-  std::vector<torch::Tensor>& parameters() override { return parameters_; }
-  torch::Tensor loss(Random* random) override { return lossOf(samples_.draw(batch_, random)); }
-  double heldOutLoss() override {
-    const torch::NoGradGuard no_gradients;
-    return lossOf(samples_.heldOut()).item<double>();
-  }
-
- private:
-  torch::Tensor lossOf(const SampleBatch& batch) {
-    const torch::Tensor output = evaluateBatch(shape_, parameters_[0], batch.input);
-    if (code_ == DenseCode::plain) return symmetricShares(output, batch.target);
-    return (output - (kLogGain * batch.target).log1p()).square().mean();
-  }
-
-  const LightSamples& samples_;
-  const DenseShape shape_;
-  const DenseCode code_;
-  const int64_t batch_;
-  std::vector<torch::Tensor> parameters_;
-};
-
-}  // namespace
 
 size_t DenseShape::parameterCount() const {
   size_t count = 0;
@@ -79,13 +48,7 @@ void DenseNetwork::evaluate(const float* input, float* output) const {
     }
     numbers = bias + outputs;
     const bool is_last = l + 1 == shape_.layerCount();
-    for (int o = 0; o < outputs && !is_last; ++o) {
-      if (shape_.activation == Activation::relu) {
-        to[o] = std::max(0.0f, to[o]);
-      } else {
-        to[o] = std::sin((l == 0 ? shape_.first_frequency : 1.0f) * to[o]);
-      }
-    }
+    for (int o = 0; o < outputs && !is_last; ++o) to[o] = std::max(0.0f, to[o]);
     std::copy_n(to, outputs, is_last ? output : from);
   }
 }
@@ -108,12 +71,10 @@ torch::Tensor initialParameters(const DenseShape& shape, uint64_t seed) {
   Random random(seed);
   for (size_t l = 0; l < shape.layerCount(); ++l) {
     const int inputs = shape.widths[l], outputs = shape.widths[l + 1];
-    const bool is_sine = shape.activation == Activation::sine;
-    const double within = l == 0 ? 1.0 / inputs : std::sqrt(6.0 / inputs), deviation = std::sqrt(2.0 / inputs);
-    for (int i = 0; i < inputs * outputs; ++i)
-      *numbers++ = static_cast<float>(is_sine ? random.uniform(-within, within) : deviation * random.normal());
-    const double bias = is_sine ? 1.0 / std::sqrt(inputs) : 0.0;
-    for (int o = 0; o < outputs; ++o) *numbers++ = static_cast<float>(random.uniform(-bias, bias));
+    const double deviation = std::sqrt(2.0 / inputs);
+    for (int i = 0; i < inputs * outputs; ++i) *numbers++ = static_cast<float>(deviation * random.normal());
+    // 0, but drawn: as the starts of published figures were
+    for (int o = 0; o < outputs; ++o) *numbers++ = static_cast<float>(random.uniform(0.0, 0.0));
   }
   return flat.requires_grad_();
 }
@@ -127,12 +88,7 @@ torch::Tensor evaluateBatch(const DenseShape& shape, const torch::Tensor& parame
     const torch::Tensor bias = parameters.narrow(-1, at + inputs * outputs, outputs);
     at += (inputs + 1) * outputs;
     input = input.dim() == 2 ? torch::addmm(bias, input, matrix) : torch::baddbmm(bias.unsqueeze(1), input, matrix);
-    if (l + 1 == shape.layerCount()) break;
-    if (shape.activation == Activation::relu) {
-      input = input.relu();
-    } else {
-      input = l == 0 ? (shape.first_frequency * input).sin() : input.sin();
-    }
+    if (l + 1 < shape.layerCount()) input = input.relu();
   }
   return input;
 }
@@ -140,17 +96,6 @@ torch::Tensor evaluateBatch(const DenseShape& shape, const torch::Tensor& parame
 std::vector<float> floatsOf(const torch::Tensor& flat) {
   const torch::Tensor numbers = flat.detach().contiguous();
   return {numbers.data_ptr<float>(), numbers.data_ptr<float>() + numbers.numel()};
-}
-
-float decoded(DenseCode code, float output) {
-  return std::max(0.0f, code == DenseCode::plain ? output : std::expm1(output) / static_cast<float>(kLogGain));
-}
-
-std::vector<float> trainDense(const LightSamples& samples, const DenseShape& shape, DenseCode code, int64_t batch,
-                              const TrainingOptions& options, TrainingRecord* record) {
-  DenseLearner learner(samples, shape, code, batch, mixSeed(options.seed, 1));
-  *record = train(&learner, options);
-  return floatsOf(learner.parameters()[0]);
 }
 
 }  // namespace nlg

@@ -7,23 +7,12 @@
 
 #include <torch/types.h>
 
-#include "validate/light/neural/learner.h"
-#include "validate/light/neural/lit_places.h"
-
 namespace nlg {
 
-// A small dense network for look-ups: plain loops, no library.
-
-enum class Activation {
-  relu,
-  sine,  // sin(w (x W + b)), w of the first layer alone other than 1: Sitzmann et al., "Implicit Neural Representations with
-         // Periodic Activation Functions" (NeurIPS 2020)
-};
+// A small dense network for look-ups: plain loops, no library. ReLU behind all layers but the last.
 
 struct DenseShape {
   std::vector<int> widths;  // inputs, hidden layers, outputs: at least two; each in [1, kMostWidth]
-  Activation activation = Activation::relu;
-  float first_frequency = 1.0f;  // w of a sine network's first layer
 
   static constexpr int kMostWidth = 512;
   size_t layerCount() const { return widths.size() - 1; }
@@ -50,8 +39,7 @@ class DenseNetwork {
 // Each number as float16 holds it; what is beyond float16 becomes the largest of its sign. *clamped is raised by as many.
 std::vector<float> roundedToHalf(std::vector<float> numbers, size_t* clamped);
 
-// relu: normal with variance 2 / inputs (He et al., 2015). sine: that of the source, uniform within 1 / inputs in the first layer and
-// within √(6 / inputs) behind it. Biases are 0, of sine networks uniform within 1 / √inputs. Takes gradients.
+// Normal with variance 2 / inputs (He et al., 2015); biases are 0. Takes gradients.
 torch::Tensor initialParameters(const DenseShape& shape, uint64_t seed);
 
 // Of one network, or of N of one shape, each with a batch of its own.
@@ -62,20 +50,5 @@ torch::Tensor initialParameters(const DenseShape& shape, uint64_t seed);
 torch::Tensor evaluateBatch(const DenseShape& shape, const torch::Tensor& parameters, torch::Tensor input);
 
 std::vector<float> floatsOf(const torch::Tensor& flat);
-
-// Irradiance by one dense network that reads position and normal and nothing else: what voxels hold, and a sine network a whole scene.
-enum class DenseCode {
-  plain,      // outputs are irradiance over the unit; the loss is symmetricShares
-  logarithm,  // … ln(10 x + 1) of it; the loss is the mean square: the target of SIREN GI, without its albedo
-};
-
-// The network's answer as irradiance over the unit, >= 0.
-float decoded(DenseCode code, float output);
-
-// samples   what is learned
-// *record   what training took
-// returns   the network's numbers, not rounded
-std::vector<float> trainDense(const LightSamples& samples, const DenseShape& shape, DenseCode code, int64_t batch,
-                              const TrainingOptions& options, TrainingRecord* record);
 
 }  // namespace nlg

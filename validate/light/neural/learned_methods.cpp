@@ -11,24 +11,20 @@
 #include "tool/progress.h"
 #include "validate/light/neural/network_grid.h"
 #include "validate/light/neural/neural_volume.h"
-#include "validate/light/neural/siren.h"
-#include "validate/light/neural/voxel_networks.h"
 
 namespace nlg {
 namespace {
 
-constexpr uint64_t kSplitStream = 0x73706c6974, kVolumeStream = 0x766f6c, kSirenStream = 0x736972656e, kVoxelStream = 0x766f78,
-                   kGridStream = 0x67726964;
+constexpr uint64_t kSplitStream = 0x73706c6974, kVolumeStream = 0x766f6c, kGridStream = 0x67726964;
 constexpr size_t kFewestPlaces = 64;         // fewer tell nothing
-constexpr int kPartStepShare = 2;            // of a whole scene's steps: a voxel is simpler
 constexpr int kChecks = 40, kPatience = 15;  // of the held-out loss, over all steps
-constexpr float kSirenRate = 1e-3f, kVoxelRate = 3e-3f, kVolumeRate = 5e-3f, kGridRate = 2e-2f;
+constexpr float kVolumeRate = 5e-3f, kGridRate = 2e-2f;
 
 struct VolumeSize {
   int table_log2, width;
 };
 constexpr VolumeSize kVolumeSizes[] = {{10, 32}, {12, 64}, {13, 64}, {14, 64}, {15, 64}, {17, 64}};
-constexpr int kSirenWidths[] = {64, 128}, kGridWidths[] = {8, 16, 32};
+constexpr int kGridWidths[] = {8, 16, 32};
 
 struct Row {
   std::string name;
@@ -75,12 +71,6 @@ std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOpt
     rows.push_back({fmt::format("neural volume, 2^{}", size.table_log2),
                     [&lit, &split, volume] { return trainNeuralVolume(lit, split, volume); }});
   }
-  for (const int width : kSirenWidths) {
-    SirenOptions siren;
-    siren.width = width;
-    siren.training = trainingOf(options.steps, kSirenRate, mixSeed(options.seed, kSirenStream));
-    rows.push_back({fmt::format("SIREN, {}", width), [&lit, &split, siren] { return trainSiren(lit, split, siren); }});
-  }
   for (const int width : kGridWidths) {
     NetworkGridOptions grid;
     grid.width = width;
@@ -89,19 +79,11 @@ std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOpt
   }
   // a network trains on one thread: rows run beside each other
   std::vector<LearnedMethod> methods(rows.size());
-  {
-    Progress progress("networks of the scene", static_cast<int64_t>(rows.size()));
-    parallelFor(rows.size(), options.thread_count, [&](uint64_t r, int) {
-      methods[r] = learnedRow(rows[r]);
-      progress.advance(1);
-    });
-  }
-  // which has threads of its own
-  VoxelNetworksOptions voxels;
-  voxels.training = trainingOf(std::max(1, options.steps / kPartStepShare), kVoxelRate, mixSeed(options.seed, kVoxelStream));
-  voxels.thread_count = options.thread_count;
-  const Progress progress("networks of voxels");
-  methods.push_back(learnedRow({"voxel networks", [&] { return trainVoxelNetworks(lit, split, voxels); }}));
+  Progress progress("networks of the scene", static_cast<int64_t>(rows.size()));
+  parallelFor(rows.size(), options.thread_count, [&](uint64_t r, int) {
+    methods[r] = learnedRow(rows[r]);
+    progress.advance(1);
+  });
   return methods;
 }
 

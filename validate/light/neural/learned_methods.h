@@ -10,7 +10,7 @@
 namespace nlg {
 
 struct LearnedOptions {
-  int steps = 3000;  // of training a network of the whole scene, at most; those of voxels take half as many. >= 1
+  int steps = 3000;  // of training, at most; >= 1
   int thread_count = 1;
   uint64_t seed = 1;
 };
