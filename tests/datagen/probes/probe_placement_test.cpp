@@ -330,7 +330,9 @@ TEST(ProbePlacement, KeepsToTheBoxesOfTheScenesAuthor) {
       return glm::all(glm::lessThan(low, box.high_m)) && glm::all(glm::lessThan(box.low_m, high));
     };
     EXPECT_TRUE(high.x > none.high_m.x);
-    if (overlaps(fine)) EXPECT_DOUBLE_EQ(side_m, 0.25);
+    if (overlaps(fine)) {
+      EXPECT_DOUBLE_EQ(side_m, 0.25);
+    }
     // a node of the tree is divided as a whole: a metre, here
     if (overlaps({fine.low_m - 1.0, fine.high_m + 1.0})) return;
     (overlaps(coarse) ? in_coarse : outside).insert(side_m);
