@@ -116,12 +116,13 @@ NamedGenerators loadGeneratorsOf(const BakeRequest& request) {
 PreparedScene prepareScene(const BakeRequest& request, const BakeOptions& options, const std::vector<Generator>& generators,
                            const KnownAir& known) {
   SceneSource source = loadLitScene(request.scene, options);
-  for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
   // before its probes are placed: they may say why there are too many
   tellNotes("nlg-bake", source);
   for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
-  return {std::move(source), options, known,
-          [&](const PlacedScene& placed) { std::cerr << toText(planBake(placed, options, generators), placed, options); }};
+  return {std::move(source), options, known, [&](const PlacedScene& placed) {
+            for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
+            std::cerr << toText(planBake(placed, options, generators), placed, options);
+          }};
 }
 
 uint64_t writeGrid(const BakeRequest& request, const LightGrid& grid, const BakeOptions& options, const GridMetadata& metadata) {

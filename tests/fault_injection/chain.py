@@ -56,7 +56,7 @@ def tools():
              [CONFIG, "tent_mlp.ckpt", "basis.h5", held_out], [weights, "tent_mlp.onnx"]),
         Tool("bake", ["nlg-bake", "house:1", *config, "--weights", weights, "--json", "bake.json", "--out", "grid.safetensors"], [CONFIG, weights], ["grid.safetensors", "bake.json"]),
         Tool("shader", ["nlg-export", "shader", "--grid", "grid.safetensors", "--out", "shader"], ["grid.safetensors"], ["shader"]),
-        Tool("engine", ["nlg-export", "engine", "--grid", "grid.safetensors", "--format", "three", "--out", "engine"], ["grid.safetensors"], ["engine"]),
+        Tool("engine", ["nlg-export", "engine", "cornell", "--format", "three", "--spacing-m", "1", "--places", "100", "--truth-rays", "8", "--light-rays", "8", "--out", "engine"], [], ["engine"]),
         Tool("render", ["nlg-render", "house:1", *PICTURE, "--out", "picture.png"], [], ["picture.png"]),
         Tool("view", ["nlg-view", "house:1", *config, "--weights", weights, "--truth-views", "1", "--truth-width", "16", "--truth-rays", "8", "--truth-samples", "16", "--out", "view"],
              [CONFIG, weights], ["view"]),

@@ -66,7 +66,7 @@ class Archive(unittest.TestCase):
     def test_bakes_what_the_build_bakes(self):
         self.assertIn(f"weights: {self.prefix}/share/neural-light-grid/weights/", self.nlg("bake", *BAKE, "--out", "packed.safetensors"))
         self.assertEqual((self.folder / "packed.safetensors").read_bytes(), self.built)
-        self.nlg("export", "engine", "--grid", "packed.safetensors", "--format", "three", "--out", "engine")
+        self.nlg("export", "shader", "--grid", "packed.safetensors", "--format", "c-header", "--out", "engine")
         self.assertTrue(any((self.folder / "engine").iterdir()))
 
     def test_holds_the_tools_that_need_no_libtorch(self):
