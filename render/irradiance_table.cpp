@@ -70,8 +70,9 @@ std::vector<Receiver> receiversFromCsv(const std::string& path, const std::strin
 }
 
 void writeIrradianceTable(const IrradianceRequest& request, const BakeOptions& options) {
-  // nothing that is read may be overwritten
-  refuseToReplaceInputs(request.out, {request.scene, request.places});
+  const OwnFiles tables = {"a table of nlg-render",
+                           [](std::string_view bytes) { return bytes.starts_with(std::string(kHeader) + ",r,g,b,dr,dg,db"); }};
+  refuseToReplace(request.out, {request.scene, request.places}, tables);
   requireOutputFile(request.out);
   const std::string places = readFile(request.places, size_t{1} << 26);
   const SceneSource source = loadLitScene(request.scene, options);

@@ -42,6 +42,7 @@ CLI::Validator numberIn(double low, double high) {
           fmt::format("FLOAT in [{} - {}]", low, high)};
 }
 
+constexpr OwnFiles kPictures = {"a picture of nlg-render", [](std::string_view bytes) { return hold(bytes, "nlg-render"); }};
 constexpr const char* kTone = "radiance x exposure, Khronos PBR Neutral, sRGB";
 
 Json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
@@ -431,7 +432,7 @@ Json renderScene(const RenderRequest& request, const BakeOptions& options) {
   check(request);
   std::vector<std::string> inputs = {request.scene, request.grid};
   inputs.insert(inputs.end(), request.weights.begin(), request.weights.end());
-  refuseToReplaceInputs(request.out, inputs);
+  refuseToReplace(request.out, inputs, kPictures);
   return Rendering(request, options).draw();
 }
 

@@ -162,7 +162,7 @@ def check_held_out_sets(tools):
 def check_what_others_wrote(tools):
     """A file that the tool did not write stays as it is; one that it wrote is replaced."""
     os.mkdir("theirs")
-    calls = [(call(tool, by={words.split()[-1]: "theirs.bin"}), "theirs.bin") for tool, words in CALLS.items() if tool in ("nlg-datagen", "nlg-pca", "nlg-cache", "nlg-export")]
+    calls = [(call(tool, by={words.split()[-1]: "theirs.bin"}), "theirs.bin") for tool, words in CALLS.items() if tool in ("nlg-datagen", "nlg-pca", "nlg-cache", "nlg-export", "nlg-render")]
     calls += [("nlg-export shader --grid grid.safetensors --out theirs", "theirs/grid.bin"), ("nlg-export shader --grid grid.safetensors --out theirs", "theirs/look_up.glsl"),
               ("nlg-export onnx --weights weights.safetensors --out theirs.onnx", "theirs.onnx")]
     for command, out in calls:
