@@ -107,8 +107,11 @@ void run(const std::string& grid_path, const std::string& folder, const std::str
 
 }  // namespace
 
-const OwnFiles kExportedFiles = {
-    "a file of nlg-export", [](std::string_view bytes) { return hold(bytes, "nlg") || hold(bytes, "Nlg") || isGrid(bytes); }};
+// By the name at its beginning: somewhere in many megabytes of numbers these letters stand by chance.
+const OwnFiles kExportedFiles = {"a file of nlg-export", [](std::string_view bytes) {
+                                   const std::string_view head = bytes.substr(0, 1 << 14);
+                                   return hold(head, "nlg") || hold(head, "Nlg") || isGrid(bytes);
+                                 }};
 
 std::string shaderText(const ShaderGrid& grid) {
   std::string text = "// Made by nlg-export shader for one grid: grid.bin, beside this file.\n";
