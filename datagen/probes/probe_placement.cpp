@@ -224,7 +224,10 @@ double ruledShare(const std::vector<DensityBox>& fine, size_t box) {
     for (size_t other = 0; other < fine.size() && is_ruled; ++other) {
       const bool is_before =
           fine[other].spacing_m < fine[box].spacing_m || (fine[other].spacing_m == fine[box].spacing_m && other < box);
-      is_ruled = !is_before || !overlaps({at, at}, fine[other].box);
+      // with its faces: a box may be flat
+      const bool holds =
+          glm::all(glm::lessThanEqual(fine[other].box.low_m, at)) && glm::all(glm::lessThanEqual(at, fine[other].box.high_m));
+      is_ruled = !is_before || !holds;
     }
     ruled += is_ruled ? 1 : 0;
   }

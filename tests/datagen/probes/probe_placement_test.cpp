@@ -348,7 +348,13 @@ TEST(ProbePlacement, KeepsToTheBoxesOfTheScenesAuthor) {
   // and once, however many stand in each other
   options.density.resize(20, options.density[0]);
   expectGoodEstimate(scene, options);
+  // flat ones, too
   options.density.resize(1);
+  const DensityBox small = options.density[0];
+  options.density[0].box.high_m.y = options.density[0].box.low_m.y;
+  options.density.resize(20, options.density[0]);
+  expectGoodEstimate(scene, options);
+  options.density = {small};
   options.density[0].spacing_m = 0.02;
   EXPECT_NE(errorOf(scene, options).find("nlg_density of 'small'"), std::string::npos);
   // what lies beyond the extent changes nothing
