@@ -157,16 +157,24 @@ class MeshReader {
     const tinygltf::Accessor& accessor = model_.accessors[static_cast<size_t>(primitive.attributes.at("COLOR_0"))];
     const bool is_short = accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
     const bool is_code = is_short || accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
-    float most = 0.0f;
-    for (const float number : rgba) most = std::max(most, std::isfinite(number) ? number : 0.0f);
-    if (is_code ? accessor.normalized : most <= kMostShare) {
-      if (most > 1.0f) odd_.add("cut to 1", place + ": COLOR_0 above 1");
-      return glm::vec4(1.0f);
+    // alpha by itself: beside colours of 0 to 255 it may be a share
+    float most = 0.0f, most_alpha = 0.0f, least = 0.0f;
+    for (size_t i = 0; i < rgba.size(); ++i) {
+      const float number = std::isfinite(rgba[i]) ? rgba[i] : 0.0f;
+      float& largest = i % 4 == 3 ? most_alpha : most;
+      largest = std::max(largest, number);
+      least = std::min(least, number);
     }
-    const float white = is_short ? 65535.0f : 255.0f;
-    odd_.add(fmt::format("taken as of 0 to {:g}", white),
-             place + (is_code ? ": COLOR_0 of integers that are not normalized" : ": COLOR_0 far above 1"));
-    return {white, white, white, accessor.type == TINYGLTF_TYPE_VEC4 ? white : 1.0f};
+    if (least < 0.0f) odd_.add("cut to 0", place + ": COLOR_0 below 0");
+    const auto isOfCodes = [&](float largest) { return is_code ? !accessor.normalized : largest > kMostShare; };
+    if (!isOfCodes(most) && most > 1.0f) odd_.add("cut to 1", place + ": COLOR_0 above 1");
+    const float code = is_short ? 65535.0f : 255.0f;
+    if (isOfCodes(most) || isOfCodes(most_alpha)) {
+      odd_.add(fmt::format("taken as of 0 to {:g}", code),
+               place + (is_code ? ": COLOR_0 of integers that are not normalized" : ": COLOR_0 far above 1"));
+    }
+    const float white = isOfCodes(most) ? code : 1.0f;
+    return {white, white, white, accessor.type == TINYGLTF_TYPE_VEC4 && isOfCodes(most_alpha) ? code : 1.0f};
   }
 
   void readColours(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<uint32_t>& used,
