@@ -1,7 +1,7 @@
 """What the stages of a run take on one core: for the plan (plan.py), for the time that a run has left (run_progress.py), and with room to
 spare for batch systems (resources.py).
 
-Measured on two cores of a shared machine (docs/lab/scaling.md); each within a factor of 1.5 there.
+Measured on two cores of a shared machine (docs/lab/performance.md); each within a factor of 1.5 there.
 """
 from collections import namedtuple
 

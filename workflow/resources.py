@@ -1,6 +1,6 @@
 """What a job of each rule takes: processes, cores, memory and time. Batch systems are told; a run on one machine does not look at it.
 
-Time is that of costs.py, and memory of docs/lab/scaling.md, with room to spare, since a job that asks for too little is
+Time is that of costs.py, and memory of docs/lab/performance.md, with room to spare, since a job that asks for too little is
 killed: three times the time, twice the memory. One that is killed all the same is tried again with twice of both.
 """
 import math
