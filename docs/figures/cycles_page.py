@@ -31,10 +31,10 @@ A room is 4 × 3 × 2.6 m, of closed boxes, with a crate in it. A third of the s
 SETTINGS = """
 ## What makes both comparable
 - **Materials** are exported as Principled BSDF, which is never Lambertian. Cycles uses diffuse, transparent and emission nodes with the same images instead.
-- **Cycles**: filter glossy, clamping, the light threshold, adaptive sampling and denoising are off; 64 bounces of every kind. Emissive meshes are met by paths alone (`sample_as_light` off), because light sampling of 3.4 is biased by 1 % against a closed form.
+- **Cycles** makes 64 bounces of every kind, without filter glossy, clamping, the light threshold, adaptive sampling and denoising. Emissive meshes are not sampled as lights (`sample_as_light` off), because this is biased by 1 % in 3.4.
 - **Images** are large: between texels Cycles averages sRGB codes, glTF linear light. The fence's alpha has only 0 and 1.
 - **White**: no surface reflects more than .9, to which nlg clamps.
-- **Lamps and suns** have the exporter's default [unit](../theory/light.md#units), which nlg detects. The world is not exported; `--sky` sets it.
+- **Lamps and suns** have the exporter's default [unit](../theory/light.md#units), which nlg detects. `--sky` sets the world, which is not exported.
 """
 
 

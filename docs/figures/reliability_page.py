@@ -12,7 +12,7 @@ INTRODUCTION = """# Reliability
 
 `tests/fault_injection/run.py` injects faults into every tool and the whole pipeline; the same seed gives the same cases. Failures are
 
-- **torn**: an incomplete file under its final name, other bytes after a restart, or a change to somebody else's file;
+- **torn**: an incomplete file under its final name, other bytes after a restart, or a change to a foreign file;
 - **left behind**: a temporary file stays;
 - **hang**: a tool exceeds its time;
 - **silently accepted**: a reader succeeds on altered bytes, or a tool without its result;
@@ -20,7 +20,7 @@ INTRODUCTION = """# Reliability
 - **memory**: more than a scene may take, or a sanitizer's finding;
 - **wrong ending**: an undocumented exit code, not exactly one line, or control characters on stderr.
 
-*Kills* are SIGKILL at one system call, or at a random moment of a pipeline. *Injected errors* fail one call, or all from there on, or cut a read or write short. *Damage*: changed, cut, appended, swapped and lost bytes, and FIFOs, folders, links and devices in place of files. *Hostile scenes* are mutated from small ones of every format.
+*Kills* are SIGKILL at one system call, or at a random moment of a pipeline. *Injected errors* make one call or all later ones fail, or cut a read or write short. *Damage* changes, cuts, appends, swaps or loses bytes, or puts a FIFO, folder, link or device in place of a file. *Hostile scenes* are mutated from small ones of every format.
 """
 
 

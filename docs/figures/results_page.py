@@ -24,7 +24,7 @@ A *generator* predicts θ, the parameters of a representation, from a weighting 
 
 *Share fitted*: functions that took such a step, kept or not. *Bare tent*: the function of a probe in free space; where it is accurate enough, a bake stores no θ. *Hard*: functions whose bare tent has an RMSE of .01 or more. *Direct*: the best of long fits from θ₀ (the same for all functions) and from random starts. *Best known*: the best of any long fit, those from the generator's θ included. *Occluded*: points in air that the probe does not see.
 
-*Blend RMSE* is the root of the [loss](../theory/math.md#4-the-tiny-networks-their-loss-and-gradient) that every fit minimises. It weighs most the points where the probe must not count, then those that few other probes see. *RMSE* weighs all points in air alike. A function *fails the check* if either is above its threshold. Parentheses hold 95 % intervals, by bootstrap over scenes. Definitions: [errors](../theory/errors.md). Keys: [summary.json](json.md#summaryjson).
+*Blend RMSE* is the root of the [loss](../theory/math.md#4-the-tiny-networks-their-loss-and-gradient) that every fit minimises: leaks weigh most, then points that few other probes see. *RMSE* weighs all points in air alike. A function *fails the check* if either is above its threshold. Parentheses hold 95 % intervals, by bootstrap over scenes. Definitions: [errors](../theory/errors.md). Keys: [summary.json](json.md#summaryjson).
 """
 
 
