@@ -44,7 +44,7 @@ HWY_INLINE void multiplyTile(const Tile& tile) {
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) sum[r][v] = hn::LoadU(d, tile.bias + v * kLanes);
   }
-  // inputs are summed in order, so that theta does not depend on its place in the batch, bit for bit (docs/theory/inference.md)
+  // inputs are summed in order, so that theta does not depend on its place in the batch, bit for bit (docs/guide/library.md)
   const float* HWY_RESTRICT panel = tile.panel;
   for (int k = 0; k < tile.input_count; ++k, panel += PackedMatrix::kPanelWidth) {
     Floats column[kVectors];
