@@ -255,8 +255,6 @@ def methods_section(by_kind):
 SEEN_INTRODUCTION = """
 ## What the eye sees
 [Views](json.md#viewsjson) of every room from eye height, per pixel, each exposed by its own truth. ΔE is the mean HyAB distance in CIE L\\*a\\*b\\*: 2.3 is just visible. *Off*: pixels brighter or darker than truth by more than a factor of two; *edges*: the same within 10 cm of edges. *Rings*: pixels darker by a third than every truth within 20 cm. A patch of sun smaller than the probe spacing is too dark in every grid; engines draw it with shadow maps.
-
-Measured with the tool's defaults and `--target-functions`.
 """
 
 

@@ -216,7 +216,7 @@ def page(all_results):
     """The whole page, of the main results; what was not measured has no section."""
     results = all_results[MAIN]
     of_machine = f" All times are of one machine: {results['machine']}." if "machine" in results else ""
-    text = INTRODUCTION + f"\nMade by `{results['command']}`; the SHA-256 of the weights stand in their [cards](../../weights/README.md).{of_machine}\n"
+    text = INTRODUCTION + f"\nMade by `{results['command']}`; weights: [cards](../../weights/README.md).{of_machine}\n"
     sections = {"evaluation": evaluation_section, "frontier": frontier_section, "bakes": bakes_section,
                 "stability": stability_section, "benchmarks": benchmarks_section}
     for key, write in sections.items():
