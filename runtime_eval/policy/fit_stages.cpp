@@ -18,10 +18,6 @@ constexpr double kIterationProgress = 0.05;
 // kMostSteps times as many. The same steps in all take a mean error 4 % lower so than evenly (docs/lab/training.md).
 constexpr double kFullRmse = 0.01, kMostSteps = 4.0;
 
-// One in so many of its steps goes from theta and one from theta0, the rest from the better of the two: what a network predicts may
-// lie where no steps lead far, and theta0 does not (docs/lab/training.md).
-constexpr int kRaceShare = 8;
-
 // One fit of the tent, so that workspaces have the memory that every later fit needs.
 template <class Fit>
 void warmUp(const Generator& generator, const Fit& fit) {
@@ -77,8 +73,7 @@ void LevenbergMarquardtStage::run(ThetaBatch& batch, const int* members, int mem
 AdamStage::AdamStage(const Generator& generator, int full_steps)
     : full_steps_(full_steps),
       options_(refinementAdam(generator.representation(), full_steps)),
-      theta_(generator.representation().thetaCount()),
-      other_(theta_.size()) {
+      theta_(generator.representation().thetaCount()) {
   warmUp(generator, [&](const Representation& representation, const WeightingFunction& tent, float* theta) {
     AdamOptions once = options_;
     once.steps = 1;
@@ -91,20 +86,12 @@ void AdamStage::run(ThetaBatch& batch, const int* members, int member_count) {
   for (int n = 0; n < member_count; ++n) {
     const int i = members[n];
     const double share = std::min(kMostSteps, std::sqrt(batch.meanSquare(i)) / kFullRmse);
-    const int steps = static_cast<int>(std::clamp(full_steps_ * share, 1.0, double{std::numeric_limits<int>::max()}));
-    const int race_steps = steps / kRaceShare;
+    options_.steps = static_cast<int>(std::clamp(full_steps_ * share, 1.0, double{std::numeric_limits<int>::max()}));
     const WeightingFunction& function = batch.function(i);
-    const auto go = [&](int count, std::vector<float>* theta) {
-      options_.steps = count;
-      return iterateAdam(batch.representation(), function, options_, &workspace_, theta->data()).rmse;
-    };
-    // a short race from theta and from theta0: the rest of the steps goes on from the winner
-    std::copy_n(batch.theta(i), batch.thetaCount(), theta_.begin());
-    if (race_steps > 0) {
-      std::copy_n(batch.generator().theta0(), batch.thetaCount(), other_.begin());
-      if (go(race_steps, &other_) < go(race_steps, &theta_)) std::swap(theta_, other_);
-    }
-    const double rmse = go(steps - 2 * race_steps, &theta_);
+    // no step leads away from a theta that is not finite
+    std::copy_n(std::isfinite(batch.meanSquare(i)) ? batch.theta(i) : batch.generator().theta0(), batch.thetaCount(),
+                theta_.begin());
+    const double rmse = iterateAdam(batch.representation(), function, options_, &workspace_, theta_.data()).rmse;
     batch.offer(i, theta_.data(), rmse * rmse, kOfferPays);
     // its steps end somewhere around the least error: in the last layer the very least is a system of equations away
     const bool is_solved = solveLastLayer(batch.representation(), 0, static_cast<int>(function.phi.size()), function.phi.data(),

@@ -52,7 +52,7 @@ class AdamStage : public StageRun {
   AdamOptions options_;
   AdamWorkspace workspace_;
   SymmetricBand last_layer_;
-  std::vector<float> theta_, other_;  // one function
+  std::vector<float> theta_;  // one function
 };
 
 }  // namespace nlg
