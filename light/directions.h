@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -53,6 +54,14 @@ inline glm::vec3 aroundAxis(const glm::vec3& axis, float cosine, double turn) {
 // Uniform over the sphere; over the cap around axis whose height is 1 - cosine; by the cosine around a normal.
 inline glm::vec3 sphereDirection(double u, double v) {
   return aroundAxis({0.0f, 0.0f, 1.0f}, static_cast<float>(1.0 - 2.0 * u), v);
+}
+// For weights that look at the normal: any one, the same for the same position.
+inline glm::vec3 randomNormal(const glm::dvec3& position) {
+  constexpr uint64_t kStream = 0x736f6c7665;
+  Random random(mixSeed(std::bit_cast<uint64_t>(position.x), std::bit_cast<uint64_t>(position.y),
+                        std::bit_cast<uint64_t>(position.z), kStream));
+  const double u = random.uniform(), v = random.uniform();
+  return sphereDirection(u, v);
 }
 inline glm::vec3 coneDirection(const glm::vec3& axis, float cap, double u, double v) {
   // not 1 - u cap squared: a lamp far away keeps its size

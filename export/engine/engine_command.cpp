@@ -23,6 +23,7 @@
 #include "tool/command/tool_main.h"
 #include "tool/input_file.h"
 #include "tool/output_path.h"
+#include "tool/parallel_for.h"
 #include "tool/provenance.h"
 
 namespace nlg {
@@ -87,21 +88,23 @@ struct CompiledPlaces {
   std::vector<uint8_t> is_read;  // by point: whether some place reads it
 };
 
-CompiledPlaces compiledPlaces(const CompiledLight& compiled, const std::vector<glm::dvec3>& places, const glm::dvec3& origin_m) {
+CompiledPlaces compiledPlaces(const CompiledLight& compiled, const std::vector<glm::dvec3>& places, const glm::dvec3& origin_m,
+                              int thread_count) {
+  std::vector<ProbeWeights> seen(places.size());
+  parallelFor(places.size(), thread_count, [&](uint64_t i, int) { compiled.weightsAt(places[i], &seen[i]); });
   CompiledPlaces result;
   TexelLookUp whole = compiled.grid().lookUp();
   result.is_read.resize(whole.box.texelCount());
   whole.is_valid.assign(whole.box.texelCount(), 1);
   constexpr float kUp[3] = {0.0f, 1.0f, 0.0f};
-  for (const glm::dvec3& place : places) {
-    ProbeWeights read, seen;
-    const glm::dvec3 world = place + origin_m;
+  for (size_t p = 0; p < places.size(); ++p) {
+    const glm::dvec3 world = places[p] + origin_m;
+    ProbeWeights read;
     whole.weightsAt({world.x, world.y, world.z}, kUp, &read);
     for (int i = 0; i < read.count; ++i) result.is_read[read.probe[i]] = 1;
-    compiled.weightsAt(place, &seen);
-    if (seen.count == 0) continue;
-    result.places.push_back(place);
-    result.light.push_back(compiled.grid().light(seen));
+    if (seen[p].count == 0) continue;
+    result.places.push_back(places[p]);
+    result.light.push_back(compiled.grid().light(seen[p]));
   }
   return result;
 }
@@ -238,10 +241,10 @@ LightBox boxOf(const PreparedScene& scene, const BakeOptions& options) {
 
 // Mean radiance of what arrives at sample points, for an exposure.
 std::array<float, kShChannels> meanRadiance(const std::vector<LightSh>& place_light) {
-  constexpr float kY00 = 0.282095f;
   glm::vec3 sum(0.0f);
   for (const LightSh& light : place_light) sum += light[0];
-  sum *= kY00 / static_cast<float>(std::max<size_t>(1, place_light.size()));
+  // the first basis function is a constant
+  sum *= shBasis(0, 0, 0)[0] / static_cast<float>(std::max<size_t>(1, place_light.size()));
   return {sum.x, sum.y, sum.z};
 }
 
@@ -276,7 +279,7 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   CompiledPlaces at;
   if (texture == nullptr) {
     compiled.emplace(level, scene.rays, origin_m);
-    at = compiledPlaces(*compiled, scene.air.places, origin_m);
+    at = compiledPlaces(*compiled, scene.air.places, origin_m, threads);
   } else {
     // as a bake measures it
     at.places = scene.air.places;
@@ -322,7 +325,7 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   line.update(format.place);
   line["mean_radiance"] = meanRadiance(at.light);
   line["places"] = report.placeCount();
-  line["noise"] = report.noise();
+  if (!compiled) line["noise"] = report.noise();
   for (const Texels& way : ways) line["error"][way.name] = way.error;
   Json record = line;
   record["provenance"] = provenance("nlg-export engine", table.toJson(), {{"scene", scene.source.sha256}});
@@ -338,7 +341,8 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
 
 int engineMain(int argc, char** argv) {
   CLI::App app{
-      "Lights the grid that an engine has, for the look-up that it has, and measures the error against path tracing.\n"
+      "Lights the grid that an engine has, for the look-up that it has, and measures the error against path tracing, of\n"
+      "quake3-lightgrid against the level's own light.\n"
       "Settings of the bake: section bake of the configuration. spacing_m is the largest width of a texel, extent_m the box.",
       "nlg-export engine"};
   Request request;
@@ -356,7 +360,8 @@ int engineMain(int argc, char** argv) {
   app.add_option("--places", request.places, "sample points in air, and as many before surfaces, at which errors are measured")
       ->check(CLI::Range(100, 1000000))
       ->capture_default_str();
-  app.add_option("--truth-rays", request.truth_rays, "rays of ground truth per sample point")
+  app.add_option("--truth-rays", request.truth_rays,
+                 "rays of ground truth per sample point; quake3-lightgrid traces none: its truth is the level's own light")
       ->check(CLI::Range(8, 1 << 24))
       ->capture_default_str();
   return runTool(argc, argv, app, table, [&] { run(request, options, table); });

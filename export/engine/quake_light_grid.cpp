@@ -267,15 +267,13 @@ void CompiledLight::weightsAt(const glm::dvec3& position_m, ProbeWeights* weight
   constexpr double kBesideM = 0.15;
   constexpr float kUp[3] = {0.0f, 1.0f, 0.0f};
   const LightBox& box = grid_.lookUp().box;
-  const size_t row = box.texel_count[0], slice = row * box.texel_count[1];
   const glm::dvec3 world = position_m + origin_m_;
   ProbeWeights all;
   grid_.lookUp().weightsAt({world.x, world.y, world.z}, kUp, &all);
   weights->count = 0;
   float seen = 0.0f;
   for (int i = 0; i < all.count; ++i) {
-    const size_t texel = all.probe[i];
-    const PositionM at = box.texelCentre(texel % row, texel % slice / row, texel / slice);
+    const PositionM at = box.texelCentre(all.probe[i]);
     const glm::dvec3 way = glm::dvec3(at[0], at[1], at[2]) - origin_m_ - position_m;
     const double left = std::max(0.0, 1.0 - kBesideM / std::max(kBesideM, glm::length(way)));
     if (rays_.isBlocked(glm::vec3(position_m), glm::vec3(position_m + left * way))) continue;

@@ -1,7 +1,6 @@
 #include "export/engine/texel_light.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "light/air.h"
@@ -12,24 +11,13 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kTexelStream = 0x746578656c, kNormalStream = 0x6e6f726d616c, kTruthStream = 0x7472757468;
-
-glm::vec3 normalOf(const glm::dvec3& place) {
-  Random random(mixSeed(std::bit_cast<uint64_t>(place.x), std::bit_cast<uint64_t>(place.y), std::bit_cast<uint64_t>(place.z),
-                        kNormalStream));
-  const double u = random.uniform(), v = random.uniform();
-  return sphereDirection(u, v);
-}
+constexpr uint64_t kTexelStream = 0x746578656c, kTruthStream = 0x7472757468;
 
 std::vector<glm::dvec3> centresOf(const LightBox& box, const glm::dvec3& origin_m) {
   std::vector<glm::dvec3> centres;
-  for (size_t z = 0; z < box.texel_count[2]; ++z) {
-    for (size_t y = 0; y < box.texel_count[1]; ++y) {
-      for (size_t x = 0; x < box.texel_count[0]; ++x) {
-        const PositionM at = box.texelCentre(x, y, z);
-        centres.push_back(glm::dvec3(at[0], at[1], at[2]) - origin_m);
-      }
-    }
+  for (size_t texel = 0; texel < box.texelCount(); ++texel) {
+    const PositionM at = box.texelCentre(texel);
+    centres.push_back(glm::dvec3(at[0], at[1], at[2]) - origin_m);
   }
   return centres;
 }
@@ -105,14 +93,14 @@ std::vector<LightSh> solveTexels(const MeasuredScene& scene, const TexelLookUp& 
                                  const std::vector<LightSh>& place_light) {
   // one normal a place, drawn by the place itself
   const WeightsAt weights_at = [&](const glm::dvec3& position_m, ProbeWeights* weights) {
-    look_up.weightsAt(inWorld(scene, position_m), &normalOf(position_m)[0], weights);
+    look_up.weightsAt(inWorld(scene, position_m), &randomNormal(position_m)[0], weights);
   };
   TexelLookUp all = look_up;
   all.is_valid.clear();
   const std::array<double, 3> texel_m = look_up.texelM();
   const LitPoints texels = {centresOf(look_up.box, scene.transport.scene().origin_m),
                             [&](const glm::dvec3& position_m, ProbeWeights* weights) {
-                              all.weightsAt(inWorld(scene, position_m), &normalOf(position_m)[0], weights);
+                              all.weightsAt(inWorld(scene, position_m), &randomNormal(position_m)[0], weights);
                             },
                             *std::min_element(texel_m.begin(), texel_m.end())};
   return lightProbes(scene.transport, texels, scene.places, place_light, weights_at, scene.options, scene.thread_count).light;

@@ -139,6 +139,11 @@ struct LightBox {
 
   size_t texelCount() const { return size_t{texel_count[0]} * texel_count[1] * texel_count[2]; }
   PositionM texelCentre(size_t x, size_t y, size_t z) const;
+  // of the texel of this index; x is the fastest
+  PositionM texelCentre(size_t texel) const {
+    const size_t row = texel_count[0], slice = row * texel_count[1];
+    return texelCentre(texel % row, texel % slice / row, texel / slice);
+  }
 };
 
 // x is the fastest index, z the slowest.

@@ -1,7 +1,6 @@
 #include "light/methods/method_set.h"
 
 #include <algorithm>
-#include <bit>
 #include <cctype>
 #include <sstream>
 
@@ -18,8 +17,7 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kProbeStream = 0x70726f6265, kNormalStream = 0x736f6c7665, kDdgiStream = 0x64646769, kApvStream = 0x617076,
-                   kOctreeStream = 0x6f637472;
+constexpr uint64_t kProbeStream = 0x70726f6265, kDdgiStream = 0x64646769, kApvStream = 0x617076, kOctreeStream = 0x6f637472;
 
 const std::string kThinned = ", thinned ";
 const std::string kDdgiAsShipped = "DDGI as shipped", kRelocated = ", relocated";
@@ -42,17 +40,9 @@ std::string withRule(const std::string& name, SheetBacks backs) {
   return backs == SheetBacks::none ? name + ", backless sheets" : name;
 }
 
-// Weights that look at the normal are solved for with any one: the same for the same place.
-glm::vec3 normalOfPlace(const glm::dvec3& place) {
-  Random random(mixSeed(std::bit_cast<uint64_t>(place.x), std::bit_cast<uint64_t>(place.y), std::bit_cast<uint64_t>(place.z),
-                        kNormalStream));
-  const double u = random.uniform(), v = random.uniform();
-  return sphereDirection(u, v);
-}
-
 WeightsAt weightsAt(const Weighting& weighting) {
   return [&weighting](const glm::dvec3& position_m, ProbeWeights* weights) {
-    *weights = weighting.weightsAt(position_m, normalOfPlace(position_m));
+    *weights = weighting.weightsAt(position_m, randomNormal(position_m));
   };
 }
 

@@ -17,13 +17,13 @@ PositionM LightBox::texelCentre(size_t x, size_t y, size_t z) const {
 ResampledLight resampleLight(const LightGrid& grid, const LightBox& box, LookUpScratch* scratch) {
   constexpr size_t kAtOnce = 16384;  // texels: neighbouring rows share cells and functions
   ResampledLight result;
-  const size_t count = box.texelCount(), row = box.texel_count[0], slice = row * box.texel_count[1];
+  const size_t count = box.texelCount();
   result.light.resize(count * kShFloats);
   result.status.resize(count);
   std::vector<PositionM> positions_m(std::min(count, kAtOnce));
   for (size_t first = 0; first < count; first += kAtOnce) {
     const size_t piece = std::min(kAtOnce, count - first);
-    for (size_t i = first; i < first + piece; ++i) positions_m[i - first] = box.texelCentre(i % row, i % slice / row, i / slice);
+    for (size_t i = first; i < first + piece; ++i) positions_m[i - first] = box.texelCentre(i);
     lookUpLights(grid, positions_m.data(), piece, &result.light[first * kShFloats], &result.status[first], scratch);
   }
   return result;

@@ -54,7 +54,7 @@ TEST_F(QuakeLightGrid, StandsWhereTheEngineLooksItUp) {
     const PositionM position_m = {kUnitM * x, kUnitM * z, -kUnitM * y};
     size_t texel = 0;
     for (size_t t = 0; t < kPoints; ++t) {
-      const PositionM centre = level.box.texelCentre(t % kX, t / kX % kZ, t / (kX * kZ));
+      const PositionM centre = level.box.texelCentre(t);
       if (std::hypot(centre[0] - position_m[0], centre[1] - position_m[1], centre[2] - position_m[2]) < 1e-6) texel = t;
     }
     std::vector<uint8_t> is_made(kPoints, 0);

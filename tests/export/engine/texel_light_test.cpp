@@ -14,15 +14,10 @@ constexpr float kUp[3] = {0.0f, 1.0f, 0.0f};
 
 TexelLookUp smallLookUp() { return {{{-1.0, 2.0, 0.0}, {3.0, 5.0, 10.0}, {4, 6, 5}}}; }
 
-PositionM centreOf(const LightBox& box, size_t texel) {
-  const size_t x = box.texel_count[0], y = box.texel_count[1];
-  return box.texelCentre(texel % x, texel / x % y, texel / (x * y));
-}
-
 PositionM blendedCentre(const TexelLookUp& look_up, const ProbeWeights& weights) {
   PositionM sum{};
   for (int i = 0; i < weights.count; ++i) {
-    const PositionM centre = centreOf(look_up.box, weights.probe[i]);
+    const PositionM centre = look_up.box.texelCentre(weights.probe[i]);
     for (size_t axis = 0; axis < 3; ++axis) sum[axis] += double{weights.weight[i]} * centre[axis];
   }
   return sum;

@@ -31,9 +31,8 @@ inline std::vector<float> texelNumbers(const LightGrid& grid, const LightBox& bo
   const ResampledLight resampled = resampleLight(grid, box, &scratch);
   std::vector<float> numbers;
   for (size_t texel = 0; texel < box.texelCount(); ++texel) {
-    const size_t x = texel % box.texel_count[0], row = texel / box.texel_count[0];
     ProbeWeights shares;
-    lookUpShares(grid, box.texelCentre(x, row % box.texel_count[1], row / box.texel_count[1]), &shares);
+    lookUpShares(grid, box.texelCentre(texel), &shares);
     const float* light = &resampled.light[kShFloats * texel];
     const bool has_light = std::any_of(light, light + kShChannels, [](float value) { return value != 0.0f; });
     const float say = has_light ? std::max(shares.certainty, 1.0f / 256.0f) : 0.0f;

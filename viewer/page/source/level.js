@@ -134,7 +134,7 @@ export class Level {
     this.materials = new Map();
   }
 
-  // What shines, in the colours of its groups of light: the sum of all light sets.
+  // What shines, in the colours of its groups of light: the sum of all light states.
   // colourOf   three factors by a group's name
   tintShine(colourOf) {
     const { scene } = this;

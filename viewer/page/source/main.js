@@ -37,7 +37,7 @@ const errorText = (error) => error.toFixed(2).replace(/^0/, '');
 const costText = ({ bytes, rmse_air, rmse_surface }) =>
   bytesText(bytes) + (rmse_air === undefined ? '' : ` · error ${errorText(rmse_air)} in air, ${errorText(rmse_surface)} on surfaces`);
 
-// The light set that a group of light is of; empty: of none.
+// The light state that a group of light is of; empty: of none.
 const setOf = (group) => group.slice(0, Math.max(0, group.indexOf('/')));
 
 const option = (value, text) => Object.assign(document.createElement('option'), { value, textContent: text });
