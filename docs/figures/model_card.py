@@ -95,8 +95,7 @@ def training_facts(run, config, name):
     if hash_of(shipped) != hash_of(made):
         fail(shipped, f"the run's {made}", "another file")
     exported, training = read_json(run / "weights" / f"{name}.json"), read_json(run / "training" / f"{name}.json")
-    return {"sha256": hash_of(shipped), "configuration": config, "scenes": training_scenes(run), "minutes": round(training["elapsed_s"] / 60),
-            "samples_per_s": round(training["samples_per_s"]), "steps": training["steps"], "parity_theta": exported["parity_theta"],
+    return {"sha256": hash_of(shipped), "configuration": config, "scenes": training_scenes(run), "steps": training["steps"], "parity_theta": exported["parity_theta"],
             "parity_functions": exported["parity_functions"], "held_out_blend_rmse": exported["held_out_blend_rmse"],
             "rounding_blend_rmse": exported["held_out_blend_rmse"] - exported["held_out_blend_rmse_float32"]}
 
@@ -169,9 +168,8 @@ def training_section(cards):
     text = "\n## How they were trained\n" + "".join(f"- {title}: {shown(cards[0][key])}\n" for key, title in titles.items() if shared(key))
     text += "- Options: the weights files hold all (`training_options`)\n"
     rest = [key for key in titles if not shared(key)]
-    rows = [[f"`{card['name']}`", *(shown(card[key]) for key in rest), *(card["options"].get(key, "") for key in SHOWN_OPTIONS), card["minutes"], f"{card['samples_per_s']:,}",
-             f"{card['parity_theta']:.1e}", f"{card['rounding_blend_rmse']:+.1e}" if "rounding_blend_rmse" in card else f"{card['rounding_rmse']:+.1e} RMSE"] for card in cards]
-    text += table(["", *(key.replace("_", " ") for key in rest), *SHOWN_OPTIONS, "minutes", "samples/s", "parity", "rounding"], rows)
+    rows = [[f"`{card['name']}`", *(shown(card[key]) for key in rest), *(card["options"].get(key, "") for key in SHOWN_OPTIONS), f"{card['parity_theta']:.1e}", f"{card['rounding_blend_rmse']:+.1e}" if "rounding_blend_rmse" in card else f"{card['rounding_rmse']:+.1e} RMSE"] for card in cards]
+    text += table(["", *(key.replace("_", " ") for key in rest), *SHOWN_OPTIONS, "parity", "rounding"], rows)
     return text + (f"\n*Parity*: the largest difference between θ of libtorch and of the evaluator, over {cards[0]['parity_functions']:,} functions. "
                    "*Rounding*: what float16 changes of their mean blend RMSE.\n")
 

@@ -134,7 +134,7 @@ class Results(unittest.TestCase):
         sys.path.insert(0, str(SOURCES / "docs" / "figures"))
         import model_card
         self.sha256 = model_card.hash_of(self.root / "weights" / "tent_mlp.safetensors")
-        facts = {"sha256": self.sha256, "configuration": "c.yaml", "scenes": "2 scenes", "minutes": 33, "samples_per_s": 3893, "steps": 30000,
+        facts = {"sha256": self.sha256, "configuration": "c.yaml", "scenes": "2 scenes", "steps": 30000,
                  "parity_theta": 7e-6, "parity_functions": 1024, "held_out_rmse": 0.005, "rounding_rmse": 1e-8}
         self.write("docs/results/weights.json", {"tent_mlp": facts})
         self.write("docs/results/openarena.json", {"schema_version": 1, "run": "openarena", "command": "./pipeline.sh"})
@@ -184,7 +184,7 @@ class Results(unittest.TestCase):
             "frontier.speed_at_equal_error.tent_mlp.network.ratio:.1": "6.6",
             "benchmarks.generator_float32_96.items_per_second:int": "54,400",
             "bakes.kaos2.thread_s.network:.2": ".06",
-            "weights@tent_mlp.minutes:int": "33",
+            "weights@tent_mlp.steps:int": "30,000",
         }
         self.assertEqual(dict(zip(expected, self.filled(*expected))), expected)
 
