@@ -14,9 +14,19 @@
 # --prune                   remove shards in the folder of the run's data that are of no run
 # A run that was stopped goes on where it was when it is started again. Exit codes: 2 a configuration or option that cannot be used,
 # or another run at work; 3 a file that cannot be judged; 5 results that cannot be written; 6 the report is there, and a stability case
-# in it does not hold; 130 stopped by Ctrl-C; 1 everything else, a tool that failed among it, whose line says why.
+# in it does not hold; 130 stopped by Ctrl-C, 143 by SIGTERM; 1 everything else, a tool that failed among it, whose line says why.
 set -euo pipefail
-trap 'echo "pipeline.sh: stopped; the same command goes on" >&2; exit 130' INT
+# Ctrl-C and SIGTERM, heard here alone: an interpreter that is still importing would show a traceback, or miss it
+runner=''
+stop() {
+  trap '' INT TERM
+  while [ -n "$runner" ] && kill -INT "$runner" 2> /dev/null; do sleep .2; done
+  echo "pipeline.sh: stopped; the same command goes on" >&2
+  exit "$1"
+}
+trap 'stop 130' INT
+trap 'stop 143' TERM
+python() { (trap '' INT; exec /usr/bin/python3 "$@"); }
 
 refuse() {
   echo "pipeline.sh: $*; ./pipeline.sh --help lists the options" >&2
@@ -83,7 +93,7 @@ if [ -z "${NLG_BIN:-}" ]; then
   if [ -n "$plan" ]; then install_packages pipeline; else install_packages train pipeline; fi
 fi
 # several values of a setting: as many runs, one after the other
-sweep=$(/usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}" --sweep)
+sweep=$(python workflow/configuration.py "$config" "${changes[@]}" --sweep)
 if [ -n "$sweep" ]; then
   folders=() worst=0
   trap : INT  # the run that is stopped says so
@@ -101,7 +111,7 @@ if [ -n "$sweep" ]; then
   exit "$worst"
 fi
 # judged before anything is built, made or moved
-judged=$(/usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}")
+judged=$(python workflow/configuration.py "$config" "${changes[@]}")
 mapfile -t judged <<< "$judged"
 run=${judged[0]} data=${judged[3]}
 purpose=train
@@ -115,7 +125,7 @@ else
   build "$purpose" "${tools[@]}"
 fi
 if [ -n "$plan" ]; then
-  /usr/bin/python3 workflow/plan.py "$config" "${changes[@]}" --bin "${NLG_BIN:-build/release/bin}"
+  python workflow/plan.py "$config" "${changes[@]}" --bin "${NLG_BIN:-build/release/bin}"
   exit
 fi
 mkdir -p "$run" "$data" 2> /dev/null || { echo "pipeline.sh: $run: cannot be written: no folder can be made there" >&2; exit 5; }
@@ -133,14 +143,14 @@ if [ "$data" != "$run" ]; then
   flock -n 8 || { echo "pipeline.sh: $data: another run is at work there" >&2; exit 2; }
 fi
 if [ ${#changes[@]} -gt 0 ]; then
-  /usr/bin/python3 workflow/configuration.py "$config" "${changes[@]}" --write > /dev/null
+  python workflow/configuration.py "$config" "${changes[@]}" --write > /dev/null
   config=$(realpath -- "${judged[2]}")
 fi
 run_folder=$(realpath -m -- "$run")
 export NLG_PLAN=$run_folder/plan.json
 # a batch system's jobs wait in its queue: their times are not those of the stages
 [ -n "$profile" ] || export NLG_TIMES=$run_folder/times.json
-/usr/bin/python3 workflow/plan.py "$config" --bin "${NLG_BIN:-build/release/bin}" --out "$NLG_PLAN" ||
+python workflow/plan.py "$config" --bin "${NLG_BIN:-build/release/bin}" --out "$NLG_PLAN" ||
   echo "pipeline.sh: the run goes on without a plan" >&2
 # what does the work: all cores of this machine, or what a profile says
 where=(--cores "$(nproc)")
@@ -152,12 +162,15 @@ for folder in "$run" "$data"; do
   flock -n "$folder/.jobs.lock" true || { echo "pipeline.sh: $folder: a tool of a run that was killed is still at work there" >&2; exit 2; }
 done
 # what is another file than the run made is put aside
-/usr/bin/python3 workflow/check_artefacts.py "$config" "${NLG_BIN:-build/release/bin}" $prune
+python workflow/check_artefacts.py "$config" "${NLG_BIN:-build/release/bin}" $prune
 # what it keeps for itself lies in the run's folder; a profile's scripts are told from here
 [ -n "$profile" ] || where+=(--directory "$run")
 rm -rf "$run/.progress"
 /usr/bin/snakemake all -s workflow/Snakefile --configfile "$config" "${where[@]}" --rerun-incomplete --nolock \
-  --log-handler-script "$PWD/workflow/run_progress.py"
+  --log-handler-script "$PWD/workflow/run_progress.py" &
+runner=$!
+wait "$runner"
+runner=''
 # snakemake takes it away after the last training, and forgets it where it was killed just then
 rm -f "$run/training/functions.cache" "$data/training/functions.cache"
 # the headline, what each generator was judged by, and the rule
@@ -165,6 +178,6 @@ cat "$run/verdict.txt"
 echo "The report: $(realpath "$run/report.html")"
 [ ! -e "$run/evaluation/report.html" ] || echo "… of the evaluation: $(realpath "$run/evaluation/report.html")"
 code=0
-failed=$(/usr/bin/python3 workflow/failed_cases.py "$run/stability.json") || code=$?
+failed=$(python workflow/failed_cases.py "$run/stability.json") || code=$?
 [ "$code" != 6 ] || printf 'pipeline.sh: stability cases that do not hold:\n%s\n' "$failed" >&2
 exit "$code"

@@ -149,6 +149,8 @@ class Run:
         supplied = [path for name in self.representations if os.path.isfile(path := os.path.join(folder, f"{name}.safetensors"))]
         supplied = supplied or [path for path in [os.path.join(folder, "tent_mlp44.safetensors")] if os.path.isfile(path)]
         references = {"supplied": supplied if self.own_levels else [], "init": list(self.init.values())}
+        if list(map(os.path.realpath, references["init"])) == list(map(os.path.realpath, references["supplied"])):
+            references["init"] = []  # once
         self.references = {name: paths for name, paths in references.items() if paths}
 
     def _take_training(self):

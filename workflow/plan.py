@@ -5,6 +5,10 @@
 --out writes the plan beside what the run makes, where run_progress.py and the report find it, and prints one line; a plan of the same
 configuration that is there stays.
 """
+import signal
+
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # pipeline.sh says that it was stopped
+
 import argparse
 import hashlib
 import json

@@ -23,6 +23,8 @@ from tool.duration import duration
 from tool.errors import OutputError
 
 TYPICAL_S = 10  # of a job that no plan speaks of
+START_S = 2     # of any job: its tool and its files
+SLOWEST = 5     # times what was planned: small first jobs say little of the others
 OVERRUN = 1.5    # times what was planned
 
 
@@ -42,7 +44,7 @@ def seconds_of_jobs(plan):
     for stage in plan.get("stages", []):
         jobs[stage["rule"]] = jobs.get(stage["rule"], 0) + stage["jobs"]
         seconds[stage["rule"]] = seconds.get(stage["rule"], 0) + stage["core_s"] / stage["cores"]
-    return {rule: seconds[rule] / count for rule, count in jobs.items()}
+    return {rule: START_S + seconds[rule] / count for rule, count in jobs.items()}
 
 
 class Times:
@@ -169,7 +171,7 @@ class RunProgress:
         guessed = sum(self.typical_s.get(rule, TYPICAL_S) * self.done[rule] for rule in known)
         if not guessed:
             return None
-        pace = sum(self.spent_s.values()) / guessed
+        pace = min(sum(self.spent_s.values()) / guessed, SLOWEST)
         left = 0.0
         for rule, count in self.planned.items():
             took = known.get(rule, pace * self.typical_s.get(rule, TYPICAL_S))
@@ -236,10 +238,12 @@ def keep_time():
 
 
 def stop(number, frame):
-    """Ctrl-C: pipeline.sh says it; what its end makes of the jobs at work is no failure."""
-    progress.is_stopped = True
-    raise KeyboardInterrupt
+    """SIGINT from pipeline.sh, which says it; what its end makes of the jobs at work is no failure."""
+    if not progress.is_stopped:
+        progress.is_stopped = True
+        sys.stderr = open(os.devnull, "w")  # also what threads say that are cut off
+        raise KeyboardInterrupt
 
 
-if "snakemake.logging" in sys.modules and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+if "snakemake.logging" in sys.modules:
     signal.signal(signal.SIGINT, stop)

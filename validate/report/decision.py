@@ -52,7 +52,8 @@ def comparison(inputs, representation, folder):
         raise InputError(folder, "functions.csv", "the functions that the run is validated on", "others")
     change = mean_change(before.blend_rmse, after.blend_rmse)
     trend = trend_beyond(change["old"], change["new"]) if change.get("chance", 1.0) <= FALSE_ALARMS else "same"
-    word = {"better": "Better than", "worse": "Worse than", "same": "As good as"}[trend]
+    same = "As good as" if len(after) >= verdict.FEWEST_FUNCTIONS else "No difference found from"
+    word = {"better": "Better than", "worse": "Worse than", "same": same}[trend]
     of = "" if name == representation else f", {name}"
     return f"{word} {WEIGHTS.get(os.path.basename(folder), folder)}: {representation} has a mean blend RMSE of {error(change['new'])}, they {error(change['old'])}{of}, on the same {plural(len(after), 'function')}"
 
@@ -122,8 +123,8 @@ class Decision:
         with_words = lambda name: BAKES.get(name, f"with {WEIGHTS.get(name, name)}")
         scene = next(iter(self.bakes.values())).scene
         text = f"A whole bake of {scene} takes " + ", ".join(f"{duration(1e6 * bake.seconds)} {with_words(name)}" for name, bake in self.bakes.items())
-        lit = [f"{percent(bake.light_error)} {with_words(name)}" for name, bake in self.bakes.items() if bake.light_error]
-        return text + (f"; the light of half of its sample points is off by less than {', '.join(lit)}" if lit else "") + "."
+        lit = [f"{percent(bake.light_error).lstrip('<' + chr(160))} {with_words(name)}" for name, bake in self.bakes.items() if bake.light_error]
+        return text + (f"; the light of half of its sample points errs by at most {', '.join(lit)}" if lit else "") + "."
 
     def rule(self):
         return [sentence.replace("*", "") for sentence in verdict.rule(self.limits, self.tau["rmse"], self.tau["blend_rmse"])]

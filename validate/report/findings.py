@@ -118,7 +118,8 @@ class Findings:
 
     def population_sentence(self):
         f = self.functions
-        return (f"{plural(f['held_out'], 'distinct function')} of {plural(f['held_out_scenes'], 'scene')} that no training saw; {grouped(f['take_theta'])} of them take a θ "
+        known = f" ({percent(f['held_out_in_training'] / f['held_out'])} of them occur in the training set, too)" if f["held_out_in_training"] else ""
+        return (f"{plural(f['held_out'], 'distinct function')} of {plural(f['held_out_scenes'], 'scene')} that were held out of training{known}; {grouped(f['take_theta'])} of them take a θ "
                 f"(for the others the bare tent is enough), and {grouped(f['hard'])} are hard")
 
     def lead(self):

@@ -202,7 +202,7 @@ def check_comparison(needed):
         made_up.write_json(f"{name}.json", made_up.bake("doorway", seconds, error) | ({} if error else {"light": None}))
     bakes = {name: proof_inputs.read_bake(path) for name, path in (("these", "bake0.json"), ("supplied", "supplied.json"), ("without", "without.json"))}
     found = decision.Decision(data, free, None, proof_inputs.read_frontier("frontier.json"), [], bakes)
-    said = f"A whole bake of {bakes['these'].scene} takes 12 s with these weights, 14 s with the supplied weights, 30 s without a generator; the light of half of its sample points is off by less than 2.5 % with these weights, 2.7 % with the supplied weights."
+    said = f"A whole bake of {bakes['these'].scene} takes 12 s with these weights, 14 s with the supplied weights, 30 s without a generator; the light of half of its sample points errs by at most 2.5 % with these weights, 2.7 % with the supplied weights."
     expect(found.text().splitlines()[1] == said, f"bakes: {found.text().splitlines()[1]}")
     data.samples["tent_mlp", "stored"].function[:] += 1
     refuses(["functions that the run"], lambda path: decision.comparison(data, "tent_mlp", path), "supplied")
