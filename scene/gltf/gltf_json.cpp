@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kDeepest = 64;
+constexpr int kDeepest = 64;  // nobody reads what is nested further down, as extras may be
 constexpr const char *kBase64 = ";base64", *kPlainData = "data:application/octet-stream;base64,";  // as tinygltf knows it
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char *kKhrMeshopt = kMeshoptExtensions[0], *kExtMeshopt = kMeshoptExtensions[1];
@@ -367,12 +367,13 @@ class JsonChecker {
   std::vector<std::string> buffer_files_;
 };
 
-// throws   InputError on what is no JSON, nested deeper than kDeepest, or holds a key of an object twice
-Json parse(const std::string& path, std::string_view text) {
+// is_cut   receives whether something is nested deeper than kDeepest, and left out
+// throws   InputError on what is no JSON, or holds a key of an object twice
+Json parse(const std::string& path, std::string_view text, bool* is_cut) {
   std::array<std::set<std::string>, kDeepest + 1> keys;  // by depth: of the object that is open there
   const auto check = [&](int depth, Json::parse_event_t event, const Json& parsed) {
-    const bool begins = event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
-    if (begins && depth > kDeepest) throw InputError(path, "JSON", "nesting of at most 64", "more");
+    *is_cut = *is_cut || depth > kDeepest;
+    if (depth > kDeepest) return false;
     if (event == Json::parse_event_t::object_start) keys[static_cast<size_t>(depth)].clear();
     if (event != Json::parse_event_t::key) return true;
     const std::string key = parsed;
@@ -434,10 +435,11 @@ bool makePlain(Json& root, bool has_bin) {
 }  // namespace
 
 GltfJson readGltfJson(const std::string& path, std::string_view text, bool has_bin, Oddities* odd) {
-  Json root = parse(path, text);
+  bool is_cut = false;
+  Json root = parse(path, text, &is_cut);
   JsonChecker checker(path, root, has_bin, odd);
   GltfJson found{checker.check(), ""};
-  if (makePlain(root, has_bin) || checker.isChanged()) found.plain_text = root.dump();
+  if (makePlain(root, has_bin) || checker.isChanged() || is_cut) found.plain_text = root.dump();
   return found;
 }
 

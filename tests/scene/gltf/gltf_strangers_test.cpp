@@ -416,6 +416,17 @@ TEST_F(GltfStrangers, NodesMayNestAsDeepAsTheyLike) {
   EXPECT_TRUE(read.notes.empty()) << linesOf(read);
 }
 
+TEST_F(GltfStrangers, ExtrasMayNestAsDeepAsTheyLike) {
+  for (const size_t depth : {100u, 200000u}) {
+    // {"a":[{"a":[... 1 ...]}]}
+    std::string extras, end;
+    for (size_t i = 0; i < depth; ++i) extras += R"({"b":2,"a":[)", end += R"(,3],"c":4})";
+    const GltfLevel read = level(nodesOf({named("deep", R"(,"extras":)" + extras + "1" + end), named("other")}));
+    EXPECT_EQ(namesOf(read.scene), "deep other");
+    EXPECT_TRUE(read.notes.empty()) << linesOf(read);
+  }
+}
+
 TEST_F(GltfStrangers, EmissionAboveOneIsTakenAsItIs) {
   Parts parts;
   parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"material":0}])";
