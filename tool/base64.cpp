@@ -22,20 +22,17 @@ std::string base64(std::string_view bytes) {
 
 bool fromBase64(std::string_view text, std::string* bytes) {
   bytes->clear();
-  if (text.size() % 4 != 0) return false;
-  size_t padding = 0;
-  while (padding < 2 && padding < text.size() && text[text.size() - 1 - padding] == '=') ++padding;
-  for (size_t i = 0; i < text.size(); i += 4) {
-    uint32_t bits = 0;
-    for (size_t k = i; k < i + 4; ++k) {
-      const size_t digit = k < text.size() - padding ? kDigits.find(text[k]) : 0;
-      if (digit == std::string_view::npos) return false;
-      bits = bits << 6 | static_cast<uint32_t>(digit);
-    }
-    for (unsigned shift = 24; shift > 0; shift -= 8) bytes->push_back(static_cast<char>(bits >> (shift - 8) & 0xff));
+  uint32_t bits = 0;
+  size_t digits = 0, padding = 0;
+  for (const char c : text) {
+    if (std::string_view(" \t\r\n").find(c) != std::string_view::npos || (c == '=' && ++padding <= 2)) continue;
+    const size_t digit = kDigits.find(c == '-' ? '+' : c == '_' ? '/' : c);
+    if (digit == std::string_view::npos || padding > 0) return false;
+    bits = bits << 6 | static_cast<uint32_t>(digit);
+    // of four digits the second to the fourth end a byte
+    if (++digits % 4 != 1) bytes->push_back(static_cast<char>(bits >> 2 * ((4 - digits % 4) % 4)));
   }
-  bytes->resize(bytes->size() - padding);
-  return true;
+  return digits % 4 != 1;
 }
 
 }  // namespace nlg

@@ -9,7 +9,7 @@ namespace nlg {
 // RFC 4648, with '=' to a multiple of four characters.
 std::string base64(std::string_view bytes);
 
-// false where the text is none that base64 gives
+// Of either alphabet of RFC 4648 (+/ or -_), with or without '=' at the end, with white space anywhere. False where the text is none of these.
 bool fromBase64(std::string_view text, std::string* bytes);
 
 }  // namespace nlg

@@ -60,18 +60,6 @@ std::string folderOf(const std::string& path) {
 
 namespace {
 
-std::string percentDecoded(const std::string& text) {
-  std::string decoded;
-  for (size_t i = 0; i < text.size(); ++i) {
-    unsigned char code = 0;
-    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
-                         std::from_chars(&text[i + 1], &text[i + 1] + 2, code, 16).ptr == &text[i + 1] + 2;
-    decoded += is_code ? static_cast<char>(code) : text[i];
-    if (is_code) i += 2;
-  }
-  return decoded;
-}
-
 // Neither of another machine nor outside of the folder.
 bool isInside(const std::string& name) {
   const bool is_relative = !name.empty() && name[0] != '/' && name.find(':') == std::string::npos;
@@ -169,6 +157,18 @@ FileBeside findBeside(const std::string& scene_path, const std::string& address)
 std::string withSlashes(std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
   return name;
+}
+
+std::string percentDecoded(const std::string& text) {
+  std::string decoded;
+  for (size_t i = 0; i < text.size(); ++i) {
+    unsigned char code = 0;
+    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
+                         std::from_chars(&text[i + 1], &text[i + 1] + 2, code, 16).ptr == &text[i + 1] + 2;
+    decoded += is_code ? static_cast<char>(code) : text[i];
+    if (is_code) i += 2;
+  }
+  return decoded;
 }
 
 }  // namespace nlg

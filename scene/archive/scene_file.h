@@ -79,5 +79,6 @@ struct FileBeside {
 // scene_path   the scene's file
 FileBeside findBeside(const std::string& scene_path, const std::string& address);
 std::string withSlashes(std::string name);  // for backslashes
+std::string percentDecoded(const std::string& text);
 
 }  // namespace nlg

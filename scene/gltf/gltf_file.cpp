@@ -95,25 +95,9 @@ Bytes binaryOf(const std::string& path, std::string text, std::string_view bin) 
 // other.
 struct BufferFiles {
   std::vector<std::string> paths;
-  size_t next;
   SceneBudget* bytes_left;
+  size_t next = 0;
 };
-
-BufferFiles findBuffers(const std::string& path, const std::vector<std::string>& addresses, SceneBudget& bytes_left,
-                        Oddities* odd) {
-  BufferFiles files{{}, 0, &bytes_left};
-  // what all of them hold is known before the first is read
-  SceneBudget all = bytes_left;
-  for (const std::string& address : addresses) {
-    const std::string place = "buffer \"" + address.substr(0, 80) + "\"";
-    const FileBeside file = findBeside(path, address);
-    if (file.path.empty()) throw InputError(path, place, "a file in the folder or below", "one that " + file.problem);
-    if (!file.guess.empty()) odd->add("read by another name than its address", place + " from " + file.guess);
-    all.take(InputFile(file.path, place).size(), path, place);
-    files.paths.push_back(file.path);
-  }
-  return files;
-}
 
 bool fileExists(const std::string&, void* user) {
   const BufferFiles& files = *static_cast<BufferFiles*>(user);
@@ -130,10 +114,8 @@ bool readWholeFile(Bytes* bytes, std::string*, const std::string&, void* user) {
 
 bool writeNothing(std::string*, const std::string&, const Bytes&, void*) { return false; }
 
-// Keeps what a data URI holds, as it is; all other bytes lie where they will be found.
-bool keepPacked(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
-                void*) {
-  if (image->bufferView < 0 && image->uri.empty()) image->image.assign(bytes, bytes + size);
+// Bytes of images lie where they will be found.
+bool keepPacked(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int, void*) {
   return true;
 }
 
@@ -157,7 +139,10 @@ tinygltf::Model loadGltfFile(const std::string& path, SceneBudget& bytes_left, O
   const bool is_binary = !chunks.bin.empty();
   // what tinygltf would refuse or trip over is repaired in a plain text that stands in the file's place
   GltfJson json = readGltfJson(path, chunks.text, is_binary, odd);
-  BufferFiles files = findBuffers(path, json.buffer_files, bytes_left, odd);
+  BufferFiles files{json.buffer_files, &bytes_left};
+  // what all of them hold is known before the first is read
+  SceneBudget all = bytes_left;
+  for (const std::string& file : files.paths) all.take(InputFile(file, "buffer").size(), path, "buffer " + file);
   if (json.plain_text.empty() && (is_binary ? !chunks.is_plain : chunks.text.size() < bytes.size()))
     json.plain_text = chunks.text;
   if (is_binary && !json.plain_text.empty()) bytes = binaryOf(path, std::move(json.plain_text), chunks.bin);

@@ -8,7 +8,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "scene/archive/pk3_archive.h"
+#include "scene/archive/scene_file.h"
+#include "tool/base64.h"
 #include "tool/error.h"
+#include "tool/input_file.h"
 
 namespace nlg {
 namespace {
@@ -16,7 +20,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int kDeepest = 64;  // nobody reads what is nested further down, as extras may be
-constexpr const char *kBase64 = ";base64", *kPlainData = "data:application/octet-stream;base64,";  // as tinygltf knows it
+constexpr const char* kPlainData = "data:application/octet-stream;base64,";  // as tinygltf knows it
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char *kKhrMeshopt = kMeshoptExtensions[0], *kExtMeshopt = kMeshoptExtensions[1];
 
@@ -96,7 +100,7 @@ constexpr Section kSections[] = {{"buffers", nullptr},
                                  {"textures", "{}", true},
                                  {"samplers", "{}", true},
                                  {"images", R"({"uri":""})"}};
-constexpr const char* kMended = "against the format: left out";
+constexpr const char *kMended = "against the format: left out", *kEmpty = "what lies in it is left out";
 
 // Extensions whose members the rules hold for, too; whatever else stands in an extension is anybody's.
 constexpr std::string_view kCheckedExtensions[] = {"KHR_materials_emissive_strength",
@@ -342,21 +346,37 @@ class JsonChecker {
       fail(place, "an accessor below " + std::to_string(countOf("accessors")), value.dump());
   }
 
-  void checkBuffer(const Json& buffer, size_t idx, const std::string& place) {
-    if (buffer.contains("uri")) return checkUri(buffer["uri"], place + ".uri");
-    if (isFallback(buffer) || (has_bin_ && idx == 0)) return;
+  void checkBuffer(Json& buffer, size_t idx, const std::string& place) {
+    const bool has_uri = buffer.contains("uri");
+    if (has_bin_ && idx == 0 && !has_uri && !isFallback(buffer)) return;
+    if (has_uri && odd_.attempt(kEmpty, [&] { findBytes(buffer, place); })) return;
     // a fallback need not be marked as one
-    if (!uses_meshopt_) odd_.add("nowhere: what lies in it is left out", place + ": a buffer without a uri");
+    if (!has_uri && !isFallback(buffer) && !uses_meshopt_) odd_.add(kEmpty, place + ": a buffer without a uri");
+    // tinygltf demands an address and bytes of every buffer
+    setBytes(buffer, 1, std::string(kPlainData) + "AA==");
   }
 
-  void checkUri(const std::string& uri, const std::string& place) {
-    if (uri.starts_with("data:")) {
-      const std::string header = uri.substr(0, uri.find(','));
-      if (!header.ends_with(kBase64) || header == uri) fail(place, "a data URI in base64", header.substr(0, 60));
-      return;
+  void setBytes(Json& buffer, uint64_t count, const std::string& uri) {
+    is_changed_ = is_changed_ || buffer.value("byteLength", uint64_t{0}) != count || buffer["uri"] != uri;
+    buffer["byteLength"] = count;
+    buffer["uri"] = uri;
+  }
+
+  void findBytes(Json& buffer, const std::string& place) {
+    const std::string uri = buffer["uri"];
+    std::string bytes;
+    if (isDataUri(uri)) {
+      if (!dataOfUri(uri, &bytes)) fail(place + ".uri", "a data URI (RFC 2397) of a byte or more", uri);
+      return setBytes(buffer, bytes.size(), kPlainData + base64(bytes));
     }
-    if (uri.empty()) fail(place, "a file name", "an empty uri");
-    buffer_files_.push_back(uri);
+    const FileBeside file = findBeside(path_, uri);
+    const std::string name = "buffer \"" + uri.substr(0, 80) + "\"";
+    if (file.path.empty()) fail(name, "a file in the folder or below", "one that " + file.problem);
+    if (!file.guess.empty()) odd_.add("read by another name than its address", name + " from " + file.guess);
+    const uint64_t size = InputFile(file.path, name).size();
+    if (size == 0) fail(name, "a byte or more", "an empty file");
+    setBytes(buffer, size, uri);
+    buffer_files_.push_back(file.path);
   }
 
   const std::string& path_;
@@ -396,22 +416,13 @@ Json parse(const std::string& path, std::string_view text, bool* is_cut) {
 }
 
 // returns   whether there was something to change
-bool makePlain(Json& root, bool has_bin) {
+bool makePlain(Json& root) {
   bool is_changed = false;
   Json none = Json::array();
-  // tinygltf demands an address and bytes of every buffer: those that need none get one byte
-  for (Json& buffer : root.contains("buffers") ? root["buffers"] : none) {
-    if (buffer.contains("uri")) {
-      // and it takes any data URI but of a few media types for a file's name
-      const std::string uri = buffer["uri"];
-      if (!uri.starts_with("data:") || uri.starts_with(kPlainData)) continue;
-      buffer["uri"] = kPlainData + uri.substr(uri.find(',') + 1);
-      is_changed = true;
-      continue;
-    }
-    if (has_bin && &buffer == &root["buffers"][0] && !isFallback(buffer)) continue;
-    buffer["byteLength"] = 1;
-    buffer["uri"] = std::string(kPlainData) + "AA==";
+  // tinygltf refuses a file for one image that it cannot decode: it keeps what it takes for a file's name
+  for (Json& image : root.contains("images") ? root["images"] : none) {
+    if (!image.contains("uri") || !isDataUri(image["uri"])) continue;
+    image["uri"] = "DATA" + image["uri"].get<std::string>().substr(4);
     is_changed = true;
   }
   // nobody reads animations, but they count
@@ -434,12 +445,24 @@ bool makePlain(Json& root, bool has_bin) {
 
 }  // namespace
 
+bool isDataUri(const std::string& uri) { return lowerCase(uri.substr(0, 5)) == "data:"; }
+
+bool dataOfUri(const std::string& uri, std::string* bytes) {
+  // a comma may stand in a parameter's quotes
+  size_t comma = 0;
+  for (bool is_quoted = false; comma < uri.size() && (is_quoted || uri[comma] != ','); ++comma) is_quoted ^= uri[comma] == '"';
+  if (comma == uri.size()) return false;
+  *bytes = percentDecoded(uri.substr(comma + 1));
+  const bool is_base64 = lowerCase(uri.substr(0, comma)).ends_with(";base64");
+  return (!is_base64 || fromBase64(std::string(*bytes), bytes)) && !bytes->empty();
+}
+
 GltfJson readGltfJson(const std::string& path, std::string_view text, bool has_bin, Oddities* odd) {
   bool is_cut = false;
   Json root = parse(path, text, &is_cut);
   JsonChecker checker(path, root, has_bin, odd);
   GltfJson found{checker.check(), ""};
-  if (makePlain(root, has_bin) || checker.isChanged() || is_cut) found.plain_text = root.dump();
+  if (makePlain(root) || checker.isChanged() || is_cut) found.plain_text = root.dump();
   return found;
 }
 

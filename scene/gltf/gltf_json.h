@@ -16,7 +16,7 @@
 namespace nlg {
 
 struct GltfJson {
-  std::vector<std::string> buffer_files;  // the external buffers' addresses, as they are written
+  std::vector<std::string> buffer_files;  // the external buffers' files
   // What tinygltf takes instead of the file's own text, if not empty: mended, and without what it refuses of what extensions pack.
   // Buffers without a URI hold one byte, and primitives packed by Draco have no indices, whose accessors need no buffer view.
   std::string plain_text;
@@ -25,11 +25,17 @@ struct GltfJson {
 // The unpacked views of meshopt's two extensions lie in buffers that need not exist.
 inline constexpr const char* kMeshoptExtensions[] = {"KHR_meshopt_compression", "EXT_meshopt_compression"};
 
-// A buffer needs a URI, but for the first one of a .glb with a binary chunk and for fallbacks of meshopt. One that has none is empty.
+// A buffer needs a URI, but for the first one of a .glb with a binary chunk and for fallbacks of meshopt. One that has none is empty, and so
+// is one whose bytes are not there. It is as long as what is there.
 //
 // path      the file's name, for errors; text: its JSON; has_bin: it is of a .glb with a binary chunk
 // odd       receives what was taken out
 // throws    InputError naming the place ("scenes[3].nodes[1]", "byte 17 of the JSON") on what is wrong of the whole
+// Data URIs (RFC 2397), in base64 or percent-encoded; of an image as the file has them, but for "DATA:", by which tinygltf leaves them alone.
+bool isDataUri(const std::string& uri);
+// returns   whether it holds one byte or more
+bool dataOfUri(const std::string& uri, std::string* bytes);
+
 GltfJson readGltfJson(const std::string& path, std::string_view text, bool has_bin, Oddities* odd);
 
 }  // namespace nlg

@@ -14,7 +14,6 @@
 #include "scene/gltf/gltf_accessor.h"
 #include "scene/gltf/gltf_json.h"
 #include "scene/gltf/gltf_light.h"
-#include "tool/base64.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -45,7 +44,7 @@ class GltfImages {
       : path_(path), model_(model), bytes_left_(bytes_left) {
     for (size_t i = 0; i < model.images.size(); ++i) {
       const tinygltf::Image& image = model.images[i];
-      const bool has_file = !image.uri.empty() && !image.uri.starts_with("data:");
+      const bool has_file = !image.uri.empty() && !isDataUri(image.uri);
       std::string name = has_file ? image.uri : image.name;
       if (name.empty() || index_.count(name) > 0) name += fmt::format("{}image {}", name.empty() ? "" : ", ", i);
       index_.emplace(name, i);
@@ -65,16 +64,12 @@ class GltfImages {
       } catch (const InputError&) {
         bytes.problem = "has no bytes where the file says they are";
       }
-    } else if (image.uri.starts_with("data:")) {
-      const size_t comma = image.uri.find(";base64,");
+    } else if (isDataUri(image.uri)) {
       std::string decoded;
-      if (comma == std::string::npos || !fromBase64(std::string_view(image.uri).substr(comma + 8), &decoded))
-        bytes.problem = "has a data URI that is no base64";
+      if (!dataOfUri(image.uri, &decoded)) bytes.problem = "has a data URI that is none of RFC 2397";
       bytes.own.assign(decoded.begin(), decoded.end());
-    } else if (!image.uri.empty()) {
-      bytes = imageBeside(path_, image.uri, bytes_left_);
     } else {
-      bytes.elsewhere = image.image;  // of a data URI
+      bytes = imageBeside(path_, image.uri, bytes_left_);
     }
     return bytes;
   }

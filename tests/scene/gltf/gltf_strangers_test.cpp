@@ -347,16 +347,52 @@ TEST_F(GltfStrangers, ABrokenPartDoesNotRefuseALevel) {
   }
 }
 
-TEST_F(GltfStrangers, DataUrisMayHaveAnyMediaTypeOrNone) {
-  const Parts parts;
-  for (const char* header :
-       {"data:;base64,", "data:application/octet-stream;charset=utf-8;base64,", "data:application/binary;base64,"}) {
-    const GltfLevel read = readGltf(write("uri.gltf", parts.json(header + base64(parts.bin))));
-    EXPECT_EQ(areaOf(read.scene), 1.0) << header;
+TEST_F(GltfStrangers, DataUrisAreThoseOfTheStandard) {
+  Parts parts;
+  // so that its base64 has + and /
+  parts.bin += "\xfb\xef\xbe\xff\xff\xff!";
+  std::string codes = base64(parts.bin), safe = codes, encoded, broken_lines, plain;
+  for (char& c : safe) c = c == '+' ? '-' : c == '/' ? '_' : c;
+  safe.resize(safe.find_last_not_of('=') + 1);
+  for (const char c : codes) encoded += c == '+' ? "%2B" : c == '/' ? "%2f" : c == '=' ? "%3D" : std::string(1, c);
+  for (size_t i = 0; i < codes.size(); i += 20) broken_lines += codes.substr(i, 20) + R"(\r\n )";
+  for (const char c : parts.bin) plain += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  const std::string uris[] = {"data:;base64," + codes,
+                              "data:application/octet-stream;charset=utf-8;base64," + codes,
+                              "DATA:application/binary;BASE64," + codes,
+                              R"(data:a/b;c=\"d,e\";base64,)" + codes,
+                              "data:;base64," + safe,
+                              "data:;base64," + encoded,
+                              "data:;base64," + broken_lines,
+                              "data:," + plain};
+  for (const std::string& uri : uris) {
+    const GltfLevel read = readGltf(write("uri.gltf", parts.json(uri)));
+    EXPECT_EQ(areaOf(read.scene), 1.0) << uri;
     EXPECT_TRUE(read.notes.empty()) << linesOf(read);
   }
-  EXPECT_NE(errorOf(parts.json("data:text/plain,AAAA")).find("expected a data URI in base64, got data:text/plain"),
-            std::string::npos);
+  for (const char* uri : {"data:;base64", "data:;base64,", "data:;base64,A!AA", "data:;base64,AAAAA", R"(data:a=\",AAAA)"})
+    EXPECT_NE(errorOf(parts.json(uri)).find("buffers[0].uri: expected a data URI (RFC 2397)"), std::string::npos) << uri;
+}
+
+TEST_F(GltfStrangers, ABrokenBufferIsMissedByWhatUsesItAlone) {
+  for (const char* uri : {"data:;base64,A!AA", "nothing.bin", "empty.bin", ""}) {
+    Parts parts;
+    write("empty.bin", "");
+    parts.more_buffers = R"(,{"byteLength":5,"uri":")" + std::string(uri) + "\"}";
+    const GltfLevel unused = level(parts);
+    EXPECT_EQ(areaOf(unused.scene), 1.0) << uri;
+    expectSays(unused, "what lies in it is left out");
+    parts.views = replaced(parts.views, "]", R"(,{"buffer":1,"byteLength":48}])");
+    parts.accessors = replaced(parts.accessors, "]", R"(,{"bufferView":2,"componentType":5126,"count":4,"type":"VEC3"}])");
+    parts.primitives = replaced(parts.primitives, "]", R"(,{"attributes":{"POSITION":2}}])");
+    const GltfLevel used = level(parts);
+    EXPECT_EQ(areaOf(used.scene), 1.0) << uri;
+    expectSays(used, "primitive 1: POSITION: expected buffer view 2 within the buffer's 1 bytes");
+  }
+  // of a file by its own length
+  Parts parts;
+  write("longer.bin", parts.bin + "more");
+  EXPECT_EQ(areaOf(readGltf(write("file.gltf", parts.json("longer.bin"))).scene), 1.0);
 }
 
 // Codes that an exporter forgot to normalise. Each is half of what stands for white, but for the alpha of three.

@@ -73,7 +73,7 @@ TEST_F(GltfTextures, ReadsImagesOfEveryKindFromEveryPlace) {
     beside.more = replaced(beside.more, entry, R"({"uri":"two%20halves.png"})");
     write("two halves.png", image);
     Parts other_uri = uri;
-    other_uri.more = replaced(uri.more, "data:image/png", "data:image/webp");
+    other_uri.more = replaced(uri.more, "data:image/png;base64", "DATA:image/webp;BASE64");
     for (const Parts& parts : {inside, uri, other_uri, beside}) {
       const GltfLevel read = level(parts);
       EXPECT_TRUE(read.notes.empty()) << read.notes[0];
@@ -213,7 +213,7 @@ TEST_F(GltfTextures, WhatCannotBeReadIsGreyAndDarkAndNoted) {
       {"absolute", image, R"({"uri":"/etc/passwd"})", "\"/etc/passwd\", which lies outside of the scene's folder"},
       {"a link out", image, R"({"uri":"link.png"})", "\"link.png\", which is no file in the scene's folder"},
       {"a folder", image, R"({"uri":"."})", "\".\", which is no file in the scene's folder"},
-      {"no base64", image, R"({"uri":"data:image/webp;base64,?"})", "\"image 0\", which has a data URI that is no base64"},
+      {"no base64", image, R"({"uri":"data:image/png;base64,?"})", "\"image 0\", which has a data URI that is none of RFC 2397"},
       {"basisu", R"({"source":0},{"source":0,)", R"({"extensions":{"KHR_texture_basisu":{"source":0}}},{"source":0,)",
        "is of no kind that is read"}};
   write("secret.bin", "");
