@@ -18,7 +18,7 @@ namespace nlg {
 namespace {
 
 constexpr double kFarthest = 1e9;  // metres from the file's origin, as of glTF
-constexpr const char* kPositions = "three numbers within 1e9 m of the origin";
+constexpr const char* kCorners = "vertices of the file, each three numbers within 1e9 m of the origin";
 
 std::string_view textOf(const std::vector<unsigned char>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -108,7 +108,7 @@ class ObjConverter {
                i + 1 < file_.shapes.size() ? file_.shapes[i + 1].first_face : file_.faces.size());
     if (level_.scene.triangles.empty() && misplaced_count_ > 0)
       throw InputError(path_, "line " + std::to_string(first_misplaced_line_),
-                       std::string("a face whose corners are ") + kPositions, "no such face in the whole file");
+                       std::string("a face whose corners are ") + kCorners, "no such face in the whole file");
     noteLosses();
     level_.scene.id = std::filesystem::path(path_).stem().string();
     finishScene(level_.scene, world_positions_);
@@ -240,7 +240,8 @@ class ObjConverter {
       const ObjFace& face = file_.faces[f];
       const ObjCorner* const corners = &file_.corners[face.first_corner];
       outline.clear();
-      for (uint32_t k = 0; k < face.corner_count; ++k) outline.push_back(file_.positions[corners[k].vertex]);
+      for (uint32_t k = 0; k < face.corner_count; ++k)
+        outline.push_back(corners[k].vertex < file_.positions.size() ? file_.positions[corners[k].vertex] : glm::dvec3(NAN));
       if (!std::all_of(outline.begin(), outline.end(), [&](const glm::dvec3& at) { return isPlaced(at); })) {
         if (++misplaced_count_ == 1) first_misplaced_line_ = face.line;
         continue;
@@ -327,7 +328,7 @@ class ObjConverter {
         {file_.faces_of_two_corners, "faces of fewer than three corners: left out"},
         {crossed_count_, "faces whose outlines cross themselves are cut as well as can be, the first in line " +
                              std::to_string(first_crossed_line_)},
-        {misplaced_count_, "faces with a corner that is not " + std::string(kPositions) + ": left out, the first in line " +
+        {misplaced_count_, "faces whose corners are not all " + std::string(kCorners) + ": left out, the first in line " +
                                std::to_string(first_misplaced_line_)},
         {unplaced_count_, "vertices without a place on their image (vt): its corner instead"},
         {clamped_count_, "materials with a Kd above 1: cut to 1"},

@@ -219,11 +219,11 @@ class ObjParser {
   ObjCorner cornerOf(std::string_view corner) const {
     const size_t slash = std::min(corner.find('/'), corner.size());
     const auto count = static_cast<int64_t>(found_.positions.size());
-    const int64_t vertex = indexOf(corner.substr(0, slash), count);
-    if (vertex < 0 || vertex >= count) lines_.fail("a vertex of 1 to " + std::to_string(count) + ", or one counted back", corner);
+    const int64_t vertex = std::min<int64_t>(indexOf(corner.substr(0, slash), count), ObjCorner::kNowhere);
     const std::string_view rest = corner.substr(std::min(slash + 1, corner.size()));
     const int64_t place = indexOf(rest.substr(0, rest.find('/')), static_cast<int64_t>(found_.places.size()));
-    return {static_cast<uint32_t>(vertex), static_cast<int32_t>(std::min<int64_t>(place, std::numeric_limits<int32_t>::max()))};
+    return {vertex < 0 ? ObjCorner::kNowhere : static_cast<uint32_t>(vertex),
+            static_cast<int32_t>(std::min<int64_t>(place, std::numeric_limits<int32_t>::max()))};
   }
 
   // From 0; below it where there is none.

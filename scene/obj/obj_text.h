@@ -19,8 +19,9 @@ namespace nlg {
 using UnreadWords = std::map<std::string, uint64_t>;  // in lower case, with how often they came
 
 struct ObjCorner {
-  uint32_t vertex = 0;
-  int32_t place = -1;  // on images; -1, or beyond those of the file: none
+  static constexpr uint32_t kNowhere = 0xffffffff;
+  uint32_t vertex = 0;  // beyond those of the file: none
+  int32_t place = -1;   // on images; -1, or beyond those of the file: none
 };
 
 struct ObjFace {
@@ -48,8 +49,7 @@ struct ObjRecords {
 };
 
 // throws   InputError naming the line on bytes that are no text, a face
-//          of more than 8,192 corners, a corner that is no index of an earlier vertex, more than 2^27 vertices, or more triangles
-//          than one scene may have (scene_file.h)
+//          of more than 8,192 corners, more than 2^27 vertices, or more triangles than one scene may have (scene_file.h)
 ObjRecords readObjRecords(const std::string& path, std::string_view text);
 
 // An image, and how it lies on places: from the lower left corner, times scale, plus offset.
