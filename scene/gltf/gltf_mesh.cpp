@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "scene/gltf/gltf_accessor.h"
+#include "scene/model/vertex_colours.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -149,44 +150,40 @@ class MeshReader {
     return is_placed && !uv.empty();
   }
 
-  // What stands for white in colours: 1, but where an exporter forgot to normalise its codes.
+  // Shares of white: colours apart from alpha, which may be a share beside codes.
   // rgba   as read: alpha is 1 where there is none
-  glm::vec4 whiteOf(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<float>& rgba) {
-    constexpr float kMostShare = 2.0f;  // of a colour that an artist made brighter than white
-    if (rgba.empty()) return glm::vec4(1.0f);
+  void makeColours(const tinygltf::Primitive& primitive, const std::string& place, std::vector<float>* rgba) {
+    if (rgba->empty()) return;
     const tinygltf::Accessor& accessor = model_.accessors[static_cast<size_t>(primitive.attributes.at("COLOR_0"))];
     const bool is_short = accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
     const bool is_code = is_short || accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
-    // alpha by itself: beside colours of 0 to 255 it may be a share
-    float most = 0.0f, most_alpha = 0.0f, least = 0.0f;
-    for (size_t i = 0; i < rgba.size(); ++i) {
-      const float number = std::isfinite(rgba[i]) ? rgba[i] : 0.0f;
-      float& largest = i % 4 == 3 ? most_alpha : most;
-      largest = std::max(largest, number);
-      least = std::min(least, number);
+    float most_white = 1.0f;
+    size_t cut_count = 0;
+    std::vector<float> parts[2];  // of colours, of alpha
+    for (size_t i = 0; i < rgba->size(); ++i) parts[i % 4 / 3].push_back((*rgba)[i]);
+    for (std::vector<float>& part : parts) {
+      if (&part == &parts[1] && accessor.type != TINYGLTF_TYPE_VEC4) continue;
+      const float white = !is_code ? whiteOf(part) : accessor.normalized ? 1.0f : is_short ? 65535.0f : 255.0f;
+      most_white = std::max(most_white, white);
+      cut_count += makeShares(white, &part);
     }
-    if (least < 0.0f) odd_.add("cut to 0", place + ": COLOR_0 below 0");
-    const auto isOfCodes = [&](float largest) { return is_code ? !accessor.normalized : largest > kMostShare; };
-    if (!isOfCodes(most) && most > 1.0f) odd_.add("cut to 1", place + ": COLOR_0 above 1");
-    const float code = is_short ? 65535.0f : 255.0f;
-    if (isOfCodes(most) || isOfCodes(most_alpha)) {
-      odd_.add(fmt::format("taken as of 0 to {:g}", code),
-               place + (is_code ? ": COLOR_0 of integers that are not normalized" : ": COLOR_0 far above 1"));
-    }
-    const float white = isOfCodes(most) ? code : 1.0f;
-    return {white, white, white, accessor.type == TINYGLTF_TYPE_VEC4 && isOfCodes(most_alpha) ? code : 1.0f};
+    for (size_t i = 0; i < rgba->size(); ++i) (*rgba)[i] = parts[i % 4 / 3][i / 4 * (i % 4 == 3 ? 1 : 3) + i % 4 % 3];
+    const std::string what = place + ": COLOR_0";
+    if (most_white > 1.0f)
+      odd_.add(fmt::format("taken as of 0 to {:g}", most_white), what + (is_code ? " of integers that are not normalized" : ""));
+    if (cut_count > 0) odd_.add("cut", fmt::format("{}: {} numbers outside of 0 to {:g}", what, cut_count, most_white));
   }
 
   void readColours(const tinygltf::Primitive& primitive, const std::string& place, const std::vector<uint32_t>& used,
                    uint64_t vertex_count, const GltfLooks::OfVertices& look, GltfMesh& local) {
     std::vector<glm::vec4> colours(used.size(), glm::vec4(1.0f));
-    const std::vector<float> rgba = readLook(primitive, place, "COLOR_0", 3, 4, used, vertex_count);
-    const glm::vec4 white = whiteOf(primitive, place, rgba);
+    std::vector<float> rgba = readLook(primitive, place, "COLOR_0", 3, 4, used, vertex_count);
+    makeColours(primitive, place, &rgba);
     for (size_t i = 0; i < rgba.size() / 4; ++i) {
       for (int channel = 0; channel < 4; ++channel) {
         // what is no number stays white
-        const float share = rgba[4 * i + static_cast<size_t>(channel)] / white[channel];
-        if (std::isfinite(share)) colours[i][channel] = std::clamp(share, 0.0f, 1.0f);
+        const float share = rgba[4 * i + static_cast<size_t>(channel)];
+        if (!std::isnan(share)) colours[i][channel] = share;
       }
       if (!look.keeps_opacity) colours[i].a = 1.0f;
       if (look.least_opacity > 0.0f) colours[i].a = colours[i].a >= look.least_opacity ? 1.0f : 0.0f;

@@ -8,8 +8,11 @@
 #include <unordered_map>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "scene/archive/pk3_archive.h"
 #include "scene/archive/scene_file.h"
+#include "scene/model/vertex_colours.h"
 #include "scene/obj/obj_text.h"
 #include "scene/obj/polygon_cut.h"
 #include "tool/error.h"
@@ -129,11 +132,18 @@ class ObjConverter {
       const auto known = libraries.by_name.find(name);
       material_of_.push_back(known == libraries.by_name.end() ? without_ : known->second);
     }
-    // 255 for white, as of some scanners
-    float most = 1.0f;
-    for (const glm::vec3& colour : file_.colours) most = std::max({most, colour.r, colour.g, colour.b});
-    for (glm::vec3& colour : file_.colours) colour = most > 1.0f && colour.r >= 0.0f ? colour / 255.0f : colour;
-    if (most > 1.0f) level_.notes.push_back("colours of vertices reach beyond 1: taken as of 0 to 255");
+    makeColours();
+  }
+
+  void makeColours() {
+    std::vector<float> numbers;
+    for (const glm::vec3& colour : file_.colours) numbers.insert(numbers.end(), {colour.r, colour.g, colour.b});
+    const float white = whiteOf(numbers);
+    const size_t cut_count = makeShares(white, &numbers);
+    for (size_t i = 0; i < numbers.size(); ++i) file_.colours[i / 3][static_cast<int>(i % 3)] = numbers[i];
+    if (white > 1.0f) level_.notes.push_back(fmt::format("colours of vertices: taken as of 0 to {:g}", white));
+    if (cut_count > 0)
+      level_.notes.push_back(fmt::format("colours of vertices: {} numbers outside of 0 to {:g} are cut", cut_count, white));
   }
 
   size_t materialOf(const ObjFace& face) const {
@@ -158,7 +168,7 @@ class ObjConverter {
       material.emissive = glm::vec3(source.shine.value_or(glm::dvec3(source.shine_image.name.empty() ? 0.0 : 1.0)));
       clamped_count_ += colour != glm::min(colour, glm::dvec3(1.0)) ? 1 : 0;
       const bool is_used = used.count(i) > 0;
-      black_count_ += is_used && is_black ? 1 : 0;
+      if (is_used && is_black) black_.push_back(i);
       colourless_count_ += is_used && !source.colour && !has_image ? 1 : 0;
       if (stops[i] < 1.0) material.transmissive = Transmissive::thin;  // what it is in truth is judged once the scene is there
       material.opacity = static_cast<float>(stops[i]);
@@ -303,7 +313,7 @@ class ObjConverter {
   // Times the material's, which is grey where there is none: a vertex that has a colour needs none.
   glm::vec3 colourOf(uint32_t vertex, size_t material_idx) const {
     const glm::vec3& colour = file_.colours[vertex];
-    if (colour.r < 0.0f) return glm::vec3(1.0f);
+    if (std::isnan(colour.r)) return glm::vec3(1.0f);
     const bool is_without = material_idx == without_;
     return is_without ? colour / level_.scene.materials[material_idx].base_color : colour;
   }
@@ -321,6 +331,8 @@ class ObjConverter {
   }
 
   void noteLosses() {
+    const auto shows = [&](size_t i) { return level_.scene.materials[i].base_image.isThere(); };
+    const auto black_count = static_cast<uint64_t>(std::count_if(black_.begin(), black_.end(), shows));
     const std::pair<uint64_t, std::string> losses[] = {
         {faces_without_material_, file_.colours.empty()
                                       ? "triangles without a material that was found: grey"
@@ -332,7 +344,7 @@ class ObjConverter {
                                std::to_string(first_misplaced_line_)},
         {unplaced_count_, "vertices without a place on their image (vt): its corner instead"},
         {clamped_count_, "materials with a Kd above 1: cut to 1"},
-        {black_count_, "materials with a Kd of 0 beside map_Kd: their image shows"},
+        {black_count, "materials with a Kd of 0 beside map_Kd: their image shows"},
         {colourless_count_, "materials without Kd and map_Kd: grey"},
         {dark_count_, "materials with a map_Ke and a Ke of 0: dark"},
         {contradicting_count_, "materials whose d and Tr contradict each other: by d"}};
@@ -356,7 +368,8 @@ class ObjConverter {
   std::vector<size_t> material_of_;  // by name of the file
   std::vector<glm::dvec3> world_positions_;
   uint64_t faces_without_material_ = 0, clamped_count_ = 0, unplaced_count_ = 0, colourless_count_ = 0, contradicting_count_ = 0,
-           dark_count_ = 0, black_count_ = 0;
+           dark_count_ = 0;
+  std::vector<size_t> black_;  // materials by whose factor their image would be black
   uint64_t crossed_count_ = 0, first_crossed_line_ = 0, misplaced_count_ = 0, first_misplaced_line_ = 0;
   ObjLevel level_;
 };

@@ -183,12 +183,12 @@ class ObjParser {
     if (!lines_.numbers(1, 3, -kLargest, kLargest, &position.x)) position = glm::dvec3(NAN);
     if (found_.positions.size() >= kMaxVertices) lines_.fail("at most 2^27 vertices", "more");
     found_.positions.push_back(position);
-    glm::dvec3 colour(-1.0);
+    glm::dvec3 colour;
     // a fourth number alone is a weight, of curves
-    const bool has_colour = lines_.numbers(4, 3, 0.0, 255.0, &colour.x);
+    const bool has_colour = lines_.numbers(4, 3, -kLargest, kLargest, &colour.x);
     if (words.size() > 7 || (words.size() > 5 && !has_colour)) countUnread("v: more than three numbers", &found_.unread);
     if (has_colour || !found_.colours.empty()) {
-      found_.colours.resize(found_.positions.size(), glm::vec3(-1.0f));
+      found_.colours.resize(found_.positions.size(), glm::vec3(NAN));
       if (has_colour) found_.colours.back() = glm::vec3(colour);
     }
   }

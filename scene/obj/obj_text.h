@@ -37,7 +37,7 @@ struct ObjShape {
 
 struct ObjRecords {
   std::vector<glm::dvec3> positions;  // in the file's unit; NaN where a line has not three numbers of -1e30 to 1e30
-  std::vector<glm::vec3> colours;     // empty, or of each position, as written; negative where it has none
+  std::vector<glm::vec3> colours;     // empty, or of each position, as written; NaN where it has none
   std::vector<glm::dvec2> places;     // NaN where a line has no numbers
   std::vector<ObjCorner> corners;
   std::vector<ObjFace> faces;

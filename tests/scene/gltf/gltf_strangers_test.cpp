@@ -414,9 +414,16 @@ TEST_F(GltfStrangers, ColoursThatAreNotNormalizedAreTakenAsCodesAndSaid) {
                         {repeated(bytesOf<float>({127.5f, 127.5f, 127.5f, 1.0f})), R"("componentType":5126,"type":"VEC4")",
                          "taken as of 0 to 255", 0.49f, 0.51f},
                         {repeated(bytesOf<float>({-1.0f, 0.5f, 1.0f})), R"("componentType":5126,"type":"VEC3")",
-                         "COLOR_0 below 0: cut to 0", 0.5f, 0.5f},
+                         "COLOR_0: 4 numbers outside of 0 to 1: cut", 0.5f, 0.5f},
+                        {repeated(bytesOf<float>({32767.5f, 32767.5f, 32767.5f, 1.0f})), R"("componentType":5126,"type":"VEC4")",
+                         "taken as of 0 to 65535", 0.49f, 0.51f},
+                        {repeated(bytesOf<float>({300.0f, 127.5f, 127.5f})), R"("componentType":5126,"type":"VEC3")",
+                         "COLOR_0: 4 numbers outside of 0 to 255: cut", 0.49f, 0.51f},
+                        // a single bright vertex
+                        {repeated(bytesOf<float>({0.5f, 0.5f, 0.5f})).substr(12) + bytesOf<float>({9.0f, 0.5f, 9.0f}),
+                         R"("componentType":5126,"type":"VEC3")", "COLOR_0: 2 numbers outside of 0 to 1: cut", 0.5f, 0.5f},
                         {repeated(bytesOf<float>({1.5f, 0.5f, 1.5f})), R"("componentType":5126,"type":"VEC3")",
-                         "COLOR_0 above 1: cut to 1", 0.5f, 0.5f},
+                         "COLOR_0: 8 numbers outside of 0 to 1: cut", 0.5f, 0.5f},
                         {repeated(bytesOf<float>({0.5f, 0.5f, 0.5f})), R"("componentType":5126,"type":"VEC3")", "", 0.5f, 0.5f}};
   for (const Case& one : cases) {
     Parts parts;

@@ -239,6 +239,11 @@ TEST_F(ObjReader, ABlackFactorBesideAnImageIsSaidAndTheImageShown) {
   const ObjLevel level = read(kPlacedSquare);
   EXPECT_LT(glm::length(baseColourAt(level.scene, 0, 0.25f, 0.0f) - glm::vec3(1, 0, 0)), 1e-3f);
   EXPECT_EQ(level.notes.at(0), "1 materials with a Kd of 0 beside map_Kd: their image shows");
+  write("looks.mtl", "newmtl wall\nKd 0 0 0\nmap_Kd missing.png\n");
+  const ObjLevel missing = read(kPlacedSquare);
+  ASSERT_EQ(missing.notes.size(), 1u);
+  EXPECT_NE(missing.notes[0].find("grey in its place"), std::string::npos) << missing.notes[0];
+  EXPECT_EQ(missing.scene.materials.at(0).base_color, glm::vec3(0.5f));
   write("looks.mtl", "newmtl wall\nKd 0 0 0\n");
   EXPECT_EQ(read(kPlacedSquare).scene.materials.at(0).base_color, glm::vec3(0.0f)) << "by itself it is black";
 }
@@ -325,7 +330,16 @@ TEST_F(ObjReader, VerticesHaveColours) {
   for (uint32_t t = 0; t < 4; ++t) EXPECT_LT(glm::length(baseColourAt(scene, t, 0.3f, 0.3f) - expected[t]), 1e-6f) << t;
   const ObjLevel bytes = read("v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\nf 1 2 3\n");
   EXPECT_LT(glm::length(baseColourAt(bytes.scene, 0, 0.3f, 0.3f) - glm::vec3(1.0f, 0.2f, 0.0f)), 1e-6f);
-  EXPECT_EQ(bytes.notes.at(0), "colours of vertices reach beyond 1: taken as of 0 to 255");
+  EXPECT_EQ(bytes.notes.at(0), "colours of vertices: taken as of 0 to 255");
+  // one number too large, or below 0, is no sign of codes
+  const ObjLevel one = read("v 0 0 0 .5 .2 0\nv 1 0 0 .5 .2 0\nv 0 1 0 300 .2 -7\nf 1 2 3\n");
+  EXPECT_LT(glm::length(baseColourAt(one.scene, 0, 0.0f, 0.0f) - glm::vec3(0.5f, 0.2f, 0.0f)), 1e-6f);
+  EXPECT_EQ(one.notes.at(0), "colours of vertices: 2 numbers outside of 0 to 1 are cut");
+  const ObjLevel cut = read("v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 300 51 -7\nf 1 2 3\n");
+  EXPECT_LT(glm::length(baseColourAt(cut.scene, 0, 0.3f, 0.3f) - glm::vec3(1.0f, 0.2f, 0.0f)), 1e-6f);
+  EXPECT_EQ(cut.notes.at(1), "colours of vertices: 2 numbers outside of 0 to 255 are cut");
+  const ObjLevel shorts = read("v 0 0 0 65535 13107 0\nv 1 0 0 65535 13107 0\nv 0 1 0 65535 13107 0\nf 1 2 3\n");
+  EXPECT_LT(glm::length(baseColourAt(shorts.scene, 0, 0.3f, 0.3f) - glm::vec3(1.0f, 0.2f, 0.0f)), 1e-6f);
 }
 
 TEST_F(ObjReader, ReadsColoursAndImagesInAllTheirForms) {
