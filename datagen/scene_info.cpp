@@ -118,6 +118,7 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
                     scene.light.unit.kind == LightUnit::Kind::over_pi ? "pi too dark"
                     : scene.light.unit.kind == LightUnit::Kind::raw   ? "raw W of Blender"
                                                                       : "683 times W of Blender"));
+  if (const std::string unsure = unsureUnit(scene); !unsure.empty()) notes.push_back(unsure);
   for (const std::string& line : source.counts) notes.push_back(line);
   json["notes"] = notes;
   return json;

@@ -190,29 +190,32 @@ LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLigh
                    : LightUnit{Kind::same, "in the exporter's default they would be too faint"};
 }
 
-// Of engines, by a part of their generator's name. Those that write cd and lux are not here.
-LightUnit unitOfEngine(const std::string& generator) {
+// Of other programs, by a part of their generator's name (docs/theory/light.md, Units).
+LightUnit unitOfOther(const std::string& generator) {
   using Kind = LightUnit::Kind;
+  constexpr const char* kTooDark = " they would be pi too dark, which --light-unit pi mends";
   const auto isOf = [&](const char* name) { return generator.find(name) != std::string::npos; };
   // energies as the editor shows them; its renderer multiplies them by pi, unless the project has physical light units
   if (isOf("Godot Engine")) return {Kind::over_pi, "Godot multiplies the energies that it writes by pi"};
   if (isOf("glTFast"))
-    return {Kind::perhaps_over_pi, "glTFast does not say of which of Unity's render pipelines they are: of URP"};
+    return {Kind::unsure, std::string("glTFast does not say of which of Unity's render pipelines they are; of URP") + kTooDark};
   constexpr std::string_view kThree = "THREE.GLTFExporter";
   constexpr int kFirstPhysical = 155;
-  const size_t at = generator.find(kThree);
-  if (at == std::string::npos) return {};
   int revision = 0;
-  const bool is_physical =
-      std::sscanf(generator.c_str() + at + kThree.size(), " r%4d", &revision) == 1 && revision >= kFirstPhysical;
-  if (is_physical) return {};
-  return {Kind::perhaps_over_pi, "three.js before r155 multiplies by pi unless physicallyCorrectLights was set: without it"};
+  if (const size_t at = generator.find(kThree); at != std::string::npos) {
+    std::sscanf(generator.c_str() + at + kThree.size(), " r%4d", &revision);
+    if (revision >= kFirstPhysical) return {};
+    return {Kind::unsure,
+            std::string("three.js before r155 multiplies by pi unless physicallyCorrectLights was set; without it") + kTooDark};
+  }
+  if (generator.empty() || isOf("UnityGLTF") || isOf("Babylon.js")) return {};
+  return {Kind::unsure, "\"" + generator.substr(0, 60) + "\" may write others, for which there is --light-unit"};
 }
 
 }  // namespace
 
 LightUnit unitOfLights(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {
-  return isOfBlender(model) ? unitOfBlender(model, lights) : unitOfEngine(model.asset.generator);
+  return isOfBlender(model) ? unitOfBlender(model, lights) : unitOfOther(model.asset.generator);
 }
 
 std::string noteOfLostSuns(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {

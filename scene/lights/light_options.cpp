@@ -182,13 +182,11 @@ std::pair<UnitFactors, std::string> unitOf(const Scene& scene, const LightOption
   const LightUnit& unit = scene.light.unit;
   if (unit.sign.empty() || (scene.light.lamps.empty() && scene.light.suns.empty())) return {};
   const std::string sign = " (" + unit.sign + ")";
-  if (unit.kind == Kind::over_pi || unit.kind == Kind::perhaps_over_pi) {
-    // alone they have no other light to be compared with
-    if (!has_more) return {};
-    if (unit.kind == Kind::over_pi)
-      return {pi, "lamps and suns times pi: " + unit.sign + "; --light-unit file takes them as they are"};
-    return {{}, "lamps and suns as they are; " + unit.sign + " they would be pi too dark: --light-unit pi multiplies them"};
-  }
+  // alone they have no other light to be compared with
+  if (!has_more && (unit.kind == Kind::over_pi || unit.kind == Kind::unsure)) return {};
+  if (unit.kind == Kind::unsure) return {{}, unsureUnit(scene)};
+  if (unit.kind == Kind::over_pi)
+    return {pi, "lamps and suns times pi: " + unit.sign + "; --light-unit file takes them as they are"};
   if (unit.kind == Kind::same)
     return {{}, "lamps and suns as they are, of Blender's exporter Unitless" + sign + "; --light-unit watt divides them by 683"};
   const std::string taken = unit.kind == Kind::raw ? "Blender's raw W, lamps" : "683 times Blender's W and W/m²";
@@ -240,7 +238,13 @@ bool hasLight(const Scene& scene) {
 
 bool isInOtherUnit(const Scene& scene) {
   using Kind = LightUnit::Kind;
-  return scene.light.unit.kind != Kind::same && scene.light.unit.kind != Kind::perhaps_over_pi;
+  return scene.light.unit.kind != Kind::same && scene.light.unit.kind != Kind::unsure;
+}
+
+std::string unsureUnit(const Scene& scene) {
+  const bool is_unsure =
+      scene.light.unit.kind == LightUnit::Kind::unsure && !(scene.light.lamps.empty() && scene.light.suns.empty());
+  return is_unsure ? "lamps and suns as they are, as glTF's cd and lux: " + scene.light.unit.sign : "";
 }
 
 Sky defaultSky() { return {{0.35f, 0.55f, 0.95f}, {0.80f, 0.90f, 1.00f}, {0.20f, 0.18f, 0.15f}}; }

@@ -27,6 +27,8 @@ bool hasLight(const Scene& scene);
 
 // Whether lamps and suns are known to be in another unit than emission: LightUnit.
 bool isInOtherUnit(const Scene& scene);
+// What is said where nobody knows; else nothing.
+std::string unsureUnit(const Scene& scene);
 
 // What a scene without any light gets: a clear sky by day. Radiances of about 1, for surfaces that a picture shows as they are.
 Sky defaultSky();

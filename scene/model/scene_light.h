@@ -104,10 +104,10 @@ enum class LightWriter : uint8_t { other, gltf, blender };
 struct LightUnit {
   enum class Kind : uint8_t {
     same,
-    standard,         // Blender's
-    raw,              // Blender's
-    over_pi,          // of an engine that multiplies by pi
-    perhaps_over_pi,  // of a program that does so in some of its settings, which the file does not hold
+    standard,  // Blender's
+    raw,       // Blender's
+    over_pi,   // of an engine that multiplies by pi
+    unsure,    // of a program that may write another, which the file does not say
   } kind = Kind::same;
   std::string sign;  // empty: nothing had to be chosen
 };

@@ -49,6 +49,13 @@ class SceneInfo(unittest.TestCase):
         self.assertEqual(sum("pane (thin, stops 25 %)" in note for note in scene["notes"]), 1)
         self.assertEqual(sum("1 animation" in note for note in scene["notes"]), 1)
 
+    def test_lamps_of_an_exporter_that_nobody_knows_are_named(self):
+        for generator in ("Maya 2024", "Unity glTFast 6", "THREE.GLTFExporter r140"):
+            with open(os.path.join(self.folder.name, "stranger.gltf"), "w") as file:
+                json.dump({**FILE, "asset": {"version": "2.0", "generator": generator}}, file)
+            notes = json.loads(self.info("--json", "stranger.gltf"))["notes"]
+            self.assertEqual(sum("as glTF's cd and lux" in note and "--light-unit" in note for note in notes), 1, notes)
+
     def test_options_are_those_of_reading(self):
         scene = json.loads(self.info("--json", "--unit", "0.5", "--transmissive-cover", "0.2", "room.gltf"))
         self.assertEqual(scene["size_m"], [2, 1, 0])

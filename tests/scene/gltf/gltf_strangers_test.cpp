@@ -524,12 +524,17 @@ TEST_F(GltfStrangers, TheUnitOfAnExporterIsKnownByItsSign) {
   }
   const std::pair<const char*, Kind> engines[] = {
       {"Godot Engine v4.3.stable.official@77dcf97d82cbfe4e4615475fa52ca03da645dbd8", Kind::over_pi},
-      {"Unity 2022.3.10f1 glTFast 6.0.1", Kind::perhaps_over_pi},
-      {"THREE.GLTFExporter r152", Kind::perhaps_over_pi},
-      {"THREE.GLTFExporter", Kind::perhaps_over_pi},
+      {"Unity 2022.3.10f1 glTFast 6.0.1", Kind::unsure},
+      {"THREE.GLTFExporter r152", Kind::unsure},
+      {"THREE.GLTFExporter", Kind::unsure},
       {"THREE.GLTFExporter r155", Kind::same},
       {"UnityGLTF", Kind::same},
-      {"babylon.js glTF exporter for 3dsmax 2023", Kind::same}};
+      {"Babylon.js v7.2.0", Kind::same},
+      {"babylon.js glTF exporter for 3dsmax 2023", Kind::unsure},
+      {"babylon.js glTF exporter for Maya 2022", Kind::unsure},
+      {"Unreal Engine 5.3.2", Kind::unsure},
+      {"SketchUp 24.0", Kind::unsure},
+      {"Houdini", Kind::unsure}};
   for (const auto& [generator, kind] : engines) {
     Parts parts;
     parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":2}]}})";

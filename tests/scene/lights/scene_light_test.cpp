@@ -156,7 +156,9 @@ TEST(LightUnit, LampsOfBlenderAreInWattsWhereEmissionOrASkyStandsBesideThem) {
   emissive.light.unit = {LightUnit::Kind::over_pi, "a test says so"};
   EXPECT_NEAR(sunOf(emissive, {}, 1), 3.14159265f * 3.0f * 683.0f, 1e-2f) << "Godot's, beside emission";
   EXPECT_EQ(sunOf(emissive, {{}, {}, "file"}, 0), 3.0f * 683.0f);
-  emissive.light.unit.kind = LightUnit::Kind::perhaps_over_pi;
+  EXPECT_EQ(unsureUnit(emissive), "");
+  emissive.light.unit.kind = LightUnit::Kind::unsure;
+  EXPECT_EQ(unsureUnit(emissive), "lamps and suns as they are, as glTF's cd and lux: a test says so");
   EXPECT_EQ(sunOf(emissive, {}, 1), 3.0f * 683.0f) << "said, and left";
   EXPECT_NEAR(sunOf(emissive, {{}, {}, "pi"}, 1), 3.14159265f * 3.0f * 683.0f, 1e-2f);
   Scene alone = sceneOfBlender();
