@@ -106,6 +106,19 @@ fs::path linkRoot(const fs::path& folder) {
   return folder;
 }
 
+// Whether a file lies in a store of git-annex (annex/objects/…/KEY/KEY, KEY: BACKEND-s123--DIGEST) or DVC (…/xx/DIGEST, the rest of it),
+// wherever that is: of submodules, work trees and caches it is elsewhere. Named by its digest, it is known to whoever can name it.
+bool isInStore(const fs::path& file) {
+  const auto isDigest = [](const std::string& text) {
+    return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+  };
+  const std::string name = file.filename().string(), folder = file.parent_path().filename().string();
+  const size_t key = name.find("--");
+  if (key != std::string::npos)
+    return folder == name && isDigest(name.substr(key + 2, 32)) && file.string().find("/annex/objects/") != std::string::npos;
+  return folder.size() == 2 && isDigest(folder + name);
+}
+
 // Why a file in the folder cannot be opened; empty where it can.
 std::string openProblem(const std::string& folder, const std::string& name) {
   std::error_code error;
@@ -114,19 +127,16 @@ std::string openProblem(const std::string& folder, const std::string& name) {
   std::string fault = error.message();
   if (!error) {
     fault = "a link out of it";
-    const int opened = std::mismatch(root.begin(), root.end(), file.begin(), file.end()).first != root.end()
-                           ? -1
-                           : openRegularFile(folder + "/" + name, &fault);
+    const bool is_out = std::mismatch(root.begin(), root.end(), file.begin(), file.end()).first != root.end();
+    const int opened = is_out && !isInStore(file) ? -1 : openRegularFile(folder + "/" + name, &fault);
     if (opened >= 0) ::close(opened);
     if (opened >= 0) return {};
   }
   return "is no file in the scene's folder or below: " + fault;
 }
 
-}  // namespace
-
-FileBeside findBeside(const std::string& scene_path, const std::string& address) {
-  const std::string folder = folderOf(scene_path), decoded = percentDecoded(address);
+FileBeside findIn(const std::string& folder, const std::string& address) {
+  const std::string decoded = percentDecoded(address);
   if (address.empty() || std::any_of(decoded.begin(), decoded.end(), [](unsigned char c) { return c < 32; }))
     return {{}, "is no name of a file", {}};
   const std::string plain = withSlashes(decoded);
@@ -152,6 +162,16 @@ FileBeside findBeside(const std::string& scene_path, const std::string& address)
   const std::string problem = is_elsewhere ? "lies outside of the scene's folder and is not opened" : "is not there";
   const bool is_plain = tried.empty() || (tried.size() == 1 && tried[0] == address);
   return {{}, problem + (is_plain ? "" : " (tried " + listed(tried) + ")"), {}};
+}
+
+}  // namespace
+
+FileBeside findBeside(const std::string& scene_path, const std::string& address) {
+  const FileBeside found = findIn(folderOf(scene_path), address);
+  std::error_code error;
+  if (!found.path.empty() || !fs::is_symlink(scene_path, error)) return found;
+  const FileBeside there = findIn(folderOf(fs::weakly_canonical(scene_path, error).string()), address);
+  return there.path.empty() ? found : there;
 }
 
 std::string withSlashes(std::string name) {

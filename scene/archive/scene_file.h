@@ -66,7 +66,8 @@ std::vector<unsigned char> readSceneFile(const std::string& path, const std::str
 // The folder that a scene's file lies in; ".", when its path names none.
 std::string folderOf(const std::string& path);
 
-// A file in the scene's folder or below. Its links may lead anywhere in the repository that the folder is in (.git, .dvc), and not out.
+// A file in the scene's folder or below. Its links may lead anywhere in the repository that the folder is in (.git, .dvc), and out of it into
+// stores of git-annex and DVC alone. Of a scene that is a link itself the folder counts in which its file lies, too.
 struct FileBeside {
   std::string path;     // empty: there is none
   std::string problem;  // why, to stand behind the address: "is not there", with what else was tried

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <utility>
+
 #include "tests/temporary_folder.h"
 
 namespace nlg {
@@ -60,6 +63,22 @@ TEST_F(FilesBeside, ThatAreNotThereOrElsewhereAreNotOpened) {
   }
   fs::create_symlink(folder_ / "maps/secret.png", folder_ / "level/link.png");
   EXPECT_EQ(find("link.png").problem, "is no file in the scene's folder or below: a link out of it");
+  // into stores of git-annex and DVC, wherever they are, and to nothing that is only called like one
+  const std::string digest = "0123456789abcdef0123456789abcdef", key = "MD5E-s3--" + digest + ".png";
+  const std::pair<std::string, bool> stores[] = {{"super/.git/modules/level/annex/objects/aa/bb/" + key + "/" + key, true},
+                                                 {"cache/files/md5/01/" + digest.substr(2), true},
+                                                 {"annex/objects/aa/bb/" + key + "/other.png", false},
+                                                 {"other/" + key + "/" + key, false},
+                                                 {"annex/objects/WORM-s3--secret.png/WORM-s3--secret.png", false},
+                                                 {"cache/01/secret", false}};
+  for (const auto& [path, is_store] : stores) {
+    const fs::path file = fs::path(folder_.string()) / "stores" / path;
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << "png";
+    fs::remove(folder_ / "level/stored.png");
+    fs::create_symlink(file, folder_ / "level/stored.png");
+    EXPECT_EQ(find("stored.png").problem.empty(), is_store) << path;
+  }
   // in a repository a store may hold what the folder links to
   fs::create_directory(folder_ / ".git");
   EXPECT_EQ(find("link.png").path, folder_ / "level/link.png");
@@ -67,6 +86,18 @@ TEST_F(FilesBeside, ThatAreNotThereOrElsewhereAreNotOpened) {
   EXPECT_NE(find("dangling.png").problem.find("is no file in the scene's folder"), std::string::npos);
   EXPECT_EQ(find("textures").problem, "is no file in the scene's folder or below: a directory");
   for (const char* address : {"", "a\nb", "%00", "a%0Ab"}) EXPECT_FALSE(find(address).problem.empty()) << address;
+}
+
+TEST_F(FilesBeside, LieBesideTheFileThatASceneLinksTo) {
+  fs::create_directories(folder_ / "library");
+  for (const char* name : {"level.gltf", "level.bin", "both.bin"})
+    std::ofstream(folder_ / (std::string("library/") + name)) << name;
+  std::ofstream(folder_ / "level/both.bin") << "nearer";
+  fs::create_symlink(folder_ / "library/level.gltf", folder_ / "level/linked.gltf");
+  EXPECT_EQ(findBeside(folder_ / "level/linked.gltf", "level.bin").path, folder_ / "library/level.bin");
+  EXPECT_EQ(findBeside(folder_ / "level/linked.gltf", "both.bin").path, folder_ / "level/both.bin");
+  EXPECT_EQ(findBeside(folder_ / "level/linked.gltf", "none.bin").problem, "is not there");
+  EXPECT_EQ(findBeside(folder_ / "level/linked.gltf", "../secret").path, "");
 }
 
 TEST_F(FilesBeside, AreToldOfInFewWords) {
