@@ -88,8 +88,9 @@ LightStatus lookUpIrradiance(const LightGrid& grid, const PositionM& position_m,
 
 inline constexpr float kMaxNormal = 1.5f;  // limit of a direction's components, far above the rounding of length 1
 inline bool isDirection(const float* normal_3) {
-  // written so that NaN is false
-  return std::abs(normal_3[0]) <= kMaxNormal && std::abs(normal_3[1]) <= kMaxNormal && std::abs(normal_3[2]) <= kMaxNormal;
+  // false of NaN, and other than <= it raises nothing there
+  const auto fits = [](float number) { return std::islessequal(std::abs(number), kMaxNormal); };
+  return fits(normal_3[0]) && fits(normal_3[1]) && fits(normal_3[2]);
 }
 
 // Working memory of lookUpIrradiances and lookUpLights, 1.2 MB: for any grid. Each thread needs its own.

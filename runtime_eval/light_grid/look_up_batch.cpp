@@ -255,9 +255,11 @@ HWY_INLINE StageLanes loadStage(FloatTag d, const Buffers& b, size_t place) {
   return at;
 }
 
+// To divide by: at other probes' places it would be 0. Below kLeastWeight whatever the share is gives no weight.
 HWY_INLINE Floats tentAt(FloatTag d, const StageLanes& at) {
   const Floats one = hn::Set(d, 1.0f);
-  return hn::Mul(hn::Mul(hn::Sub(one, hn::Abs(at.x)), hn::Sub(one, hn::Abs(at.y))), hn::Sub(one, hn::Abs(at.z)));
+  const Floats tent = hn::Mul(hn::Mul(hn::Sub(one, hn::Abs(at.x)), hn::Sub(one, hn::Abs(at.y))), hn::Sub(one, hn::Abs(at.z)));
+  return hn::Max(tent, hn::Set(d, 0.5f * kLeastWeight));
 }
 
 template <NetworkShape kShape>

@@ -21,6 +21,15 @@ uint32_t countBits(uint64_t bits) {
   return static_cast<uint32_t>(bits * 0x0101010101010101u >> 56);
 }
 
+// Whether what is computed of a position is a number that an integer can hold: compilers convert before they compare. Of NaN this is
+// false, and other than <= it raises nothing, which engines may trap.
+bool isNear(const ProbeTreeFrame& frame, const PositionM& position_m) {
+  const auto fits = [&](size_t axis) {
+    return std::islessequal(std::abs(position_m[axis] - frame.first_m[axis]), 1e9 * frame.spacing_m);
+  };
+  return fits(0) && fits(1) && fits(2);
+}
+
 }  // namespace
 
 size_t ProbeTree::byteCount() const {
@@ -68,6 +77,7 @@ void ProbeTree::findCells(const PositionM* positions_m, size_t count, CellPlace*
 }
 
 bool ProbeTree::lookUpNear(const PositionM& position_m, ProbesAround* around) const {
+  if (!isNear(frame_, position_m)) return false;
   if (lookUp(position_m, around)) return true;
   PositionM units;
   LatticePoint unit;
@@ -105,9 +115,9 @@ bool ProbeTree::isOnLattice(const LatticePoint& unit) const {
 
 // false where the position is on no root
 bool ProbeTree::unitsOf(const PositionM& position_m, PositionM* units, LatticePoint* unit) const {
+  if (!isNear(frame_, position_m)) return false;
   for (int axis = 0; axis < 3; ++axis) {
     const double along = (position_m[axis] - frame_.first_m[axis]) / frame_.spacing_m;
-    // compared as a double, so that what is huge or not a number never becomes an integer
     if (!(along >= 0.0 && along < kRootSide * frame_.root_count[axis])) return false;
     (*units)[axis] = along;
     (*unit)[axis] = static_cast<int32_t>(along);

@@ -89,8 +89,12 @@ static inline uint32_t nlgLightGroups(const NlgGrid* grid) {
   const uint32_t groups = nlgWord(grid, 19) < 16 ? nlgWord(grid, 19) : 16;
   return groups > 0 ? groups : 1;
 }
+/* Of three numbers: not of NaN, and other than <= it raises nothing, which an engine may trap. */
+static inline int nlgIsWithin(const float* three, float most) {
+  return islessequal(fabsf(three[0]), most) && islessequal(fabsf(three[1]), most) && islessequal(fabsf(three[2]), most);
+}
 static inline float nlgBetween(float value, float low, float high) { return value < low ? low : value > high ? high : value; }
-/* Below -87 it stays what it is there: no exponential overflows, which an engine may trap. */
+/* Below -87 it stays what it is there: no exponential overflows. */
 static inline float nlgLogistic(float logit) { return 1.0f / (1.0f + expf(logit < -87.0f ? 87.0f : -logit)); }
 
 /* unit: of the lattice, >= 0; units: the position, in the closed cube of that unit. 0: in no used cell. */
@@ -326,7 +330,9 @@ static inline int nlgAddDarkest(const NlgGrid* grid, const uint32_t* record, flo
 /* position_m, normal   three numbers each
    rgb                  three numbers, overwritten; 0 where the status is NLG_GRID_UNLIT, and where NLG_GRID_OUTSIDE has no cell near */
 static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* position_m, const float* normal, float* rgb) {
-  const float x = normal[0], y = normal[1], z = normal[2];
+  static const float none[3] = {0.0f, 0.0f, 0.0f};
+  const float* const n = nlgIsWithin(normal, 1.5f) ? normal : none;
+  const float x = n[0], y = n[1], z = n[2];
   /* what irradiance takes of each coefficient */
   const float basis[9] = {0.88622693f,
                           1.02332671f * y,
@@ -342,10 +348,10 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
   NlgGridStatus status = NLG_GRID_LIT;
   NlgCell cell = {0, 0, 0, {0.0f, 0.0f, 0.0f}};
   rgb[0] = rgb[1] = rgb[2] = 0.0f;
-  for (i = 0; i < 3; ++i) {
-    if (!(fabsf(normal[i]) <= 1.5f)) return NLG_GRID_UNLIT; /* no direction */
-    units[i] = (position_m[i] - nlgFloat(grid, i)) * nlgFloat(grid, 3);
-  }
+  if (n == none) return NLG_GRID_UNLIT; /* no direction */
+  for (i = 0; i < 3; ++i) units[i] = position_m[i] - nlgFloat(grid, i);
+  if (!nlgIsWithin(units, 1e7f)) return NLG_GRID_OUTSIDE; /* in metres: what follows overflows nothing, integers neither */
+  for (i = 0; i < 3; ++i) units[i] *= nlgFloat(grid, 3);
   if (!nlgFindCell(grid, units, &cell)) {
     status = NLG_GRID_OUTSIDE;
     if (!nlgFindNearCell(grid, units, &cell)) return status;

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "nlg/look_up.h"
+#include "nlg/nlg.h"
 #include "nlg/shader_grid.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "tests/damage.h"
@@ -117,25 +118,46 @@ TEST(CHeader, AndTheLibraryRaiseNoFloatingPointException) {
       grid.theta[t] = std::clamp(50.0f * grid.theta[t], -6e4f, 6e4f);
   }
   const FencedBytes bytes(gridBytes(grid));
-  const ShaderPlaces places = randomPlaces(grid, 3000, 17);
+  ShaderPlaces places = randomPlaces(grid, 3000, 17);
+  for (const double odd : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e30, -1e30, 1e11, -1e11}) {
+    for (size_t axis = 0; axis < 6; ++axis) {
+      places.positions_m.push_back(grid.tree.probePosition(0));
+      places.normals.push_back({0.0f, 0.0f, 1.0f});
+      if (axis < 3) places.positions_m.back()[axis] = odd;
+      if (axis >= 3) places.normals.back()[axis - 3] = static_cast<float>(odd);
+    }
+  }
+  std::string file;
+  ASSERT_TRUE(serializeLightGrid(grid, {}, {}, &file).ok());
+  nlg_light_grid* c_grid = nullptr;
+  ASSERT_EQ(nlg_light_grid_load_bytes(file.data(), file.size(), &c_grid, nullptr, 0), NLG_OK);
   std::vector<float> normals, rgb(3 * places.positions_m.size());
   for (const std::array<float, 3>& normal : places.normals) normals.insert(normals.end(), normal.begin(), normal.end());
   std::vector<LightStatus> status(places.positions_m.size());
   forEachTarget([&] {
     LookUpScratch scratch;
+    nlg_look_up_scratch* c_scratch = nullptr;
+    ASSERT_EQ(nlg_look_up_scratch_create(&c_scratch), NLG_OK);
     std::feclearexcept(FE_ALL_EXCEPT);
     for (size_t i = 0; i < places.positions_m.size(); ++i) {
       ProbeWeights weights;
       lookUpWeights(grid, places.positions_m[i], &weights);
       lookUpIrradiance(grid, places.positions_m[i], &normals[3 * i], rgb.data());
       bytes.lookUp(places.positions_m[i], places.normals[i], rgb.data());
+      nlg_irradiance(c_grid, places.positions_m[i].data(), &normals[3 * i], rgb.data());
     }
+    const PositionM farthest{1.7e308, -1.7e308, 0.0};
+    lookUpIrradiance(grid, farthest, normals.data(), rgb.data());
+    nlg_irradiances(c_grid, places.positions_m[0].data(), normals.data(), places.positions_m.size(), rgb.data(),
+                    reinterpret_cast<uint8_t*>(status.data()), c_scratch);
     lookUpIrradiances(grid, places.positions_m.data(), normals.data(), places.positions_m.size(), rgb.data(), status.data(),
                       &scratch);
     EXPECT_EQ(std::fetestexcept(FE_OVERFLOW), 0);
     EXPECT_EQ(std::fetestexcept(FE_INVALID), 0);
     EXPECT_EQ(std::fetestexcept(FE_DIVBYZERO), 0);
+    nlg_look_up_scratch_free(c_scratch);
   });
+  nlg_light_grid_free(c_grid);
 }
 
 TEST(CHeader, IsDarkWhereAPositionOrANormalIsNoNumber) {
