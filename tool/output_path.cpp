@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "tool/error.h"
 #include "tool/printable.h"
@@ -34,7 +35,16 @@ std::error_code whyNotWritable(const std::string& folder) {
   return error;
 }
 
+bool areInputs(std::string_view bytes) {
+  const nlohmann::json list = nlohmann::json::parse(bytes, nullptr, false);
+  return list.is_array() &&
+         std::all_of(list.begin(), list.end(), [](const nlohmann::json& entry) { return entry.is_string(); }) &&
+         std::is_sorted(list.begin(), list.end()) && list.dump() + "\n" == bytes;
+}
+
 }  // namespace
+
+const OwnFiles kInputsFiles = {"a list of inputs", areInputs};
 
 void refuseToReplaceInputs(const std::string& out, const std::vector<std::string>& inputs, const char* flag) {
   if (out.empty()) throw UsageError(flag, "the name of a file", "an empty text");

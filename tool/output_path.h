@@ -27,6 +27,9 @@ bool mayReplace(const std::string& out, const OwnFiles& own);
 // throws   UsageError naming the flag where it may not
 void refuseToReplaceOthers(const std::string& out, const OwnFiles& own, const char* flag = "--out");
 
+// What --inputs and the environment's NLG_INPUTS write (input_file.h).
+extern const OwnFiles kInputsFiles;
+
 // Both: neither an input nor what somebody else wrote is replaced.
 void refuseToReplace(const std::string& out, const std::vector<std::string>& inputs, const OwnFiles& own,
                      const char* flag = "--out");

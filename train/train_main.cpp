@@ -240,7 +240,11 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
   for (const std::string& input : {request.cache, request.init}) {
     if (!input.empty()) inputs.push_back(input);
   }
-  for (const std::string& out : {request.out, request.log}) refuseToReplaceInputs(out, inputs);
+  refuseToReplace(request.out, inputs, kCheckpointFiles);
+  refuseToReplace(
+      request.log, inputs,
+      {"a curve of nlg-train", [](std::string_view bytes) { return bytes.starts_with("step,learning_rate,training_loss,"); }},
+      "--log");
   Representation representation;
   if (!findRepresentation(request.representation, &representation)) {
     throw UsageError("--representation", representationNames(), "'" + request.representation + "'");

@@ -5,6 +5,6 @@
 
 namespace nlg {
 
-extern const OwnFiles kGridFiles, kReportFiles, kInputsFiles;
+extern const OwnFiles kGridFiles, kReportFiles;
 
 }  // namespace nlg

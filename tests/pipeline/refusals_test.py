@@ -165,13 +165,23 @@ def check_what_others_wrote(tools):
     calls = [(call(tool, by={words.split()[-1]: "theirs.bin"}), "theirs.bin") for tool, words in CALLS.items() if tool in ("nlg-datagen", "nlg-pca", "nlg-cache", "nlg-export", "nlg-render")]
     calls += [("nlg-export shader --grid grid.safetensors --out theirs", "theirs/grid.bin"), ("nlg-export shader --grid grid.safetensors --out theirs", "theirs/look_up.glsl"),
               ("nlg-export onnx --weights weights.safetensors --out theirs.onnx", "theirs.onnx")]
+    train = {"bad.ckpt": "their.ckpt", "bad.csv": "their.csv", "bad_run": "their_run"}
+    calls += [(configured("nlg-train", by=train), out) for out in ("their.ckpt", "their.csv")]
+    calls += [(configured("nlg-validate", by={"bad_validation": "theirs"}), f"theirs/{out}") for out in ("summary.json", "functions.csv", "slices.json")]
+    measure = "--weights weights.safetensors --out"
+    calls += [(f"nlg-validate light house:1 {measure} theirs.json", "theirs.json"), (f"nlg-validate views house:1 {measure} theirs.json", "theirs.json"),
+              (f"nlg-validate frontier --held-out held_out.h5 {measure} theirs", "theirs/frontier.json"), (f"nlg-validate stability {measure} theirs.json", "theirs.json")]
     for command, out in calls:
         write(out, "the level's own buffer")
         tools.refuses(USAGE_ERROR, [out, "another kind of file"], command)
         with open(out) as file:
             tools.check(file.read() == "the level's own buffer", f"{command}: wrote over {out}")
         os.remove(out)
-    for command, out in calls[4:]:
+    write("theirs.json", '{"asset": {"version": "2.0"}}')
+    tools.refuses(USAGE_ERROR, ["NLG_INPUTS", "another kind of file"], call("nlg-datagen"), env={**os.environ, "NLG_INPUTS": "theirs.json"})
+    write("theirs.json", '["a.glb"]\n')
+    tools.must(calls[-5][0], env={**os.environ, "NLG_INPUTS": "theirs.json"})
+    for command, out in calls[4:-4]:
         tools.must(command)
         tools.must(command)
 

@@ -17,6 +17,7 @@
 
 #include "tool/atomic_file.h"
 #include "tool/input_file.h"
+#include "tool/output_path.h"
 #include "tool/printable.h"
 #include "tool/provenance.h"
 
@@ -203,9 +204,11 @@ void parseAndRun(int argc, char** argv, CLI::App& app, OptionTable& table, const
   // the file first, and flags over it
   if (config_flag->count() > 0) table.readYaml(config);
   table.applyFlags();
+  const char* const inputs = std::getenv("NLG_INPUTS");
+  if (inputs != nullptr) refuseToReplaceOthers(inputs, kInputsFiles, "NLG_INPUTS");
   run();
   flushStandardOutput();
-  if (const char* const file = std::getenv("NLG_INPUTS")) writeFileAtomically(file, inputsText(inputsSoFar()));
+  if (inputs != nullptr) writeFileAtomically(inputs, inputsText(inputsSoFar()));
 }
 
 // --help and --version reach us as exceptions too.

@@ -93,6 +93,7 @@ std::vector<WordSpeed> speeds(const FrontierResult& result, const std::vector<Po
 
 void measureFrontier(const Request& request, const FrontierOptions& options, const OptionTable& table) {
   requireOutputFolder(request.out_dir);
+  refuseToReplaceOthers(request.out_dir + "/frontier.json", kValidationFiles);
   const Plan plan = planOf(request, options);
   const FunctionSet set = readHeldOut(request.held_out);
   Json json = {{"schema_version", kSchemaVersion}};

@@ -127,6 +127,12 @@ Json representationJson(const ValidatedGenerator& validated, const FigureContext
   return json;
 }
 
+// results, functions.csv, slices.json with slices and without
+const OwnFiles kValidationFiles = {"a file of nlg-validate", [](std::string_view bytes) {
+                                     return hold(bytes, "\"nlg-validate") || bytes.starts_with("representation,word,") ||
+                                            bytes.starts_with(R"([{"which":)") || bytes == "[]";
+                                   }};
+
 FunctionsCsv::FunctionsCsv(const FunctionSet& set, const Populations& populations) : set_(set), populations_(populations) {
   text_ << "representation,word,function,scene,take_theta,hard,blend_rmse,rmse,rmse_test_points,rmse_occluded,leak_mean,leak_p99,"
            "fails_check,"

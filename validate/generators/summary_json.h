@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tool/output_path.h"
 #include "validate/generators/best_known.h"
 #include "validate/generators/figures.h"
 #include "validate/generators/measured_word.h"
@@ -30,6 +31,9 @@ nlohmann::ordered_json bootstrapJson(const FigureContext& context);
 // A stage a line: name, word, population, above_rmse, budget, and the sentence that --help prints.
 nlohmann::ordered_json stagesJson(const std::vector<StagePlan>& plan);
 nlohmann::ordered_json representationJson(const ValidatedGenerator& validated, const FigureContext& context);
+
+// Whatever nlg-validate writes.
+extern const OwnFiles kValidationFiles;
 
 // functions.csv: one line a function and word.
 class FunctionsCsv {

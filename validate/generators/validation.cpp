@@ -50,6 +50,8 @@ void describe(ValidateOptions& o, OptionTable& table) {
 void validate(const ValidationRequest& request, ValidateOptions options, const OptionTable& table) {
   // the folder first: a run of hours must not end without a place for its result
   requireOutputFolder(request.out_dir);
+  for (const char* name : {"functions.csv", "slices.json", "summary.json"})
+    refuseToReplaceOthers(request.out_dir + "/" + name, kValidationFiles);
   options.policy.theta_precision = thetaPrecisionFromName(options.theta_precision);
   const auto [generators, paths] = loadGenerators(request.weights);
   const FunctionSet set = readHeldOut(request.held_out);

@@ -23,6 +23,7 @@
 #include "tool/provenance.h"
 #include "train/torch_threads.h"
 #include "validate/generators/function_counts.h"
+#include "validate/generators/summary_json.h"
 #include "validate/light/asked_bakes.h"
 #include "validate/light/light_json.h"
 #include "validate/light/neural/learned_methods.h"
@@ -226,7 +227,7 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   // nothing that is read may be overwritten, and all that is written has a place
   std::vector<std::string> inputs = {request.scene};
   for (const std::string& path : weightsPaths(request.weights)) inputs.push_back(path);
-  refuseToReplaceInputs(request.out, inputs);
+  refuseToReplace(request.out, inputs, kValidationFiles);
   requireOutputFile(request.out);
   if (!request.pictures.empty()) requireOutputFolder(request.pictures);
   std::map<std::string, std::string> hashes;

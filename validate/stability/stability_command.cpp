@@ -15,6 +15,7 @@
 #include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
+#include "validate/generators/summary_json.h"
 #include "validate/stability/stability_case.h"
 
 namespace nlg {
@@ -118,7 +119,7 @@ Json originOf(const StabilityRequest& request, const OptionTable& options) {
 }
 
 void run(const StabilityRequest& request, const OptionTable& options) {
-  refuseToReplaceInputs(request.out, request.weights);
+  refuseToReplace(request.out, request.weights, kValidationFiles);
   requireOutputFile(request.out);
   const StabilityTable table = runAll(request);
   const Json json = {{"schema_version", 1}, {"provenance", originOf(request, options)}, {"cases", table.cases}};

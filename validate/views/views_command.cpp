@@ -22,6 +22,7 @@
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
+#include "validate/generators/summary_json.h"
 #include "validate/light/asked_bakes.h"
 #include "validate/views/view_truth.h"
 #include "validate/views/views_json.h"
@@ -270,7 +271,7 @@ void measureViews(Request request, BakeOptions options, const OptionTable& table
   std::vector<std::string> inputs = weightsPaths(request.weights);
   inputs.push_back(request.scene);
   inputs.insert(inputs.end(), request.grids.begin(), request.grids.end());
-  refuseToReplaceInputs(request.out, inputs);
+  refuseToReplace(request.out, inputs, kValidationFiles);
   requireOutputFile(request.out);
   // options are checked before truth is traced, which takes longest
   if (options.light == "none") throw UsageError("--light", "solved, integrated or point", "none, and a view needs light");

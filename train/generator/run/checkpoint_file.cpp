@@ -18,6 +18,8 @@ constexpr size_t kCounts = 3;  // step, draw, rollbacks
 
 }  // namespace
 
+const OwnFiles kCheckpointFiles = {kExpected, [](std::string_view bytes) { return hold(bytes, kKind); }};
+
 void writeCheckpointFile(const std::string& path, const RunIdentity& identity, const RunProgress& progress,
                          const NamedNumbers& numbers) {
   const std::vector<uint64_t> counts = {static_cast<uint64_t>(progress.step), static_cast<uint64_t>(progress.draw),

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "runtime_eval/weights_file/tensor_file.h"
+#include "tool/output_path.h"
 
 namespace nlg {
 
@@ -34,6 +35,8 @@ struct RunProgress {
 
 // The numbers of a run, by name: "network.layer0.weight".
 using NamedNumbers = std::map<std::string, std::vector<float>>;
+
+extern const OwnFiles kCheckpointFiles;
 
 // throws   OutputError
 void writeCheckpointFile(const std::string& path, const RunIdentity& identity, const RunProgress& progress,
