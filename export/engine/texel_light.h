@@ -51,6 +51,14 @@ std::vector<LightSh> lightOf(const LightVolume& volume);
 // place_light   in place of the scene's own, in whatever basis
 std::vector<LightSh> solveTexels(const MeasuredScene& scene, const TexelLookUp& look_up, const std::vector<LightSh>& place_light);
 
+// The same where each normal reads texels of its own, as bias moves it: squares of irradiance by normal. From behind a wall a texel then
+// lights what faces it, and else its own side.
+// places_m   world
+// light      by texel, to begin with; it holds those that few places read
+std::vector<LightSh> solveByNormal(const TexelLookUp& look_up, const std::vector<PositionM>& places_m,
+                                   const std::vector<LightSh>& place_light, std::vector<LightSh> light,
+                                   const ProbeLightOptions& options, int thread_count);
+
 // Errors of what an engine shows, at places of their own: uniform in air, and before surfaces (validate/light/light_places.h).
 class TexelJudge {
  public:

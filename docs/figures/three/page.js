@@ -6,7 +6,8 @@ import { MeshSurfaceSampler } from 'three/addons/math/MeshSurfaceSampler.js';
 import { mergeGeometries } from 'three/addons/utils/BufferGeometryUtils.js';
 
 const kShadowTexels = 2048, kWatt = 683;  // lm: nlg's --light-unit watt
-const kNearestM = 0.05, kFurthestM = 0.5;  // of places before surfaces, as nlg-export engine has them
+// of sample points, as nlg-export engine has them: metres before surfaces; from lamps, and shares of the level's diagonal
+const kNearestM = 0.05, kFurthestM = 0.5, kLampM = 1, kLampShare = 0.04;
 const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
 renderer.shadowMap.enabled = true;
 const scene = new THREE.Scene();
@@ -73,8 +74,10 @@ function firstHit(from, towards, far = Infinity) {
   return new THREE.Raycaster(from, towards, 0, far).intersectObject(everything)[0];
 }
 
-// Most of what rays meet from solid are backs.
-function isInAir(place) {
+// Most of what rays meet from solid are backs. Light beside lamps falls off within less than a texel.
+function isFit(place) {
+  const lampM = Math.min(kLampM, kLampShare * box.getSize(new THREE.Vector3()).length());
+  if (scene.children.some((object) => object.isPointLight && object.position.distanceTo(place) < lampM)) return false;
   let fronts = 0;
   for (let i = 0; i < 5; ++i) {
     const towards = direction(), hit = firstHit(place, towards);
@@ -98,7 +101,7 @@ export function points(count) {
       place.addScaledVector(normal, distance);
       if (hit || !box.containsPoint(place)) continue;
     }
-    if (isInAir(place)) found.push([...place, ...normal]);
+    if (isFit(place)) found.push([...place, ...normal]);
   }
   return found;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "light/air.h"
+#include "light/directions.h"
 #include "runtime_eval/numbers/random.h"
 
 namespace nlg {
@@ -69,6 +70,48 @@ TEST(TexelLookUp, ScalesUpWhatIsLeftOfTexelsThatAreLeftOut) {
     }
     EXPECT_LE(sum, 1.0f + 1e-5f) << i;
   }
+}
+
+// A thin wall across x parts even light, 1 and 0.1. A texel behind it lights what faces it by the one, and its own side by the other.
+TEST(SolveByNormal, PartsWhatFacesAWallFromWhatIsBehind) {
+  const TexelLookUp look_up{{{-4.0, -2.0, -2.0}, {4.0, 2.0, 2.0}, {8, 4, 4}}, 0.5};
+  const auto light_at = [](double x) {
+    LightSh light{};
+    light[0] = glm::vec3(x < 0.3 ? 1.0f : 0.1f);
+    return light;
+  };
+  Random random(3);
+  std::vector<PositionM> places_m;
+  std::vector<LightSh> place_light, placed;
+  for (int i = 0; i < 4000; ++i) {
+    places_m.push_back({random.uniform(-4.0, 4.0), random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)});
+    place_light.push_back(light_at(places_m.back()[0]));
+  }
+  for (size_t t = 0; t < look_up.box.texelCount(); ++t) placed.push_back(light_at(look_up.box.texelCentre(t)[0]));
+  ProbeLightOptions options;
+  options.dark_share = 1.0;
+  const auto error = [&](const std::vector<LightSh>& light) {
+    Random turns(4);
+    double sum = 0.0;
+    for (size_t i = 0; i < places_m.size(); ++i) {
+      const double u = turns.uniform(), v = turns.uniform();
+      const glm::vec3 normal = sphereDirection(u, v);
+      ProbeWeights weights;
+      look_up.weightsAt(places_m[i], &normal[0], &weights);
+      LightSh off = place_light[i];
+      for (int j = 0; j < weights.count; ++j) {
+        for (int k = 0; k < kShCount; ++k) off[k] -= weights.weight[j] * light[weights.probe[j]][k];
+      }
+      sum += std::pow(irradiance(off, normal).x, 2);
+    }
+    return std::sqrt(sum / static_cast<double>(places_m.size()));
+  };
+  const std::vector<LightSh> solved = solveByNormal(look_up, places_m, place_light, placed, options, 1);
+  EXPECT_LT(error(solved), 0.8 * error(placed));
+  // behind the wall by 20 cm: places before it read it with normals of x, those behind it with the others
+  const LightSh& behind = solved[(2 * 4 + 2) * 8 + 4];
+  EXPECT_GT(irradiance(behind, {1.0f, 0.0f, 0.0f}).x, 2.0f * irradiance(behind, {-1.0f, 0.0f, 0.0f}).x);
+  EXPECT_EQ(solved, solveByNormal(look_up, places_m, place_light, placed, options, 3));
 }
 
 }  // namespace
