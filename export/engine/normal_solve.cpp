@@ -11,11 +11,11 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kNormalStream = 0x6e6f726d616c;
-constexpr int kNormals = 2;    // of a place
+constexpr int kNormals = 6;    // of a place
 constexpr int kRounds = 3;     // readings are weighed anew after each
 constexpr int kMaxSteps = 80;  // of a round
 constexpr double kTolerance = 1e-3;
-constexpr float kPull = 0.03f;      // over that of the solve before
+constexpr float kPull = 0.3f;       // over that of the solve before
 constexpr float kMostNoise = 3.0f;  // as probe_light.cpp has it
 constexpr uint64_t kBlock = 1024;
 
@@ -44,7 +44,7 @@ class NormalSolver {
       : readings_(std::move(readings)), prior_(std::move(prior)), reads_(prior_.size()), thread_count_(thread_count) {
     for (size_t r = 0; r < readings_.size(); ++r) {
       const ProbeWeights& texels = readings_[r].texels;
-      for (int j = 0; j < texels.count; ++j) reads_[texels.probe[j]].emplace_back(r, texels.weight[j]);
+      for (int j = 0; j < texels.count; ++j) reads_[texels.probe[j]].emplace_back(static_cast<uint32_t>(r), texels.weight[j]);
     }
   }
 
@@ -153,8 +153,8 @@ class NormalSolver {
 
   std::vector<Reading> readings_;
   const std::vector<LightSh> prior_;
-  std::vector<std::vector<std::pair<size_t, float>>> reads_;  // by texel: readings and their weights
-  std::vector<float> pull_;                                   // by texel
+  std::vector<std::vector<std::pair<uint32_t, float>>> reads_;  // by texel: readings and their weights
+  std::vector<float> pull_;                                     // by texel
   std::vector<std::array<float, kShCount>> diagonal_;
   const int thread_count_;
 };
