@@ -5,8 +5,8 @@
 
 nlg-export engine makes ours, page.js has three.js bake its own in headless Chromium, three.js's shader reads both at sample points, and nlg-render
 irradiance traces the truth there → FOLDER/SCENE/result.json, a picture by each grid, and a line on stdout. Both hold the sky, what shines and reflected
-light; direct light of lamps and suns is left to shadow maps. Errors are RMSE of irradiance over its RMS. Needs Chromium, and three.js as
-workflow/install_from_npm.sh three build/three installs it.
+light; direct light of lamps and suns is left to shadow maps. Errors are RMSE of irradiance over its RMS, at
+points that light reaches. Needs Chromium, and three.js as workflow/install_from_npm.sh three build/three installs it.
 """
 import argparse
 import base64
@@ -15,12 +15,12 @@ import glob
 import http.server
 import json
 import math
+import os
 import resource
 import subprocess
 import sys
 import tempfile
 import threading
-import os
 from pathlib import Path
 
 sys.dont_write_bytecode = True
