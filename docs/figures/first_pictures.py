@@ -1,9 +1,9 @@
 """README's first pictures: one view of a scene by trilinear probes, by DDGI, by the light grid, and path traced.
 
-    docs/figures/first_pictures.py --bin build/release/bin [--out docs/images]
+    docs/figures/first_pictures.py --bin build/release/bin [--out docs/images] [PICTURE ...]
 
-All with the same probes and the same exposure; below each its bytes a probe and its error, the RMSE of irradiance over truth's RMS. Some ten
-minutes on two cores. The levels are those of Debian's packages (docs/guide/levels.md).
+All have the same probes and the same exposure. Above each stand its bytes a probe and its error: the RMSE of irradiance over truth's RMS.
+Some minutes a picture. The level is one of Debian's packages (docs/guide/levels.md).
 """
 import argparse
 import json
@@ -20,31 +20,39 @@ import matplotlib.pyplot as plt
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # tool/, which all scripts share
 from tool.errors import run as run_script
 
-LEVELS = "/usr/share/games/openarena/baseoa"
-VIEWS = {"leaks_house": ("house:3", []), "leaks_level": (f"{LEVELS}:oa_dm1", ["--camera", "0"])}  # picture: scene, options of the view
-METHODS = {"trilinear": "trilinear probes, as most engines have them", "ddgi": "DDGI, probes relocated", "grid": "this light grid", "truth": "path tracing"}
+VIEWS = {"leaks_house": ("house:3", []), "leaks_level": ("/usr/share/games/openarena/baseoa:aggressor", ["--camera", "0"])}  # options of nlg-render
+TITLES = {"trilinear": "trilinear probes", "ddgi": "DDGI, relocated", "grid": "this light grid", "truth": "path tracing"}
 BYTES = {"trilinear": 8, "ddgi": 1288}  # a probe: docs/guide/techniques.md
-TRUTH_RAYS, WIDTH = "1024", "480"
 
 
-def rendered(tool, scene, options, out):
-    """One picture; what the tool says of it."""
-    done = subprocess.run([tool, scene, *options, "--width", WIDTH, "--truth-rays", TRUTH_RAYS, "--out", out], check=True, stdout=subprocess.PIPE)
-    return json.loads(done.stdout)
+def draw(bins, scene, view, out):
+    def tool(name, *arguments):
+        return subprocess.run([bins / name, scene, *arguments], check=True, stdout=subprocess.PIPE).stdout
 
-
-def figure(bins, scene, view, out):
     with tempfile.TemporaryDirectory() as folder:
-        grid = f"{folder}/grid.safetensors"
-        subprocess.run([bins / "nlg-bake", scene, "--out", grid], check=True, stdout=subprocess.DEVNULL)
-        known = subprocess.run([bins / "nlg-datagen", "info", grid], check=True, stdout=subprocess.PIPE, text=True)
-        said = rendered(bins / "nlg-render", scene, [*view, "--grid", grid, "--panel", *METHODS], f"{folder}/panel.png")
-        errors = {picture["method"]: picture.get("rmse") for picture in said["pictures"]}
-        _, axes = plt.subplots(1, len(METHODS), figsize=(20, 4.6), layout="constrained")
-        for axis, (method, title) in zip(axes, METHODS.items()):
-            rendered(bins / "nlg-render", scene, [*view, "--grid", grid, "--method", method, "--exposure", str(said["exposure"])], f"{folder}/{method}.png")
+        grid, report = f"{folder}/grid.safetensors", f"{folder}/bake.json"
+        tool("nlg-bake", "--out", grid, "--json", report)
+        bytes_a_probe = {**BYTES, "grid": json.loads(Path(report).read_text())["bytes_per_probe"]}
+        options = [*view, "--grid", grid, "--width", "480", "--truth-rays", "192"]
+        said = json.loads(tool("nlg-render", *options, "--panel", *TITLES, "--out", f"{folder}/panel.png"))
+        figure, axes = plt.subplots(1, len(TITLES), figsize=(19.2, 4.2), layout="constrained")
+        for axis, (method, title), picture in zip(axes, TITLES.items(), said["pictures"]):
+            tool("nlg-render", *options, "--method", method, "--exposure", str(said["exposure"]), "--out", f"{folder}/{method}.png")
             axis.imshow(plt.imread(f"{folder}/{method}.png"))
-            axis.set_title(title, fontsize=16)
+            axis.set_title(title + (f"\n{bytes_a_probe[method]:,.0f} bytes a probe, error {picture['rmse']:.2f}" if method in bytes_a_probe else "\n"), fontsize=17)
             axis.set_axis_off()
-        plt.savefig(out, dpi=100)
-    return known, errors
+        figure.savefig(out, dpi=100)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bin", type=Path, required=True)
+    parser.add_argument("--out", type=Path, default=Path("docs/images"))
+    parser.add_argument("pictures", nargs="*", default=list(VIEWS))
+    arguments = parser.parse_args()
+    for name in arguments.pictures:
+        draw(arguments.bin.resolve(), *VIEWS[name], arguments.out / f"{name}.png")
+
+
+if __name__ == "__main__":
+    sys.exit(run_script("first_pictures", main))

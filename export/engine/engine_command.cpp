@@ -132,6 +132,11 @@ class TexelWays {
   std::vector<Texels> all() const {
     std::vector<LightSh> placement;
     std::vector<Texels> ways;
+    std::vector<PositionM> places_m;
+    for (const glm::dvec3& place : scene_.places) {
+      const glm::dvec3 world = place + scene_.transport.scene().origin_m;
+      places_m.push_back({world.x, world.y, world.z});
+    }
     if (format_.placed) {
       ways.push_back(*format_.placed);
     } else {
@@ -143,9 +148,15 @@ class TexelWays {
     evenly.dark_share = 1.0, evenly.outlier = 3.0;
     for (const auto& [word, options] : {std::pair("solved", scene_.options), std::pair("solved evenly", evenly)}) {
       const std::string name = word;
-      const TexelLight solution = solved(options, format_.look_up);
-      ways.push_back(format_.pack(name, solution));
-      if (!placement.empty()) ways.push_back(format_.pack("half " + name, halfWay(placement, solution)));
+      const auto add = [&](const std::string& way, const TexelLight& solution) {
+        ways.push_back(format_.pack(way, solution));
+        if (!placement.empty()) ways.push_back(format_.pack("half " + way, halfWay(placement, solution)));
+      };
+      TexelLight solution = solved(options, format_.look_up);
+      add(name, solution);
+      if (format_.look_up.bias == 0.0) continue;
+      solution.light = solveByNormal(format_.look_up, places_m, scene_.place_light, solution.light, options, scene_.thread_count);
+      add(name + " by normal", solution);
     }
     return ways;
   }

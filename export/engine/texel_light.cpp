@@ -103,12 +103,7 @@ std::vector<LightSh> solveTexels(const MeasuredScene& scene, const TexelLookUp& 
                               all.weightsAt(inWorld(scene, position_m), &randomNormal(position_m)[0], weights);
                             },
                             *std::min_element(texel_m.begin(), texel_m.end())};
-  std::vector<LightSh> light =
-      lightProbes(scene.transport, texels, scene.places, place_light, weights_at, scene.options, scene.thread_count).light;
-  if (look_up.bias == 0.0) return light;
-  std::vector<PositionM> places_m;
-  for (const glm::dvec3& place_m : scene.places) places_m.push_back(inWorld(scene, place_m));
-  return solveByNormal(look_up, places_m, place_light, std::move(light), scene.options, scene.thread_count);
+  return lightProbes(scene.transport, texels, scene.places, place_light, weights_at, scene.options, scene.thread_count).light;
 }
 
 TexelJudge::TexelJudge(const MeasuredScene& scene, const ExtentBox& extent, int places, uint64_t seed)

@@ -51,8 +51,8 @@ std::vector<LightSh> lightOf(const LightVolume& volume);
 // place_light   in place of the scene's own, in whatever basis
 std::vector<LightSh> solveTexels(const MeasuredScene& scene, const TexelLookUp& look_up, const std::vector<LightSh>& place_light);
 
-// The same where each normal reads texels of its own, as bias moves it: squares of irradiance by normal. From behind a wall a texel then
-// lights what faces it, and else its own side.
+// For engines that move each look-up along the normal: squares of irradiance by normal, each of which reads texels of its own. From behind a
+// wall a texel then lights what faces it, and else its own side. Air gains most; close to surfaces solveTexels may err less.
 // places_m   world
 // light      by texel, to begin with; it holds those that few places read
 std::vector<LightSh> solveByNormal(const TexelLookUp& look_up, const std::vector<PositionM>& places_m,

@@ -22,7 +22,7 @@ from tools import INPUT_ERROR, OUTPUT_ERROR, USAGE_ERROR, Tools
 
 TOOLS, CASES = Tools(sys.argv[1]), os.path.abspath(sys.argv[2])
 KTX_PARSE = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
-FEW = ["--spacing-m", "1", "--places", "400", "--truth-rays", "64", "--light-rays", "64"]
+FEW = ["--spacing-m", "0.8", "--places", "400", "--truth-rays", "64", "--light-rays", "64"]
 
 
 def must(condition, message):
