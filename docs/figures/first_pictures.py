@@ -2,8 +2,7 @@
 
     docs/figures/first_pictures.py --bin build/release/bin [--out docs/images] [PICTURE ...]
 
-All have the same probes and the same exposure. Above each stand its bytes a probe and its error: the RMSE of irradiance over truth's RMS.
-Some minutes a picture. The level is one of Debian's packages (docs/guide/levels.md).
+All have the same probes and the same exposure, that of the light grid. Above each stand its bytes a probe. Some minutes a picture. The level is one of Debian's packages (docs/guide/levels.md).
 """
 import argparse
 import json
@@ -34,14 +33,14 @@ def draw(bins, scene, view, out):
         tool("nlg-bake", "--out", grid, "--json", report)
         bytes_a_probe = {**BYTES, "grid": json.loads(Path(report).read_text())["bytes_per_probe"]}
         options = [*view, "--grid", grid, "--width", "480", "--truth-rays", "192"]
-        said = json.loads(tool("nlg-render", *options, "--panel", *TITLES, "--out", f"{folder}/panel.png"))
+        exposure = json.loads(tool("nlg-render", *options, "--method", "grid", "--out", f"{folder}/grid.png"))["exposure"]
         figure, axes = plt.subplots(1, len(TITLES), figsize=(19.2, 4.2), layout="constrained")
-        for axis, (method, title), picture in zip(axes, TITLES.items(), said["pictures"]):
-            tool("nlg-render", *options, "--method", method, "--exposure", str(said["exposure"]), "--out", f"{folder}/{method}.png")
+        for axis, (method, title) in zip(axes, TITLES.items()):
+            tool("nlg-render", *options, "--method", method, "--exposure", str(exposure), "--out", f"{folder}/{method}.png")
             axis.imshow(plt.imread(f"{folder}/{method}.png"))
-            axis.set_title(title + (f"\n{bytes_a_probe[method]:,.0f} bytes a probe, error {picture['rmse']:.2f}" if method in bytes_a_probe else "\n"), fontsize=17)
+            axis.set_title(title + (f": {bytes_a_probe[method]:,.0f} bytes a probe" if method in bytes_a_probe else ""), fontsize=17)
             axis.set_axis_off()
-        figure.savefig(out, dpi=100)
+        figure.savefig(out, dpi=80, bbox_inches="tight", pad_inches=0.05)
 
 
 def main():
