@@ -42,7 +42,6 @@ CLI::Validator numberIn(double low, double high) {
           fmt::format("FLOAT in [{} - {}]", low, high)};
 }
 
-constexpr OwnFiles kPictures = {"a picture of nlg-render", [](std::string_view bytes) { return hold(bytes, "nlg-render"); }};
 constexpr const char* kTone = "radiance x exposure, Khronos PBR Neutral, sRGB";
 
 Json numbers(const glm::dvec3& v) { return {v.x, v.y, v.z}; }

@@ -13,6 +13,8 @@
 
 #include <glm/glm.hpp>
 
+#include "tool/output_path.h"
+
 namespace nlg {
 
 // A fixed-width bitmap font: ASCII and the signs ° · × φ.
@@ -72,6 +74,11 @@ int textWidth(const std::string& text, int scale = 1);
 
 // Copies a picture onto another, its upper left corner at (x, y).
 void paste(Image& image, const Image& inset, int x, int y);
+
+// Of our tools, by the text Software.
+inline constexpr OwnFiles kPictures = {"a picture of nlg-render or nlg-validate", [](std::string_view bytes) {
+                                         return hold(bytes, "nlg-render") || hold(bytes, "nlg-validate");
+                                       }};
 
 // By keyword: 1 to 79 letters, digits and spaces.
 using PngTexts = std::map<std::string, std::string>;

@@ -99,6 +99,18 @@ class Views(unittest.TestCase):
         self.assertEqual([method["weights"] for method in result["methods"]], ["before", "exact visibility"])
         self.assertEqual(views("house:1", "--cameras", *size, "--out", out).returncode, INPUT_ERROR)
 
+    def test_pictures_that_others_drew_stay(self):
+        folder = self.path("others")
+        os.mkdir(folder)
+        for name in os.listdir(self.path("pictures")):
+            with open(os.path.join(folder, name), "w") as file:
+                file.write("mine")
+        run = views(*HOUSE, "--spacing-m", "2", "--pictures", folder, "--truth", self.path("truth"), "--out", self.path("others.json"))
+        self.assertEqual(run.returncode, USAGE_ERROR, run.stderr)
+        for name in os.listdir(folder):
+            with open(os.path.join(folder, name)) as file:
+                self.assertEqual(file.read(), "mine")
+
     def test_refuses_what_cannot_be_measured(self):
         self.assertEqual(views(*HOUSE).returncode, USAGE_ERROR)
         self.assertEqual(views(*HOUSE, "--light", "none", "--out", self.path("dark.json")).returncode, USAGE_ERROR)

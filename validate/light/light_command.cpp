@@ -208,6 +208,7 @@ class LightMeasurement {
     const Image image = drawPlace(transport_, measured, method.light_at, picture);
     const std::string name = fmt::format("{}_{}_{:02}.png", fileWord(scene_id_), fileWord(method.weights), rank);
     const std::filesystem::path path = std::filesystem::path(request_.pictures) / name;
+    refuseToReplaceOthers(path.string(), kPictures, "--pictures");
     writePng(path.string(), image, {{"Software", std::string("nlg-validate light ") + sourceRevision()}});
     return std::filesystem::proximate(path, std::filesystem::absolute(request_.out).parent_path()).generic_string();
   }
