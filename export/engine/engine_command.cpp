@@ -133,10 +133,7 @@ class TexelWays {
     std::vector<LightSh> placement;
     std::vector<Texels> ways;
     std::vector<PositionM> places_m;
-    for (const glm::dvec3& place : scene_.places) {
-      const glm::dvec3 world = place + scene_.transport.scene().origin_m;
-      places_m.push_back({world.x, world.y, world.z});
-    }
+    for (const glm::dvec3& place : scene_.places) places_m.push_back(inWorld(scene_.transport.scene(), place));
     if (format_.placed) {
       ways.push_back(*format_.placed);
     } else {
@@ -190,10 +187,9 @@ class TexelWays {
   }
 
   glm::vec3 blended(const glm::dvec3& place_m, const TexelLookUp& look_up, const std::vector<glm::vec3>& directions) const {
-    const glm::dvec3 world = place_m + scene_.transport.scene().origin_m;
     constexpr float kUp[3] = {0.0f, 1.0f, 0.0f};
     ProbeWeights weights;
-    look_up.weightsAt({world.x, world.y, world.z}, kUp, &weights);
+    look_up.weightsAt(inWorld(scene_.transport.scene(), place_m), kUp, &weights);
     glm::vec3 sum(0.0f);
     for (int i = 0; i < weights.count; ++i) sum += weights.weight[i] * directions[weights.probe[i]];
     return unitOr(sum, {kUp[0], kUp[1], kUp[2]});

@@ -22,12 +22,12 @@ std::vector<glm::dvec3> centresOf(const LightBox& box, const glm::dvec3& origin_
   return centres;
 }
 
-PositionM inWorld(const MeasuredScene& scene, const glm::dvec3& position_m) {
-  const glm::dvec3 world = position_m + scene.transport.scene().origin_m;
+}  // namespace
+
+PositionM inWorld(const Scene& scene, const glm::dvec3& position_m) {
+  const glm::dvec3 world = position_m + scene.origin_m;
   return {world.x, world.y, world.z};
 }
-
-}  // namespace
 
 std::array<double, 3> TexelLookUp::texelM() const {
   std::array<double, 3> texel_m;
@@ -93,14 +93,14 @@ std::vector<LightSh> solveTexels(const MeasuredScene& scene, const TexelLookUp& 
                                  const std::vector<LightSh>& place_light) {
   // one normal a place, drawn by the place itself
   const WeightsAt weights_at = [&](const glm::dvec3& position_m, ProbeWeights* weights) {
-    look_up.weightsAt(inWorld(scene, position_m), &randomNormal(position_m)[0], weights);
+    look_up.weightsAt(inWorld(scene.transport.scene(), position_m), &randomNormal(position_m)[0], weights);
   };
   TexelLookUp all = look_up;
   all.is_valid.clear();
   const std::array<double, 3> texel_m = look_up.texelM();
   const LitPoints texels = {centresOf(look_up.box, scene.transport.scene().origin_m),
                             [&](const glm::dvec3& position_m, ProbeWeights* weights) {
-                              all.weightsAt(inWorld(scene, position_m), &randomNormal(position_m)[0], weights);
+                              all.weightsAt(inWorld(scene.transport.scene(), position_m), &randomNormal(position_m)[0], weights);
                             },
                             *std::min_element(texel_m.begin(), texel_m.end())};
   return lightProbes(scene.transport, texels, scene.places, place_light, weights_at, scene.options, scene.thread_count).light;
@@ -138,7 +138,7 @@ LightFigures TexelJudge::errorOf(const EngineIrradiance& shown) const {
   std::vector<LightAnswer> answers(places_.places.size());
   parallelFor(answers.size(), scene_.thread_count, [&](uint64_t i, int) {
     const LightPlace& place = places_.places[i];
-    const std::array<float, kShChannels> rgb = shown(inWorld(scene_, place.position_m), &place.normal[0]);
+    const std::array<float, kShChannels> rgb = shown(inWorld(scene_.transport.scene(), place.position_m), &place.normal[0]);
     answers[i] = {{rgb[0], rgb[1], rgb[2]}, Reach::lit};
   });
   return lightFigures(places_, truth_, answers);

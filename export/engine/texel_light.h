@@ -51,6 +51,9 @@ std::vector<LightSh> lightOf(const LightVolume& volume);
 // place_light   in place of the scene's own, in whatever basis
 std::vector<LightSh> solveTexels(const MeasuredScene& scene, const TexelLookUp& look_up, const std::vector<LightSh>& place_light);
 
+// position_m   of the scene
+PositionM inWorld(const Scene& scene, const glm::dvec3& position_m);
+
 // For engines that move each look-up along the normal: squares of irradiance by normal, each of which reads texels of its own. From behind a
 // wall a texel then lights what faces it, and else its own side. Air gains most; close to surfaces solveTexels may err less.
 // places_m   world
