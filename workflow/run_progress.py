@@ -26,6 +26,8 @@ TYPICAL_S = 10  # of a job that no plan speaks of
 START_S = 2     # of any job: its tool and its files
 SLOWEST = 5     # times what was planned: small first jobs say little of the others
 OVERRUN = 1.5    # times what was planned
+# A signal to all processes of a run ends its tools at once; pipeline.sh, which hears it too, tells us a moment later that it was no failure.
+STOP_IS_HEARD_S = 2
 
 
 def read_json(path):
@@ -91,7 +93,7 @@ class RunProgress:
         self.typical_s = seconds_of_jobs(plan or {})
         self.times = Times(times, plan or {})
         self.folder, self.planned_s = folder, (plan or {}).get("clock_s")
-        self.is_stopped = False  # by Ctrl-C: what then fails says nothing
+        self.stopped = threading.Event()  # by Ctrl-C or SIGTERM: what then fails says nothing
 
     def take(self, event):
         with self.lock:
@@ -137,7 +139,7 @@ class RunProgress:
 
     def _take_job_error(self, event):
         self.running.pop(event["jobid"], None)
-        self._print(f"{self._count()} {event['name']} failed: {', '.join(event.get('output') or [])}; what its tool said stands above")
+        self._print_failure(f"{event['name']} failed: {', '.join(event.get('output') or [])}")
 
     def _take_group_error(self, event):
         # many shards in one job of a batch system: what was wrong with it, its status command said
@@ -145,7 +147,11 @@ class RunProgress:
         for job in jobs:
             self.running.pop(job["jobid"], None)
         rules = ", ".join(sorted({job["name"] for job in jobs}))
-        self._print(f"{self._count()} {rules} failed: a job that made {len(jobs)} of them; what its tool said stands above")
+        self._print_failure(f"{rules} failed: a job that made {len(jobs)} of them")
+
+    def _print_failure(self, text):
+        if not self.stopped.wait(STOP_IS_HEARD_S):
+            self._print(f"{self._count()} {text}; what its tool said stands above")
 
     def _take_info(self, event):
         # all else that snakemake says at this level is about itself
@@ -206,7 +212,7 @@ class RunProgress:
         self.has_line = True
 
     def _print(self, text):
-        if self.is_stopped:
+        if self.stopped.is_set():
             return
         self.write(("\r\033[K" if self.has_line else "") + text + "\n")
         self.has_line = False
@@ -239,8 +245,8 @@ def keep_time():
 
 def stop(number, frame):
     """SIGINT from pipeline.sh, which says it; what its end makes of the jobs at work is no failure."""
-    if not progress.is_stopped:
-        progress.is_stopped = True
+    if not progress.stopped.is_set():
+        progress.stopped.set()
         sys.stderr = open(os.devnull, "w")  # also what threads say that are cut off
         raise KeyboardInterrupt
 
