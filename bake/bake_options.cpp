@@ -95,7 +95,7 @@ void describe(BakeOptions& o, OptionTable& table) {
             0.0, 1e15);
   table.group("Machine");
   table.add("simd", &o.simd,
-            "vector instructions: avx512dl, avx512, avx2, sse4, ssse3, neon or scalar. None: the best that the processor has");
+            "vector instructions: avx512, avx2, sse4, ssse3, neon or scalar. None: the best that the processor has");
   table.add("threads", &o.threads, "number of threads. 0: one per hardware thread. The light grid does not depend on it", 0,
             1024);
 }

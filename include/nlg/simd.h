@@ -16,8 +16,8 @@ enum class SimdStatus {
   unavailable,   // not compiled for this architecture, or not supported by this machine
 };
 
-// Returns the targets of this build and machine, best first: a subset of avx512dl (AVX-512 of Ice Lake and Zen 4), avx512, avx2,
-// sse4, ssse3, neon, scalar.
+// Returns the targets of this build and machine, best first: a subset of avx512, avx2, sse4, ssse3, neon,
+// scalar.
 std::vector<std::string_view> availableSimdTargets();
 
 // Returns the target in use, as "avx2".

@@ -3,8 +3,6 @@
 #include <cstdint>
 #include <cstdlib>
 
-// the integer products are compiled for it as well, the other kernels use AVX3 in its place
-#define HWY_WANT_AVX3_DL
 #include <hwy/highway.h>
 
 namespace nlg {
@@ -18,14 +16,13 @@ struct NamedTarget {
 // Best first, as the bits are: a lower one is a better target. Which of the two scalar ones there is depends on the compiler.
 constexpr int64_t kScalar = HWY_EMU128 | HWY_SCALAR;
 #if HWY_ARCH_X86
-constexpr NamedTarget kTargets[] = {{"avx512dl", HWY_AVX3_DL}, {"avx512", HWY_AVX3}, {"avx2", HWY_AVX2}, {"sse4", HWY_SSE4},
-                                    {"ssse3", HWY_SSSE3},      {"neon", 0},          {"scalar", kScalar}};
+constexpr NamedTarget kTargets[] = {{"avx512", HWY_AVX3}, {"avx2", HWY_AVX2}, {"sse4", HWY_SSE4},
+                                    {"ssse3", HWY_SSSE3}, {"neon", 0},        {"scalar", kScalar}};
 #elif HWY_ARCH_ARM
-constexpr NamedTarget kTargets[] = {{"avx512dl", 0}, {"avx512", 0},      {"avx2", 0},        {"sse4", 0},
-                                    {"ssse3", 0},    {"neon", HWY_NEON}, {"scalar", kScalar}};
+constexpr NamedTarget kTargets[] = {{"avx512", 0}, {"avx2", 0},        {"sse4", 0},
+                                    {"ssse3", 0},  {"neon", HWY_NEON}, {"scalar", kScalar}};
 #else
-constexpr NamedTarget kTargets[] = {{"avx512dl", 0}, {"avx512", 0}, {"avx2", 0},        {"sse4", 0},
-                                    {"ssse3", 0},    {"neon", 0},   {"scalar", kScalar}};
+constexpr NamedTarget kTargets[] = {{"avx512", 0}, {"avx2", 0}, {"sse4", 0}, {"ssse3", 0}, {"neon", 0}, {"scalar", kScalar}};
 #endif
 
 // What the build has and the machine supports, whatever was forced meanwhile. What the compiler itself may use is always among it: Highway,
