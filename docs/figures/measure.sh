@@ -80,6 +80,8 @@ functions() {
   local run=$root/openarena config=$root/openarena.yaml shards
   # as many of each scene: no figure of a scene is that of one large level
   sed 's/max_functions: [0-9]*/max_functions: 150/' configs/openarena.yaml > "$config"
+  # the names that the rules have
+  export NLG_OUT=$source/out
   shards=$(PYTHONPATH=workflow:. /usr/bin/python3 -c 'import sys, configuration; print(*configuration.load(sys.argv[1]).shards("evaluation"))' "$config")
   # shellcheck disable=SC2086
   NLG_BIN=$bin /usr/bin/snakemake -s workflow/Snakefile --config file="$config" --cores "$(nproc)" --nolock --quiet --allowed-rules datagen -- $shards
