@@ -1,6 +1,7 @@
 #include "validate/stability/extreme_function.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -18,25 +19,33 @@ constexpr double kConstantFactor = 1.01;
 // Sums of another kernel: the same theta may differ in the last digits.
 constexpr double kOtherKernel = 1.0 + 1e-6;
 
-// The lowest blend RMSE of c, of c tent(x) where the representation has the tent, over all constants c that it can output.
-double constantRmse(const Representation& representation, const StoredFunction& stored, const LossOptions& loss) {
-  const LossWeights weights(loss);
+// What the check finds of c, of c tent(x) where the representation has the tent, for the c of the lowest blend RMSE that it can output.
+FunctionCheck checkOfConstant(const Representation& representation, const StoredFunction& stored, const CheckOptions& check) {
+  const LossWeights weights(check.loss());
   const bool is_limited = !representation.isNetwork() || representation.shape().output == OutputFunction::sigmoid;
-  double shape_shape = 0.0, shape_phi = 0.0, phi_phi = 0.0;
-  int count = 0;
+  double shape_shape = 0.0, shape_phi = 0.0;
+  std::vector<std::array<double, 3>> points;  // squared weight, shape, phi
   for (int p = 0; p < kSupportPointCount; ++p) {
     if (!stored.isValid(p)) continue;
     const float bare = tent(pointAt(p));
     const double root = weights.root(stored.phi[p], bare, stored.blendSum(p));
-    const double shape = root * (representation.tentFactor() ? bare : 1.0), phi = root * stored.phi[p] / 255.0;
-    shape_shape += shape * shape;
-    shape_phi += shape * phi;
-    phi_phi += phi * phi;
-    ++count;
+    const double shape = representation.tentFactor() ? bare : 1.0, phi = stored.phi[p] / 255.0;
+    points.push_back({root * root, shape, phi});
+    shape_shape += root * root * shape * shape;
+    shape_phi += root * root * shape * phi;
   }
-  if (count == 0) return 0.0;
+  FunctionCheck found;
+  if (points.empty()) return found;
   const double best = shape_shape > 0.0 ? shape_phi / shape_shape : 0.0, c = is_limited ? std::min(best, 1.0) : best;
-  return std::sqrt(std::max(0.0, phi_phi - 2.0 * c * shape_phi + c * c * shape_shape) / count);
+  double square = 0.0, blend_square = 0.0;
+  for (const auto& [weight, shape, phi] : points) {
+    const double error = c * shape - phi;
+    square += error * error;
+    blend_square += weight * error * error;
+  }
+  found.rmse = std::sqrt(square / static_cast<double>(points.size()));
+  found.blend_rmse = std::sqrt(blend_square / static_cast<double>(points.size()));
+  return found;
 }
 
 // The lowest blend RMSE of long fits, of the brief suite of shorter ones.
@@ -100,17 +109,21 @@ void WorstBake::add(const StabilityInputs& inputs, const NamedGenerator& named, 
   corrected_rmse_ = std::max(corrected_rmse_, corrected.rmse);
   stored_rmse_ = std::max(stored_rmse_, last.rmse);
 
-  // either RMSE against its tau, whichever is nearer; the blend RMSE against what a fit of it can do
+  // either RMSE against its tau, whichever is nearer
   const bool is_by_blend = last.blend_rmse / check.tau_blend > last.rmse / check.tau_rmse;
   double reached = is_by_blend ? last.blend_rmse : last.rmse, most = is_by_blend ? check.tau_blend : check.tau_rmse;
   std::string from = is_by_blend ? "tau_blend" : "tau_rmse";
-  const auto mayBe = [&](double rmse, const char* why) {
-    if (error(last) / rmse < reached / most) reached = error(last), most = rmse, from = why;
+  const auto mayBe = [&](double of, double limit, const char* why) {
+    if (of / limit < reached / most) reached = of, most = limit, from = why;
   };
   if (bound == ErrorBound::constant) {
-    mayBe(kConstantFactor * constantRmse(named.generator.representation(), stored, check.loss()), "a constant");
+    // by what fits minimise, or by what a bake chooses by: of two theta it takes the one in less trouble, whose blend RMSE may be larger
+    const FunctionCheck constant = checkOfConstant(named.generator.representation(), stored, check);
+    mayBe(error(last), kConstantFactor * error(constant), "a constant");
+    mayBe(last.trouble(check), kConstantFactor * constant.trouble(check), "a constant's trouble");
   } else if (reached > most && !made.isBareTent()) {  // what is good enough asks for no long fits
-    mayBe(kBestKnownFactor * bestKnownRmse(inputs, named.generator, stored, made.theta, check.loss()), "the best known");
+    const double best = bestKnownRmse(inputs, named.generator, stored, made.theta, check.loss());
+    mayBe(error(last), kBestKnownFactor * best, "the best known");
   }
   // in this order, so that an error that is no number counts as the worst
   if (reached / most <= most_of_bound_) return;

@@ -26,14 +26,14 @@ SampledFunction sampleFunction(
 // seed   the direction of the wall
 SampledFunction functionBesideWall(uint64_t seed, double distance);
 
-// What the stored error of a function may be where it fails the check: in blend RMSE, which fits minimise.
+// What the stored error of a function may be where it fails the check.
 enum class ErrorBound {
-  // of functions that levels have: 1.5 times the best that is known of the function in this representation. Above both thresholds and that, the
-  // bake has missed what the representation can do
+  // of functions that levels have: 1.5 times the best blend RMSE that is known of the function in this representation. Above both thresholds
+  // and that, the bake has missed what the representation can do
   best_known,
-  // of functions that no geometry makes: 1.01 times the error of the best constant in the place of the network or the field. Every
-  // representation holds a constant, so a fit must find one that is as good. For tents that a sigmoid limits, nothing fits the
-  // function that is 1 everywhere better than the bare tent, which is .886 off
+  // of functions that no geometry makes: 1.01 times the blend RMSE or the trouble (check.h) of the best constant in the place of the network or
+  // the field. Every representation holds a constant, so a fit must find one that is as good. For tents that a sigmoid limits, nothing fits
+  // the function that is 1 everywhere better than the bare tent, which is .886 off
   constant,
 };
 
