@@ -48,7 +48,7 @@ void checkOut(const BakeRequest& request, const std::vector<std::string>& inputs
 
 void runBake(BakeRequest request, const BakeOptions& options, const OptionTable& table) {
   const auto start = std::chrono::steady_clock::now();
-  if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders(options.draft));
+  if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders());
   // outputs and contradictions before any file is read: a bake takes minutes
   std::vector<std::string> inputs = request.weights;
   inputs.insert(inputs.end(), {request.scene, request.config});

@@ -37,7 +37,7 @@ LoadedGenerators loadGenerators(const std::vector<std::string>& paths) {
   return loaded;
 }
 
-std::vector<std::string> weightsFolders(bool for_draft) {
+std::vector<std::string> weightsFolders() {
   const char* chosen = std::getenv("NLG_WEIGHTS");
   fs::path folder = chosen != nullptr ? chosen : "";
   if (folder.empty()) {
@@ -46,7 +46,6 @@ std::vector<std::string> weightsFolders(bool for_draft) {
     if (error) return {};  // without /proc
     folder = (program.parent_path() / NLG_INSTALLED_WEIGHTS).lexically_normal();
   }
-  if (for_draft) return {(folder / "samples").string(), folder.string()};
   return {folder.string()};
 }
 

@@ -21,8 +21,7 @@ LoadedGenerators loadGenerators(const std::vector<std::string>& paths);
 // Where shipped weights may lie, in the order in which they are looked for: the folder of the environment variable NLG_WEIGHTS and
 // no other when it is set; otherwise share/neural-light-grid/weights of the installation that this program belongs to. A build folder
 // has a link to the weights of its sources there.
-// for_draft   weights that read samples: their subfolder `samples` comes before each
-std::vector<std::string> weightsFolders(bool for_draft = false);
+std::vector<std::string> weightsFolders();
 
 // NAME.safetensors of every representation, all from the first folder that has any of them.
 //

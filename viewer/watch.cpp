@@ -223,7 +223,7 @@ class Watch {
     try {
       const Words& given = request_.weights;
       const LoadedGenerators loaded =
-          loadGenerators(given.empty() ? shippedWeights(options_.representation, weightsFolders(true)) : given);
+          loadGenerators(given.empty() ? shippedWeights(options_.representation, weightsFolders()) : given);
       return std::all_of(loaded.generators.begin(), loaded.generators.end(), [](const Generator& g) { return g.readsSamples(); });
     } catch (const ToolError&) {
       return false;

@@ -40,7 +40,7 @@ void runCheck(BakeRequest request, const BakeOptions& options, const OptionTable
   }
   checkOutputs(request, {request.scene, request.config, request.checked});
   const BakedGrid baked = readBakedGrid(request.checked);
-  if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders(options.draft));
+  if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders());
   const NamedGenerators named = loadGeneratorsOf(request);
   SceneSource source = loadLitScene(request.scene, options);
   std::vector<std::string> changes = changesSince(request.checked, baked, source, table, named.sha256);

@@ -61,7 +61,6 @@ TEST_F(DefaultWeightsTest, DoesNotMixFolders) {
 TEST_F(DefaultWeightsTest, TheVariableNamesTheOnlyFolder) {
   ::setenv("NLG_WEIGHTS", "/somewhere", 1);
   EXPECT_EQ(weightsFolders(), (std::vector<std::string>{"/somewhere"}));
-  EXPECT_EQ(weightsFolders(true), (std::vector<std::string>{"/somewhere/samples", "/somewhere"}));
   ::unsetenv("NLG_WEIGHTS");
   const std::vector<std::string> folders = weightsFolders();
   ASSERT_EQ(folders.size(), 1u);
