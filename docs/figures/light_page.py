@@ -1,6 +1,6 @@
 """docs/reference/light.md: light, against ground truth and baselines. Written by results.py from docs/results/light.json."""
 from results_page import spread, table
-from results_quotes import number, percent
+from results_quotes import made_by, number, percent
 
 NAME = "light"
 OURS = "tent_mlp4"  # what nlg-bake takes without being told
@@ -229,7 +229,7 @@ def indirect_section(results):
     places = next(iter(found["scenes"].values()))["places"]
     kinds = [kind for kind in SHOWN_KINDS if kind in found["methods"]]
     front = found["front"]
-    text = INDIRECT_INTRODUCTION + f"\nRevision {', '.join(f'`{revision}`' for revision in found['revisions'])}; {len(found['scenes'])} scenes, {places['air']:,} points in air of each and {places['surface']:,} before surfaces. Ours is `{results['ours']}` with solved light. **Bold** reaches the target.\n"
+    text = INDIRECT_INTRODUCTION + f"\n{len(found['scenes'])} scenes, {places['air']:,} points in air of each and {places['surface']:,} before surfaces. Ours is `{results['ours']}` with solved light. **Bold** reaches the target.\n"
     text += table(*indirect_rows(found))
     text += (f"\nOurs matches {front['met']:,} of {front['of']:,} points of storable baselines in error at no more bytes (target: all). Missed: {missed_text(front)}.\n"
              f"\nThe best baseline over a kind of scene has less error than ours: {'; '.join(behind(found)) or 'nowhere'}. The best baseline of a single scene, solved light included: {behind_by_scene(found['by_scene'], found['scenes'])}.\n"
@@ -278,7 +278,6 @@ def seen_targets(found, ours):
 
 def seen_section(results):
     found = results["views"]
-    revisions = ", ".join(f"`{revision}`" for revision in found["revisions"])
     kinds = {kind: max(entry["scenes"] for entry in methods.values()) for kind, methods in found["methods"].items()}
     percents = lambda value: number(100 * value, 1)
     rows = []
@@ -288,8 +287,8 @@ def seen_section(results):
         entries = [found["methods"][kind].get(slug) for kind in kinds]
         rows.append([name, light, *("; ".join([number(entry["all"]["hyab"], 1), percents(entry["all"]["off_2"]), percents(entry["edge"]["off_2"]) if "edge" in entry else "", percents(entry["all"]["ringing"])])
                                     if entry else "" for entry in entries)])
-    offsets = f", means over {found['offsets']} offsets of the lattice (`--seed`)" if "offsets" in found else ""
-    return (SEEN_INTRODUCTION + f"\nRevision {revisions}{offsets}.\n" + seen_targets(found, results["ours"])
+    offsets = f" Means over {found['offsets']} offsets of the lattice (`--seed`)." if "offsets" in found else ""
+    return (SEEN_INTRODUCTION.rstrip("\n") + f"{offsets}\n" + seen_targets(found, results["ours"])
             + f"\n*ΔE; off; edges; rings*, shares in per cent, probes as far apart as the bake chooses (number of scenes).\n"
             + table(["method", "light", *(f"{KIND_TITLES[kind].lower()} ({count})" for kind, count in kinds.items())], rows))
 
@@ -326,7 +325,7 @@ def blend_section(results):
 
 def page(all_results):
     results = all_results[NAME]
-    text = INTRODUCTION + f"\nMade by `{results['command']}`, revision {', '.join(f'`{revision}`' for revision in results['revisions'])}.\n"
+    text = INTRODUCTION + f"\n{made_by(results, results['revisions'])}.\n"
     text += (indirect_section(results) if "indirect" in results else "") + targets_section(results)
     text += seen_section(results) if "views" in results else ""
     return text + blend_section(results) + scenes_section(results["scenes"])

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from light_page import NAME, OURS
-from results_collect import benchmarks, fail, held_to, read_json, revision, rounded, slug, take
+from results_collect import benchmarks, fail, held_to, read_json, revision, rounded, slug, take, today
 
 # the one place that reads light.json, and sums it up over scenes
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "validate" / "report"))
@@ -297,7 +297,7 @@ def collect(folder):
         fail(folder, "results of nlg-validate light", "no .json")
     points, scenes, revisions = measured(folder, files, ours, "all")
     kinds = {point.scene: point.kind for point in points}
-    out = {"schema_version": 1, "run": NAME, "command": "docs/figures/measure.sh light views bakes", "ours": ours, "revisions": revisions, "scenes": scenes,
+    out = {"schema_version": 1, "run": NAME, "command": "docs/figures/measure.sh light views bakes", "date": today(), "ours": ours, "revisions": revisions, "scenes": scenes,
            "targets": targets(points, ours), "thinning": {}, "methods": {}}
     for kind in SCENE_KINDS:
         of_kind = [point for point in points if point.kind == kind]

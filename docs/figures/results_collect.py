@@ -7,6 +7,7 @@ Taken are, where the run's folder has them:
     bakes/SCENE.json           nlg-bake (--json)
     benchmarks/*.json          bench_* --benchmark_out=FILE --benchmark_out_format=json
 """
+import datetime
 import json
 import math
 import re
@@ -214,9 +215,14 @@ def held_to(read, path):
         return read(path)
 
 
+def today():
+    return datetime.date.today().isoformat()
+
+
 def collect(run, configuration):
     """The results of one run's folder."""
     out = {"schema_version": RESULTS_VERSION, "run": run.name, "configuration": configuration, "command": f"./pipeline.sh {configuration}"}
+    out["date"] = today()
     if (run / "machine.txt").exists():
         out["machine"] = (run / "machine.txt").read_text().strip()
     readers = {"evaluation": ("evaluation/summary.json", summary), "frontier": ("evaluation/frontier.json", frontier), "stability": ("stability.json", stability)}

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from results_collect import STAGES
-from results_quotes import MAIN, microseconds, number, percent
+from results_quotes import MAIN, made_by, microseconds, number, percent
 from tool.input_file import Node
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "validate" / "report"))  # whose verdict is judged by
@@ -68,7 +68,7 @@ def evaluation_section(split):
     counts = split["functions"]
     text = (f"\n## Evaluation: levels that no generator was trained on\n{counts['held_out']:,} distinct functions of {counts['held_out_scenes']} levels and furnished villas. "
             f"The table shows *stored* θ of the {counts['take_theta']:,} that take one, in {split['theta_precision']}; {counts['hard']:,} are hard."
-            f" Revision `{split['revision']}`. *Network*, *fitted* and the share fitted: [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
+            f" *Network*, *fitted* and the share fitted: [model cards](../../weights/README.md). The levels are [no untouched test set](../guide/levels.md#the-split).\n")
     rows = [["bare tent", *error_cells(split["tent"]["theta"], split["tent"]["hard"]), "0"]]
     for name, entry in split["representations"].items():
         rows.append([f"`{name}`", *error_cells(entry["stored"]["theta"], entry["stored"]["hard"]), microseconds(entry["stored"]["theta"]["us_per_function"])])
@@ -96,7 +96,7 @@ def sample_section(split):
 def frontier_section(front):
     counts = front["functions"]
     text = (f"\n## Error against run time\n{counts['theta']:,} functions of the evaluation that take a θ, {counts['hard']:,} of them hard. {front['front_sentences'].get('theta', '')} "
-            f"[How it is measured](frontier.md); `docs/results/{MAIN}.json` has all ways. Revision `{front['revision']}`.\n\n![Error against run time](../images/error_against_time.png)\n")
+            f"[How it is measured](frontier.md); `docs/results/{MAIN}.json` has all ways.\n\n![Error against run time](../images/error_against_time.png)\n")
     return text + speed_section(front)
 
 
@@ -155,7 +155,7 @@ def stability_section(stability):
     for case in cases:
         groups.setdefault(case["group"], []).append(case)
     rows = [[group, len(found), sum(case["holds"] for case in found)] for group, found in groups.items()]
-    text = f"\n## Stability\n[Extreme cases](stability.md). Revision `{stability['revision']}`.\n"
+    text = f"\n## Stability\n[Extreme cases](stability.md).\n"
     text += table(["", "cases", "hold"], rows)
     failed = [f"{case['name']}: {case['must_hold']}. {case['measured']}" for case in cases if not case["holds"]]
     return text + "".join(f"\n- Does not hold: {line}" for line in failed) + ("\n" if failed else "")
@@ -216,7 +216,8 @@ def page(all_results):
     """The whole page, of the main results; what was not measured has no section."""
     results = all_results[MAIN]
     of_machine = f" All times are of one machine: {results['machine']}." if "machine" in results else ""
-    text = INTRODUCTION + f"\nMade by `{results['command']}`; weights: [cards](../../weights/README.md).{of_machine}\n"
+    revisions = sorted({section["revision"] for section in results.values() if isinstance(section, dict) and "revision" in section})
+    text = INTRODUCTION + f"\n{made_by(results, revisions)}; weights: [cards](../../weights/README.md).{of_machine}\n"
     sections = {"evaluation": evaluation_section, "frontier": frontier_section, "bakes": bakes_section,
                 "stability": stability_section, "benchmarks": benchmarks_section}
     for key, write in sections.items():

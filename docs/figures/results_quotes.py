@@ -37,6 +37,12 @@ def microseconds(value):
     return f"{value:,.0f}" if value >= 10 else f"{value:.1f}"
 
 
+def made_by(results, revisions):
+    """Command, revision and date of a results file, for the head of its page; results of before 30 November 2026 have no date."""
+    of_revision = f" at revision {', '.join(f'`{revision}`' for revision in revisions)}" if revisions else ""
+    return f"Made by `{results['command']}`{of_revision}" + (f" on {results['date']}" if "date" in results else "")
+
+
 def load_results(folder):
     """NAME → its results."""
     return {path.stem: read_json(path).value for path in sorted(folder.glob("*.json"))}
