@@ -6,7 +6,7 @@
     docs/figures/results.py collect-fault-injection FOLDER                   what fault injection found → docs/results/reliability.json, then write
     docs/figures/results.py collect-cycles FOLDER                            light against Cycles → docs/results/cycles.json, then write
     docs/figures/results.py write                                            docs/results → every text
-    docs/figures/results.py check                                            names every text that says something else, and figures of another revision
+    docs/figures/results.py check [--release]                                names every text that says something else, and figures of another revision
 
 collect takes a run's result folder, out/NAME, reduces what it measured to docs/results/NAME.json, draws the plots of docs/images anew and fills the texts.
 collect-light takes what nlg-validate light wrote of scenes, FOLDER/SCENE.json (light_results.py says what else may lie there; of that, what
@@ -98,15 +98,22 @@ def revisions(found):
     return own.union(*map(revisions, found.values()))
 
 
-def without_one_revision(all_results):
-    """A line for every revision, where figures are of several, or of one that nobody can look up; else none."""
-    files = {}
-    for name, results in all_results.items():
-        for revision in revisions(results):
-            files.setdefault(revision, []).append(name)
-    if len(files) == 1 and not next(iter(files)).endswith("-dirty"):
-        return []
-    return [f"docs/results: expected one revision without changes in all results, got {revision} in {', '.join(sorted(names))}" for revision, names in sorted(files.items())]
+def of_other_revisions(all_results, is_release):
+    """A line for every revision of figures that belong together, where these are several, or one that nobody can look up.
+
+    is_release   whether all figures belong together, or those of one file, whose page names their revision
+    """
+    together = [list(all_results)] if is_release else [[name] for name in all_results]
+    lines = []
+    for names in together:
+        files = {}
+        for name in names:
+            for revision in revisions(all_results[name]):
+                files.setdefault(revision, []).append(name)
+        if len(files) > 1 or any(revision.endswith("-dirty") for revision in files):
+            lines += [f"docs/results: expected one revision without changes in {'all results' if is_release else names[0]}, got {revision} in {', '.join(sorted(found))}"
+                      for revision, found in sorted(files.items())]
+    return lines
 
 
 def write(all_results):
@@ -115,7 +122,7 @@ def write(all_results):
         if not path.exists() or read_text(path) != text:
             write_atomically(path, text.encode())
             print(path.relative_to(ROOT))
-    for line in without_one_revision(all_results):
+    for line in of_other_revisions(all_results, is_release=False):
         print(line)
     return report(problems, only_keys=True)
 
@@ -178,7 +185,8 @@ def main():
     collecting_cycles = commands.add_parser("collect-cycles", help="light against Cycles → docs/results, then write")
     collecting_cycles.add_argument("folder", type=Path, help="--out of docs/figures/cycles/compare.py")
     commands.add_parser("write", help="docs/results → every text")
-    commands.add_parser("check", help="names every text that says something else, and figures of another revision")
+    checking = commands.add_parser("check", help="names every text that says something else, and figures of another revision")
+    checking.add_argument("--release", action="store_true", help="expects all figures to be of one revision, not only those of one file")
     arguments = parser.parse_args()
     if arguments.command == "collect":
         return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.made_by)
@@ -192,7 +200,7 @@ def main():
         return write(load_results(RESULTS))
     problems, all_results = [], load_results(RESULTS)
     expected_texts(all_results, problems)
-    problems += [(line, False) for line in without_one_revision(all_results)]
+    problems += [(line, False) for line in of_other_revisions(all_results, arguments.release)]
     return report(problems, only_keys=False)
 
 

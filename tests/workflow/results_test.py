@@ -210,7 +210,15 @@ class Results(unittest.TestCase):
             self.run_results("write")
             result = self.run_results("check")
             self.assertEqual(result.returncode, 6)
-            self.assertIn(f"expected one revision without changes in all results, got {'4567def' if '4567def' in new else '0123abc-dirty'}", result.stderr)
+            self.assertIn(f"expected one revision without changes in openarena, got {'4567def' if '4567def' in new else '0123abc-dirty'}", result.stderr)
+
+    def test_files_of_results_may_be_of_several_revisions_until_a_release(self):
+        self.filled("tent_mlp.stored.theta.rmse.mean:.4")
+        (self.root / "docs/results/other.json").write_text(json.dumps({"run": "other", "revision": "4567def"}))
+        self.assertEqual(self.run_results("check").returncode, 0)
+        result = self.run_results("check", "--release")
+        self.assertEqual(result.returncode, 6)
+        self.assertIn("got 4567def in other", result.stderr)
 
     def test_all_rows_of_a_table_have_the_cells_of_its_head(self):
         self.assertEqual(self.collect().returncode, 0)
