@@ -73,7 +73,7 @@ void drawNeedle(Image& image, const PlaceView& view, const glm::vec3& normal) {
   if (!foot || !tip) return;
   const glm::dvec2 size(image.width(), image.height());
   drawLine(image, *foot * size, *tip * size, 2.0, kNeedle);
-  drawDisc(image, *foot * size, 2.5, kNeedle);
+  drawLine(image, *foot * size, *foot * size, 5.0, kNeedle);
 }
 
 // So that truth's median is middle grey, but the ball's colour at the needle's foot is cut off in neither picture.

@@ -30,25 +30,6 @@ void fillByDistance(Image& image, const glm::dvec2& low, const glm::dvec2& high,
   }
 }
 
-// Cuts the segment to the picture and a margin, so that a long line costs no more than what is seen of it.
-bool clipToImage(const Image& image, double margin, glm::dvec2& a, glm::dvec2& b) {
-  const glm::dvec2 high(image.width() + margin, image.height() + margin), step = b - a;
-  double first = 0.0, last = 1.0;
-  for (int axis = 0; axis < 2; ++axis) {
-    if (step[axis] == 0.0) {
-      if (a[axis] < -margin || a[axis] > high[axis]) return false;
-      continue;
-    }
-    const double t0 = (-margin - a[axis]) / step[axis], t1 = (high[axis] - a[axis]) / step[axis];
-    first = std::max(first, std::min(t0, t1));
-    last = std::min(last, std::max(t0, t1));
-  }
-  if (first > last) return false;
-  b = a + last * step;
-  a += first * step;
-  return true;
-}
-
 // Decodes the UTF-8 sign at text[i] and moves i behind it; a broken one is the replacement character.
 uint32_t nextCodePoint(const std::string& text, size_t* i) {
   const auto lead = static_cast<unsigned char>(text[(*i)++]);
@@ -135,32 +116,12 @@ void drawFrame(Image& image, int x, int y, int width, int height, Colour colour)
 }
 
 void drawLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double width_px, Colour colour) {
-  glm::dvec2 from = a, to = b;
-  if (!clipToImage(image, width_px + 2, from, to)) return;
-  const glm::dvec2 step = to - from;
+  const glm::dvec2 step = b - a;
   const double squared = std::max(glm::dot(step, step), 1e-12), radius = 0.5 * width_px;
-  const auto distance = [&](const glm::dvec2& p) {
-    const double t = std::clamp(glm::dot(p - from, step) / squared, 0.0, 1.0);
-    return glm::length(p - from - t * step) - radius;
-  };
-  // in pieces: the box around a long slanting line is mostly empty
-  const int piece_count = 1 + static_cast<int>(glm::length(step) / 32);
-  for (int i = 0; i < piece_count; ++i) {
-    const glm::dvec2 p = from + step * (double(i) / piece_count), q = from + step * (double(i + 1) / piece_count);
-    const glm::dvec2 low = glm::min(p, q) - radius, high = glm::max(p, q) + radius;
-    const bool first = i == 0, last = i + 1 == piece_count;
-    fillByDistance(image, low, high, colour, [&](const glm::dvec2& pixel) {
-      // every pixel belongs to one piece, by where its foot on the line falls
-      const double foot = glm::dot(pixel - from, step) / squared * piece_count;
-      const bool is_mine = (first || foot >= i) && (last || foot < i + 1);
-      return is_mine ? distance(pixel) : 1.0;
-    });
-  }
-}
-
-void drawDisc(Image& image, const glm::dvec2& centre, double radius_px, Colour colour) {
-  fillByDistance(image, centre - radius_px, centre + radius_px, colour,
-                 [&](const glm::dvec2& p) { return glm::length(p - centre) - radius_px; });
+  fillByDistance(image, glm::min(a, b) - radius, glm::max(a, b) + radius, colour, [&](const glm::dvec2& p) {
+    const double t = std::clamp(glm::dot(p - a, step) / squared, 0.0, 1.0);
+    return glm::length(p - a - t * step) - radius;
+  });
 }
 
 void drawRing(Image& image, const glm::dvec2& centre, double radius_px, double width_px, Colour colour) {

@@ -62,9 +62,8 @@ Colour hatchColour(int x, int y);
 // A frame of one pixel just outside the rectangle.
 void drawFrame(Image& image, int x, int y, int width, int height, Colour colour);
 
-// width_px   of the stroke; ends are round
+// width_px   of the stroke; ends are round: a line without length is a disc
 void drawLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double width_px, Colour colour);
-void drawDisc(Image& image, const glm::dvec2& centre, double radius_px, Colour colour);
 void drawRing(Image& image, const glm::dvec2& centre, double radius_px, double width_px, Colour colour);
 
 // UTF-8 text in the font of image.h; (x, y) is its upper left corner.
