@@ -31,25 +31,13 @@ void drawErrorBar(Image& image, int x, int y, int width, ErrorKind kind, double 
   }
 }
 
-// The map on paper, with room for a bar that draw(image, x, y, width) fills.
-template <class Draw>
-Image withBar(const Image& map, const Draw& draw) {
-  Image image(map.width() + 2 * kMargin, map.height() + 2 * kMargin + kGap + kBarHeight, kPaper);
-  paste(image, map, kMargin, kMargin);
-  draw(image, kMargin + map.width() / 8, kMargin + map.height() + kGap, map.width() - map.width() / 4);
-  return image;
-}
-
 }  // namespace
 
 Image withErrorBar(const Image& map, ErrorKind kind, double range) {
-  return withBar(map, [&](Image& image, int x, int y, int width) { drawErrorBar(image, x, y, width, kind, range); });
-}
-
-Image withShareBar(const Image& map, const std::string& title) {
-  return withBar(map, [&](Image& image, int x, int y, int width) {
-    drawColourBar(image, x, y, width, title, {"0", "0.5", "1"}, [](double at) { return viridis(at); });
-  });
+  Image image(map.width() + 2 * kMargin, map.height() + 2 * kMargin + kGap + kBarHeight, kPaper);
+  paste(image, map, kMargin, kMargin);
+  drawErrorBar(image, kMargin + map.width() / 8, kMargin + map.height() + kGap, map.width() - map.width() / 4, kind, range);
+  return image;
 }
 
 Image drawPanel(const std::vector<PanelColumn>& columns, const PanelText& text) {

@@ -28,6 +28,5 @@ Image drawPanel(const std::vector<PanelColumn>& columns, const PanelText& text);
 
 // A single map with its colour bar below.
 Image withErrorBar(const Image& map, ErrorKind kind, double range);
-Image withShareBar(const Image& map, const std::string& title);
 
 }  // namespace nlg

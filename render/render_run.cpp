@@ -15,7 +15,6 @@
 #include "render/panel.h"
 #include "render/picture/image.h"
 #include "render/picture/legend.h"
-#include "render/place_picture.h"
 #include "render/rendered_scene.h"
 #include "render/tone.h"
 #include "runtime_eval/numbers/random.h"
@@ -51,11 +50,10 @@ void check(const RenderRequest& request) {
   for (const std::string& name : methodNames(request)) {
     checkMethodName(request.panel.empty() ? "--method" : "--panel", name);
   }
-  const std::vector<std::string> shows = {"light", "error", "absolute", "weights"};
+  const std::vector<std::string> shows = {"light", "error", "absolute"};
   if (std::find(shows.begin(), shows.end(), request.show) == shows.end())
-    throw UsageError("--show", "light, error, absolute or weights", "'" + request.show + "'");
-  const bool needs_grid = asksFor(request, "grid") || request.show == "weights";
-  if (needs_grid && request.grid.empty() && !request.bake)
+    throw UsageError("--show", "light, error or absolute", "'" + request.show + "'");
+  if (asksFor(request, "grid") && request.grid.empty() && !request.bake)
     throw UsageError("a light grid is needed: give --grid GRID, or --bake");
   if (request.bake && !request.grid.empty()) throw UsageError("--bake cannot be combined with --grid");
   if (!request.look.empty() && request.eye.empty()) throw UsageError("--look needs --eye");
@@ -63,9 +61,6 @@ void check(const RenderRequest& request) {
   if (request.eye.empty() != request.look.empty()) throw UsageError("--eye needs --look");
   if (!request.eye.empty() && !(glm::length(vectorOf(request.look) - vectorOf(request.eye)) > 1e-9))
     throw UsageError("--look and --eye are the same point");
-  if (request.show == "weights" && request.probe < 0 && request.probe_near.empty())
-    throw UsageError("--show weights needs --probe or --probe-near");
-  if (request.show == "weights" && !request.panel.empty()) throw UsageError("--panel cannot be combined with --show weights");
 }
 
 double askedFov(const RenderRequest& request) { return (request.fov > 0.0 ? request.fov : kDefaultFov) * kDegree; }
@@ -88,31 +83,6 @@ const Viewpoint& namedViewpoint(const std::string& name, const Scene& scene) {
                    "'" + name + "'");
 }
 
-uint32_t shownProbe(const RenderRequest& request, const LightGrid& grid) {
-  const size_t count = grid.tree.probeCount();
-  if (request.probe >= 0) {
-    if (static_cast<uint64_t>(request.probe) >= count)
-      throw UsageError("--probe", "a probe below " + std::to_string(count), std::to_string(request.probe));
-    return static_cast<uint32_t>(request.probe);
-  }
-  const glm::dvec3 near = vectorOf(request.probe_near);
-  uint32_t nearest = 0;
-  double least = INFINITY;
-  for (size_t p = 0; p < count; ++p) {
-    const PositionM at = grid.tree.probePosition(p);
-    const double distance = glm::length(glm::dvec3(at[0], at[1], at[2]) - near);
-    if (distance < least) least = distance, nearest = static_cast<uint32_t>(p);
-  }
-  if (!std::isfinite(least)) throw UsageError("--probe-near", "a grid with probes", "none");
-  return nearest;
-}
-
-// The place of the probe whose weights are shown, relative to the scene's origin.
-glm::dvec3 shownPlace(const RenderRequest& request, const RenderedScene& scene) {
-  const PositionM at = scene.grid().tree.probePosition(shownProbe(request, scene.grid()));
-  return glm::dvec3(at[0], at[1], at[2]) - scene.scene().origin_m;
-}
-
 Camera cameraOf(const RenderRequest& request, const BakeOptions& options, const RenderedScene& scene) {
   const double fov_y = askedFov(request);
   if (!request.eye.empty()) {
@@ -120,11 +90,6 @@ Camera cameraOf(const RenderRequest& request, const BakeOptions& options, const 
     return cameraAlong(eye - scene.scene().origin_m, vectorOf(request.look) - eye, fov_y);
   }
   if (!request.camera.empty()) return cameraAt(namedViewpoint(request.camera, scene.scene()), request);
-  if (request.show == "weights") {
-    const glm::dvec3 place = shownPlace(request, scene);
-    // of a probe in solid no view is free
-    if (isInAir(scene.transport().rays(), place)) return viewOfPlace(scene.transport(), {place, {0, 1, 0}}).camera;
-  }
   for (const Viewpoint& viewpoint : scene.scene().viewpoints) {
     if (viewpoint.fov_y > 0.0f) return cameraAt(viewpoint, request);
   }
@@ -181,32 +146,6 @@ Cut cutOf(const RenderRequest& request, const Scene& scene) {
   return cut;
 }
 
-// The share that one probe takes of the grid's blend at every receiver, as a grey irradiance.
-struct ShareOfProbe {
-  const LightGrid& grid;
-  const glm::dvec3 origin_m;
-  const uint32_t probe;
-
-  LightAnswer irradianceAt(const glm::dvec3& position_m, const glm::vec3&) const {
-    const glm::dvec3 world = origin_m + position_m;
-    ProbeWeights shares;
-    lookUpShares(grid, {world.x, world.y, world.z}, &shares);
-    LightAnswer answer;
-    if (shares.count > 0) answer.reach = Reach::lit;
-    for (int i = 0; i < shares.count; ++i) {
-      if (shares.probe[i] == probe) answer.irradiance = glm::vec3(shares.weight[i]);
-    }
-    return answer;
-  }
-};
-
-// By the way that a surface faces.
-struct EvenShading {
-  LightAnswer irradianceAt(const glm::dvec3&, const glm::vec3& normal) const {
-    return {glm::vec3(0.6f + 0.25f * normal.y + 0.15f * normal.x), Reach::lit};
-  }
-};
-
 // One run: what it draws, and what it says of it.
 class Rendering {
  public:
@@ -217,7 +156,7 @@ class Rendering {
   }
 
   Json draw() {
-    const Image image = request_.show == "weights" ? drawWeights() : drawMethods();
+    const Image image = drawMethods();
     said_["tone"] = kTone;
     said_["width"] = image.width();
     said_["height"] = image.height();
@@ -237,7 +176,6 @@ class Rendering {
       return;
     }
     const Camera camera = cameraOf(request_, options_, scene_);
-    camera_ = camera;
     SightOptions sight;
     sight.width = request_.width;
     sight.height = request_.height;
@@ -254,33 +192,6 @@ class Rendering {
 
   LitPicture lit(const std::string& method, const LightAt& light_at) const {
     return lightPicture(sights_, method, light_at, scene_.threads());
-  }
-
-  Image drawWeights() {
-    const uint32_t probe = shownProbe(request_, scene_.grid());
-    const PositionM at = scene_.grid().tree.probePosition(probe);
-    said_["probe"] = probe;
-    said_["probe_m"] = at;
-    const ShareOfProbe of_probe{scene_.grid(), scene_.scene().origin_m, probe};
-    const EvenShading even;
-    const LitPicture shares = lit("weights", lightOf(&of_probe)), shading = lit("even", lightOf(&even));
-    const auto counts = [](const glm::vec3& share) { return share.r > 0.0f; };
-    const auto pixels = std::count_if(shares.irradiance.begin(), shares.irradiance.end(), counts);
-    said_["seen_share"] = static_cast<double>(pixels) / static_cast<double>(shares.irradiance.size());
-    Image map = shareMap(shares, shading);
-    ringProbe(map, glm::dvec3(at[0], at[1], at[2]) - scene_.scene().origin_m);
-    return withShareBar(map, fmt::format("share of probe {} at {}{}", probe, positionText({at[0], at[1], at[2]}),
-                                         pixels > 0 ? "" : ": not seen"));
-  }
-
-  // Where it stands, what is before it left aside.
-  void ringProbe(Image& map, const glm::dvec3& place) const {
-    if (!camera_) return;
-    const auto at = camera_->seenAt(place, static_cast<double>(map.width()) / map.height());
-    if (!at) return;
-    const glm::dvec2 centre = *at * glm::dvec2(map.width(), map.height());
-    drawRing(map, centre, 6.0, 4.0, kBlack);
-    drawRing(map, centre, 6.0, 2.0, kWhite);
   }
 
   Image drawMethods() {
@@ -351,7 +262,6 @@ class Rendering {
   const BakeOptions& options_;
   RenderedScene scene_;
   Sights sights_;
-  std::optional<Camera> camera_;  // of a view
   std::string place_;
   Json said_;
 };
@@ -380,8 +290,7 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--panel", r.panel, "methods to draw side by side, with titles, and with errors if truth is among them")
       ->delimiter(',');
   app.add_option("--show", r.show,
-                 "what the picture shows: light; error, signed, of irradiance; absolute, the error's magnitude; or weights, the "
-                 "share of one probe in the grid's blend")
+                 "what the picture shows: light; error, signed, of irradiance; or absolute, the error's magnitude")
       ->capture_default_str();
   app.add_option("--truth-rays", r.truth_rays, "rays of ground truth per sample")
       ->check(CLI::Range(8, 1 << 20))
@@ -395,13 +304,9 @@ void describe(RenderRequest& r, CLI::App& app) {
                  "error, as a share of truth's root mean square, that has the last colour. 0: chosen from the picture")
       ->check(numberIn(0.0, 1e6))
       ->capture_default_str();
-  app.add_option("--probe", r.probe, "number of the probe whose weights are shown")->check(CLI::Range(0, 1 << 27));
-  app.add_option("--probe-near", r.probe_near, "position x,y,z, metres, whose nearest probe's weights are shown")
-      ->delimiter(',')
-      ->expected(3);
   app.add_option("--camera", r.camera,
                  "camera: its name or number, from 0, in the glTF file, or the number of a player start of the level. None: the "
-                 "file's first camera, or a chosen view; with --show weights, a view of the probe");
+                 "file's first camera, or a chosen view");
   app.add_option("--eye", r.eye, "position of the camera: --eye=x,y,z, world coordinates, metres")->delimiter(',')->expected(3);
   app.add_option("--look", r.look, "point that the camera looks at: --look=x,y,z, world coordinates, metres")
       ->delimiter(',')

@@ -25,12 +25,10 @@ struct RenderRequest {
   std::vector<std::string> weights;  // for that
   std::string method = "truth";
   std::vector<std::string> panel;  // several methods side by side; empty: method alone
-  std::string show = "light";      // light, error, absolute, weights
+  std::string show = "light";      // light, error, absolute
   int truth_rays = 64;             // of every sample
   double exposure = 0.0;           // 0: automatic
   double error_range = 0.0;        // 0: automatic
-  int64_t probe = -1;              // whose weights are shown
-  std::vector<double> probe_near;  // or the probe that stands nearest to this place
   // from where
   std::string camera;             // name or number of one that the scene's file holds
   std::vector<double> eye, look;  // world, metres

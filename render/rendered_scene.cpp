@@ -72,11 +72,10 @@ void checkMethodName(const std::string& place, const std::string& name) {
   throw UsageError(place, "truth, grid, " + baselineNames() + ", or one of these with :solved", "'" + name + "'");
 }
 
-LightGrid readGrid(const std::string& path, GridMetadata* metadata, GridLight light) {
+LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
   LightGrid grid;
   requireRead(path, readLightGridFile(path, &grid, metadata), "a light grid");
-  if (light == GridLight::required && grid.light.empty())
-    throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
+  if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
   return grid;
 }
 
@@ -103,13 +102,13 @@ void RenderedScene::makeGrid(bool has_baselines) {
     grid_ = bakeScene(*baked_scene_, loadGenerators(weights).generators, options_, temporaryFolder()).grid;
   } else if (!request_.grid.empty()) {
     GridMetadata metadata;
-    grid_ = readGrid(request_.grid, &metadata, request_.show == "weights" ? GridLight::any : GridLight::required);
+    grid_ = readGrid(request_.grid, &metadata);
     const BakedAs baked = bakedAs(metadata),
                   asked{source().id, options_.light_direct, sceneLightSha256(scene()), options_.spacing_m};
     warnings_ = differencesOf(request_.grid, baked, asked, has_baselines);
     for (const std::string& warning : warnings_) std::cerr << request_.program << ": " << warning << '\n';
   }
-  if (request_.bake && grid_->light.empty() && request_.show != "weights")
+  if (request_.bake && grid_->light.empty())
     throw UsageError("--light", "solved, integrated or point", "none, and a view needs light");
 }
 

@@ -21,9 +21,8 @@ void checkMethodName(const std::string& place, const std::string& name);
 // As help names them: "trilinear, valid-trilinear, …".
 std::string baselineNames();
 
-// throws   InputError on a file that is no light grid, or one without light unless that may be
-enum class GridLight { required, any };
-LightGrid readGrid(const std::string& path, GridMetadata* metadata, GridLight light = GridLight::required);
+// throws   InputError on a file that is no light grid, or one without light
+LightGrid readGrid(const std::string& path, GridMetadata* metadata);
 
 class RenderedScene {
  public:

@@ -137,14 +137,4 @@ double errorRange(const std::vector<const LitPicture*>& pictures, const LitPictu
   return nextScale(*at);
 }
 
-Image shareMap(const LitPicture& shares, const LitPicture& shading) {
-  const Image grey = toneMapped(shading, automaticExposure(shading));
-  return mapOf(shares, [&](size_t pixel) {
-    const int x = static_cast<int>(pixel % shares.width), y = static_cast<int>(pixel / shares.width);
-    const double share = shares.irradiance[pixel].r;
-    const auto level = static_cast<uint8_t>(40.0 + 0.8 * lightness(grey.at(x, y)));
-    return share > 0.0 ? mix(viridis(share), Colour{level, level, level}, 0.25) : Colour{level, level, level};
-  });
-}
-
 }  // namespace nlg

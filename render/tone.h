@@ -41,8 +41,4 @@ double nextScale(double value);
 // The nextScale that few errors exceed: 5 in a hundred pixels.
 double errorRange(const std::vector<const LitPicture*>& pictures, const LitPicture& truth);
 
-// Irradiance, in [0, 1], as a colour: of a picture of a probe's shares. Surfaces are shaded by their radiance, so that their shape is
-// seen where the share is 0.
-Image shareMap(const LitPicture& shares, const LitPicture& shading);
-
 }  // namespace nlg

@@ -15,21 +15,6 @@ namespace {
 
 uint8_t mixByte(uint8_t a, uint8_t b, double share) { return static_cast<uint8_t>(std::lround(a + share * (b - a))); }
 
-// Blends the colour into every pixel of the box by distance_px(centre of the pixel) from the edge, negative inside.
-template <class Distance>
-void fillByDistance(Image& image, const glm::dvec2& low, const glm::dvec2& high, Colour colour, const Distance& distance_px) {
-  // clamped before they become integers: a line's end may lie anywhere
-  const auto pixel = [](double at, int end) { return static_cast<int>(std::clamp(std::floor(at), 0.0, end - 1.0)); };
-  if (high.x < 0 || high.y < 0 || low.x > image.width() || low.y > image.height()) return;
-  const int x_end = pixel(high.x + 1, image.width()), y_end = pixel(high.y + 1, image.height());
-  for (int y = pixel(low.y - 1, image.height()); y <= y_end; ++y) {
-    for (int x = pixel(low.x - 1, image.width()); x <= x_end; ++x) {
-      const double cover = 0.5 - distance_px(glm::dvec2(x + 0.5, y + 0.5));
-      if (cover > 0) image.blend(x, y, colour, std::min(cover, 1.0));
-    }
-  }
-}
-
 // Decodes the UTF-8 sign at text[i] and moves i behind it; a broken one is the replacement character.
 uint32_t nextCodePoint(const std::string& text, size_t* i) {
   const auto lead = static_cast<unsigned char>(text[(*i)++]);
@@ -118,16 +103,19 @@ void drawFrame(Image& image, int x, int y, int width, int height, Colour colour)
 void drawLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double width_px, Colour colour) {
   const glm::dvec2 step = b - a;
   const double squared = std::max(glm::dot(step, step), 1e-12), radius = 0.5 * width_px;
-  fillByDistance(image, glm::min(a, b) - radius, glm::max(a, b) + radius, colour, [&](const glm::dvec2& p) {
-    const double t = std::clamp(glm::dot(p - a, step) / squared, 0.0, 1.0);
-    return glm::length(p - a - t * step) - radius;
-  });
-}
-
-void drawRing(Image& image, const glm::dvec2& centre, double radius_px, double width_px, Colour colour) {
-  const double reach = radius_px + 0.5 * width_px;
-  fillByDistance(image, centre - reach, centre + reach, colour,
-                 [&](const glm::dvec2& p) { return std::fabs(glm::length(p - centre) - radius_px) - 0.5 * width_px; });
+  const glm::dvec2 low = glm::min(a, b) - radius, high = glm::max(a, b) + radius;
+  if (high.x < 0 || high.y < 0 || low.x > image.width() || low.y > image.height()) return;
+  // clamped before they become integers: a line's end may lie anywhere
+  const auto pixel = [](double at, int end) { return static_cast<int>(std::clamp(std::floor(at), 0.0, end - 1.0)); };
+  const int x_end = pixel(high.x + 1, image.width()), y_end = pixel(high.y + 1, image.height());
+  for (int y = pixel(low.y - 1, image.height()); y <= y_end; ++y) {
+    for (int x = pixel(low.x - 1, image.width()); x <= x_end; ++x) {
+      const glm::dvec2 from_a = glm::dvec2(x + 0.5, y + 0.5) - a;
+      const double along = std::clamp(glm::dot(from_a, step) / squared, 0.0, 1.0);
+      const double cover = 0.5 - (glm::length(from_a - along * step) - radius);
+      if (cover > 0) image.blend(x, y, colour, std::min(cover, 1.0));
+    }
+  }
 }
 
 void drawText(Image& image, int x, int y, const std::string& text, Colour colour, int scale) {

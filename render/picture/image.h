@@ -1,8 +1,8 @@
 // A picture in memory, 8 bits per channel, with drawing functions.
 //
 // Coordinates are pixels, x to the right and y down; (0, 0) is the upper left corner of the first pixel, whose centre is
-// (0.5, 0.5). Whatever lies outside the picture is cut off. Lines, discs and rings have smooth edges: a pixel takes the share of
-// the colour by its distance from the edge.
+// (0.5, 0.5). Whatever lies outside the picture is cut off. Lines have smooth edges: a pixel takes the share of the colour by its
+// distance from the edge.
 #pragma once
 
 #include <array>
@@ -64,7 +64,6 @@ void drawFrame(Image& image, int x, int y, int width, int height, Colour colour)
 
 // width_px   of the stroke; ends are round: a line without length is a disc
 void drawLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double width_px, Colour colour);
-void drawRing(Image& image, const glm::dvec2& centre, double radius_px, double width_px, Colour colour);
 
 // UTF-8 text in the font of image.h; (x, y) is its upper left corner.
 // scale   >= 1; enlarges by whole pixels, and above 1 thickens the strokes by one pixel

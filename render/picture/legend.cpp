@@ -29,11 +29,6 @@ Colour between(const Colour* knots, int count, double at) {
   return mix(knots[low], knots[low + 1], knot - low);
 }
 
-double linear(uint8_t channel) {
-  const double value = channel / 255.0;
-  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-}
-
 // "3.14": a number with so many digits behind the point.
 std::string fixed(double value, int digits) {
   const std::string text = fmt::format("{:.{}f}", value, digits);
@@ -46,11 +41,6 @@ std::string fixed(double value, int digits) {
 Colour viridis(double value) { return between(kViridis, kKnotCount, std::clamp(value, 0.0, 1.0)); }
 
 Colour diverging(double value) { return between(kBlueToRed, kStepCount, 0.5 + 0.5 * std::clamp(value, -1.0, 1.0)); }
-
-double lightness(Colour colour) {
-  const double luminance = 0.2126 * linear(colour.r) + 0.7152 * linear(colour.g) + 0.0722 * linear(colour.b);
-  return luminance <= 216.0 / 24389.0 ? luminance * 24389.0 / 27.0 : 116.0 * std::cbrt(luminance) - 16.0;
-}
 
 std::string positionText(const glm::dvec3& p) {
   return "(" + fixed(p.x, 3) + ", " + fixed(p.y, 3) + ", " + fixed(p.z, 3) + ") m";

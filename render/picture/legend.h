@@ -19,9 +19,6 @@ Colour viridis(double value);
 // value   clamped to [-1, 1]
 Colour diverging(double value);
 
-// CIE lightness L* of a colour, 0 to 100.
-double lightness(Colour colour);
-
 inline constexpr Colour kInk{20, 20, 28}, kPaleInk{96, 96, 108}, kPaper{255, 255, 255};
 
 // "(1.000, 2.500, -3.000) m"
