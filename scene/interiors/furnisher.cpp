@@ -47,13 +47,14 @@ void addShower(Home& home, const Placement& placement, const Size& size) {
 }
 
 using Emit = void (*)(Home&, const Placement&, const Size&);
-constexpr Emit kBed = [](Home& home, const Placement& at, const Size& s) { addBed(home.level, at, s.x, s.z); };
-constexpr Emit kSofa = [](Home& home, const Placement& at, const Size& s) { addSofa(home.level, at, s.x, s.z); };
-constexpr Emit kTable = [](Home& home, const Placement& at, const Size& s) { addTable(home.level, at, s.x, s.z, s.y); };
+template <void (*add)(Level&, const Placement&, const Size&)>
+void ofLevel(Home& home, const Placement& at, const Size& size) {
+  add(home.level, at, size);
+}
+constexpr Emit kTable = ofLevel<addTable>, kBed = ofLevel<addBed>, kSofa = ofLevel<addSofa>, kShelf = ofLevel<addShelf>;
+constexpr Emit kCupboard = ofLevel<addCupboard>;
 constexpr Emit kChair = [](Home& home, const Placement& at, const Size&) { addChair(home.level, at); };
-constexpr Emit kShelf = [](Home& home, const Placement& at, const Size& s) { addShelf(home.level, at, s.x, s.z, s.y); };
 constexpr Emit kCrate = [](Home& home, const Placement& at, const Size& s) { addCrate(home.level, at, s.x); };
-constexpr Emit kCupboard = [](Home& home, const Placement& at, const Size& s) { addCupboard(home.level, at, s.x, s.z, s.y); };
 
 // Procedural furniture for a use that a house cannot do without.
 struct Procedural {

@@ -16,7 +16,7 @@ void addShelfRows(Level& level, const Room& room) {
   for (double z = area.z0 + 0.5 * depth; z + 0.5 * depth < area.z1; z += depth + aisle) {
     for (double x = area.x0 + 0.5 * width; x + 0.5 * width < area.x1; x += width + 0.05) {
       if (level.random.chance(0.15)) continue;
-      addShelf(level, {{x, room.floor_m, z}, turnByDegrees(level.random.chance(0.5) ? 0.0 : 180.0)}, width, depth, height);
+      addShelf(level, {{x, room.floor_m, z}, turnByDegrees(level.random.chance(0.5) ? 0.0 : 180.0)}, {width, height, depth});
     }
   }
 }
@@ -29,7 +29,7 @@ void addDesks(Level& level, const Room& room) {
       if (level.random.chance(0.2)) continue;
       for (const double side : {-1.0, 1.0}) {
         const double degrees = side > 0.0 ? 0.0 : 180.0;
-        addTable(level, {{x, room.floor_m, z + side * 0.42}, turnByDegrees(degrees)}, 1.6, 0.75, 0.75);
+        addTable(level, {{x, room.floor_m, z + side * 0.42}, turnByDegrees(degrees)}, {1.6, 0.75, 0.75});
         if (level.random.chance(0.8)) {
           addChair(level, {{x + level.random.uniform(-0.2, 0.2), room.floor_m, z + side * 1.05},
                            turnByDegrees(degrees + 180.0 + level.random.uniform(-30.0, 30.0))});

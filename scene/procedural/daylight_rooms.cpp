@@ -260,9 +260,9 @@ void hairpinCorridor(Site& site) {
 
 void furnish(Site& site) {
   Level& level = site.level;
-  addSofa(level, {{1.4, 0, 0.5}, {}}, 2.0, 0.9);
-  addShelf(level, {{4.7, 0, 1.4}, turnByDegrees(-90.0)}, 1.6, 0.4, 2.0);
-  addCupboard(level, {{0.4, 0, 3.0}, turnByDegrees(90.0)}, 1.2, 0.6, 1.2);
+  addSofa(level, {{1.4, 0, 0.5}, {}}, {2.0, 0.85, 0.9});
+  addShelf(level, {{4.7, 0, 1.4}, turnByDegrees(-90.0)}, {1.6, 2.0, 0.4});
+  addCupboard(level, {{0.4, 0, 3.0}, turnByDegrees(90.0)}, {1.2, 1.2, 0.6});
   addDiningGroup(level, {{2.6, 0, 2.4}, {}}, 1.4, 0.9);
 }
 

@@ -21,55 +21,30 @@ struct Range {
   double low, high;
 };
 
-struct Item;
-
 // What furniture of a kind may measure, and what makes it.
 struct Kind {
-  Range width, depth, height;
-  void (*add)(Level&, const Placement&, const Item&);
+  Range width, height, depth;
+  void (*add)(Level&, const Placement&, const glm::dvec3& size_m);
 };
 
 struct Item {
   const Kind* kind;
-  double width, depth, height;
+  glm::dvec3 size_m;
 };
 
-using At = Placement;
-constexpr Kind kTable = {{1.0, 1.8},
-                         {0.6, 0.8},
-                         {0.7, 0.8},
-                         [](Level&level, const At&at, const Item&i) { addTable(level, at, i.width, i.depth, i.height); }},
-               kBed = {{0.9, 1.8},
-                       {1.95, 2.15},
-                       {1.0, 1.0},
-                       [](Level&level, const At&at, const Item&i) { addBed(level, at, i.width, i.depth); }},
-               kSofa = {{1.4, 2.4},
-                        {0.8, 0.95},
-                        {0.85, 0.85},
-                        [](Level&level, const At&at, const Item&i) { addSofa(level, at, i.width, i.depth); }},
-               kShelf = {{0.8, 2.0},
-                         {0.3, 0.5},
-                         {1.2, 2.2},
-                         [](Level&level, const At&at, const Item&i) { addShelf(level, at, i.width, i.depth, i.height); }},
-               kCupboard = {{0.8, 1.6},
-                            {0.5, 0.65},
-                            {0.9, 2.1},
-                            [](Level&level, const At&at, const Item&i) { addCupboard(level, at, i.width, i.depth, i.height); }},
-               kCrate = {{0.9, 0.9},
-                         {0.9, 0.9},
-                         {0.5, 0.85},
-                         [](Level&level, const At&at, const Item&i) { addCrate(level, at, i.height); }},
-               kCratePile = {{1.9, 1.9},
-                             {1.0, 1.0},
-                             {1.7, 1.7},
-                             [](Level&level, const At&at, const Item&) { addCratePile(level, at, level.pickCount(2, 4)); }},
-               kBarrel = {{0.75, 0.75},
-                          {0.75, 0.75},
-                          {0.8, 1.1},
-                          [](Level&level, const At&at, const Item&i) { addBarrel(level, at, i.height); }},
-               kMachine = {{1.2, 2.2}, {0.9, 1.4}, {1.2, 1.9}, [](Level&level, const At&at, const Item&i) {
-                             addMachine(level, at, i.width, i.depth, i.height);
-                           }};
+void addCrateOf(Level& level, const Placement& at, const glm::dvec3& size_m) { addCrate(level, at, size_m.y); }
+void addCratePileOf(Level& level, const Placement& at, const glm::dvec3&) { addCratePile(level, at, level.pickCount(2, 4)); }
+void addBarrelOf(Level& level, const Placement& at, const glm::dvec3& size_m) { addBarrel(level, at, size_m.y); }
+
+constexpr Kind kTable = {{1.0, 1.8}, {0.7, 0.8}, {0.6, 0.8}, addTable};
+constexpr Kind kBed = {{0.9, 1.8}, {1.0, 1.0}, {1.95, 2.15}, addBed};
+constexpr Kind kSofa = {{1.4, 2.4}, {0.85, 0.85}, {0.8, 0.95}, addSofa};
+constexpr Kind kShelf = {{0.8, 2.0}, {1.2, 2.2}, {0.3, 0.5}, addShelf};
+constexpr Kind kCupboard = {{0.8, 1.6}, {0.9, 2.1}, {0.5, 0.65}, addCupboard};
+constexpr Kind kCrate = {{0.9, 0.9}, {0.5, 0.85}, {0.9, 0.9}, addCrateOf};
+constexpr Kind kCratePile = {{1.9, 1.9}, {1.7, 1.7}, {1.0, 1.0}, addCratePileOf};
+constexpr Kind kBarrel = {{0.75, 0.75}, {0.8, 1.1}, {0.75, 0.75}, addBarrelOf};
+constexpr Kind kMachine = {{1.2, 2.2}, {1.2, 1.9}, {0.9, 1.4}, addMachine};
 
 Item drawItem(Level& level, RoomUse use) {
   // by use; what stands twice is drawn twice as often
@@ -81,7 +56,8 @@ Item drawItem(Level& level, RoomUse use) {
   const std::vector<const Kind*>& kinds = kinds_of[static_cast<size_t>(use)];
   const Kind* kind = kinds[level.random.below(static_cast<uint32_t>(kinds.size()))];
   const auto draw = [&](const Range& range) { return range.low < range.high ? level.pick(range.low, range.high) : range.low; };
-  return {kind, draw(kind->width), draw(kind->depth), draw(kind->height)};
+  const double width = draw(kind->width), depth = draw(kind->depth), height = draw(kind->height);
+  return {kind, {width, height, depth}};
 }
 
 // Where an item stands with its back to one of the room's walls.
@@ -93,9 +69,9 @@ struct Spot {
 Spot drawWallSpot(Level& level, const Rect& floor, const Item& item) {
   constexpr double kGap = 0.03;  // to the wall: skirting, and no coplanar faces
   const Side wall = kSides[level.pickCount(0, 3)];
-  const double start = kGap + level.random.uniform() * std::max(0.0, floor.length(wall) - item.width - 2 * kGap);
+  const double start = kGap + level.random.uniform() * std::max(0.0, floor.length(wall) - item.size_m.x - 2 * kGap);
   const double first = floor.start(wall);
-  return {floor.strip(wall, first + start, first + (start + item.width), item.depth + kGap, kGap), degreesAt(wall)};
+  return {floor.strip(wall, first + start, first + (start + item.size_m.x), item.size_m.z + kGap, kGap), degreesAt(wall)};
 }
 
 bool isFree(const Rect& area, const std::vector<Rect>& taken) {
@@ -120,7 +96,8 @@ void furnishMiddle(Level& level, const Room& room, RoomUse use, std::vector<Rect
 
 }  // namespace
 
-void addBed(Level& level, const Placement& placement, double width, double length) {
+void addBed(Level& level, const Placement& placement, const glm::dvec3& size_m) {
+  const double width = size_m.x, length = size_m.z;
   const Palette& palette = level.palette;
   BrushGrid grid;
   fillLegs(grid, width, length, 0.25, palette.dark_wood);
@@ -131,11 +108,10 @@ void addBed(Level& level, const Placement& placement, double width, double lengt
   grid.emitObject(level.mesh, "bed", Mobility::movable, placement);
 }
 
-void addSofa(Level& level, const Placement& placement, double width, double depth) {
-  const double x = 0.5 * width;
-  const double z = 0.5 * depth;
+void addSofa(Level& level, const Placement& placement, const glm::dvec3& size_m) {
+  const double x = 0.5 * size_m.x, z = 0.5 * size_m.z;
   BrushGrid grid;
-  fillLegs(grid, width, depth, 0.12, level.palette.dark_wood);
+  fillLegs(grid, size_m.x, size_m.z, 0.12, level.palette.dark_wood);
   grid.fill({-x, 0.1, -z}, {x, 0.42, z}, level.palette.cloth);
   grid.fill({-x, 0.1, -z}, {x, 0.85, -z + 0.2}, level.palette.cloth);
   grid.fill({-x, 0.1, -z}, {-x + 0.18, 0.62, z}, level.palette.cloth);
@@ -143,9 +119,8 @@ void addSofa(Level& level, const Placement& placement, double width, double dept
   grid.emitObject(level.mesh, "sofa", Mobility::movable, placement);
 }
 
-void addCupboard(Level& level, const Placement& placement, double width, double depth, double height) {
-  const double x = 0.5 * width;
-  const double z = 0.5 * depth;
+void addCupboard(Level& level, const Placement& placement, const glm::dvec3& size_m) {
+  const double x = 0.5 * size_m.x, z = 0.5 * size_m.z, height = size_m.y;
   BrushGrid grid;
   grid.fill({-x + 0.05, 0, -z}, {x - 0.05, 0.1, z - 0.05}, level.palette.dark_wood);
   grid.fill({-x, 0.1, -z}, {x, height, z}, level.palette.wood);
@@ -153,9 +128,8 @@ void addCupboard(Level& level, const Placement& placement, double width, double 
   grid.emitObject(level.mesh, "cupboard", Mobility::movable, placement);
 }
 
-void addMachine(Level& level, const Placement& placement, double width, double depth, double height) {
-  const double x = 0.5 * width;
-  const double z = 0.5 * depth;
+void addMachine(Level& level, const Placement& placement, const glm::dvec3& size_m) {
+  const double x = 0.5 * size_m.x, z = 0.5 * size_m.z, height = size_m.y;
   BrushGrid grid;
   grid.fill({-x, 0, -z}, {x, 0.15, z}, level.palette.dark_wood);
   grid.fill({-x + 0.1, 0.15, -z}, {x - 0.1, height, z - 0.15}, level.palette.metal);
@@ -164,12 +138,12 @@ void addMachine(Level& level, const Placement& placement, double width, double d
   grid.emitObject(level.mesh, "machine", Mobility::movable, placement);
   const double pipe_radius = level.pick(0.1, 0.2);
   Placement chimney = placement;
-  chimney.position = placement.apply({0.3 * width, height, -0.2 * depth});
+  chimney.position = placement.apply({0.3 * size_m.x, height, -0.2 * size_m.z});
   addLathe(level.mesh, chimney, {{-0.05, pipe_radius}, {0.6, pipe_radius}}, 8, level.palette.metal);
 }
 
 void addDiningGroup(Level& level, const Placement& placement, double width, double depth) {
-  addTable(level, placement, width, depth, level.pick(0.7, 0.8));
+  addTable(level, placement, {width, level.pick(0.7, 0.8), depth});
   for (const double side : {-1.0, 1.0}) {
     const int chair_count = std::max(1, static_cast<int>(width / 0.75));
     for (int i = 0; i < chair_count; ++i) {
@@ -185,10 +159,11 @@ void addDiningGroup(Level& level, const Placement& placement, double width, doub
   }
 }
 
-void addTable(Level& level, const Placement& placement, double width, double depth, double height) {
+void addTable(Level& level, const Placement& placement, const glm::dvec3& size_m) {
+  const double x = 0.5 * size_m.x, z = 0.5 * size_m.z, height = size_m.y;
   BrushGrid grid;
-  fillLegs(grid, width - 0.1, depth - 0.1, height, level.palette.wood);
-  grid.fill({-0.5 * width, height - 0.06, -0.5 * depth}, {0.5 * width, height, 0.5 * depth}, level.palette.wood);
+  fillLegs(grid, size_m.x - 0.1, size_m.z - 0.1, height, level.palette.wood);
+  grid.fill({-x, height - 0.06, -z}, {x, height, z}, level.palette.wood);
   grid.emitObject(level.mesh, "table", Mobility::movable, placement);
 }
 
@@ -201,10 +176,9 @@ void addChair(Level& level, const Placement& placement) {
   grid.emitObject(level.mesh, "chair", Mobility::movable, placement);
 }
 
-void addShelf(Level& level, const Placement& placement, double width, double depth, double height) {
+void addShelf(Level& level, const Placement& placement, const glm::dvec3& size_m) {
   const Palette& palette = level.palette;
-  const double x = 0.5 * width;
-  const double z = 0.5 * depth;
+  const double x = 0.5 * size_m.x, z = 0.5 * size_m.z, height = size_m.y;
   const int board_count = std::max(2, static_cast<int>(height / 0.42));
   BrushGrid grid;
   grid.fill({-x, 0, -z}, {-x + 0.05, height, z}, palette.wood);
@@ -216,7 +190,7 @@ void addShelf(Level& level, const Placement& placement, double width, double dep
     if (board == board_count || level.random.chance(0.3)) continue;
     // one block of books or boxes a board: what casts shadows, not what is read
     const double from = level.random.uniform(-x + 0.1, 0.0);
-    const double to = std::min(x - 0.1, from + level.random.uniform(0.2, width));
+    const double to = std::min(x - 0.1, from + level.random.uniform(0.2, size_m.x));
     const double block_height = 0.6 * (height - 0.1) / board_count;
     grid.fill({from, y + 0.05, -z + 0.05}, {to, y + 0.05 + block_height, z - 0.06}, palette.cloth);
   }
@@ -301,14 +275,14 @@ void furnishRoom(Level& level, const Room& room, RoomUse use, double density) {
   const int try_count = static_cast<int>(2.0 * density * (room.floor.width() + room.floor.depth()));
   for (int i = 0; i < try_count; ++i) {
     Item item = drawItem(level, use);
-    item.height = std::min(item.height, room.clear_m - 0.4);
+    item.size_m.y = std::min(item.size_m.y, room.clear_m - 0.4);
     const Spot spot = drawWallSpot(level, room.floor, item);
     const bool fits = spot.area.x0 >= room.floor.x0 && spot.area.x1 <= room.floor.x1 && spot.area.z0 >= room.floor.z0 &&
                       spot.area.z1 <= room.floor.z1;
     if (!fits || !isFree(spot.area, taken)) continue;
     taken.push_back(spot.area.grown(0.1));
     const glm::dvec2 middle = spot.area.middle();
-    item.kind->add(level, at(middle.x, room.floor_m, middle.y, spot.degrees), item);
+    item.kind->add(level, at(middle.x, room.floor_m, middle.y, spot.degrees), item.size_m);
   }
   if (level.random.chance(0.8)) {
     const glm::dvec2 middle = room.floor.middle();

@@ -7,16 +7,16 @@
 
 namespace nlg {
 
-// The placement is the middle of the foot, local +z the front.
-void addTable(Level& level, const Placement& placement, double width, double depth, double height);
-void addBed(Level& level, const Placement& placement, double width, double length);
-void addSofa(Level& level, const Placement& placement, double width, double depth);
-void addCupboard(Level& level, const Placement& placement, double width, double depth, double height);
-void addMachine(Level& level, const Placement& placement, double width, double depth, double height);
+// The placement is the middle of the foot, local +z the front. size_m: along x, y and z; beds and sofas have heights of their own.
+void addTable(Level& level, const Placement& placement, const glm::dvec3& size_m);
+void addBed(Level& level, const Placement& placement, const glm::dvec3& size_m);
+void addSofa(Level& level, const Placement& placement, const glm::dvec3& size_m);
+void addCupboard(Level& level, const Placement& placement, const glm::dvec3& size_m);
+void addMachine(Level& level, const Placement& placement, const glm::dvec3& size_m);
 // A table with chairs around it, all facing it.
 void addDiningGroup(Level& level, const Placement& placement, double width, double depth);
 void addChair(Level& level, const Placement& placement);
-void addShelf(Level& level, const Placement& placement, double width, double depth, double height);
+void addShelf(Level& level, const Placement& placement, const glm::dvec3& size_m);
 void addCrate(Level& level, const Placement& placement, double side_m);
 void addCratePile(Level& level, const Placement& placement, int count);
 void addBarrel(Level& level, const Placement& placement, double height);
