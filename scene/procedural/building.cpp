@@ -6,18 +6,6 @@
 namespace nlg {
 namespace {
 
-// A wall between two halves of a room, seen from above.
-struct Cut {
-  bool along_x = false;  // the wall runs along x
-  double at = 0.0;       // its middle on the other axis
-};
-
-Rect cutArea(const Rect& room, const Cut& cut, double thickness) {
-  const double half = 0.5 * thickness;
-  return cut.along_x ? Rect{room.x0, cut.at - half, room.x1, cut.at + half}
-                     : Rect{cut.at - half, room.z0, cut.at + half, room.z1};
-}
-
 class Parter {
  public:
   Parter(Level& level, const Building& building, int storey, const PlanOptions& options, std::vector<Rect>& keep_free)
@@ -28,17 +16,21 @@ class Parter {
         keep_free_(keep_free) {}
 
   void part(const Rect& room) {
-    const bool along_x = room.depth() > room.width() * level_.random.uniform(0.75, 1.33);
-    const double length = along_x ? room.depth() : room.width();
+    // the wall's side: it stands between the room's half there and the other one
+    const Side side = room.depth() > room.width() * level_.random.uniform(0.75, 1.33) ? Side::north : Side::west;
+    const double length = alongX(side) ? room.depth() : room.width();
     const double slack = length - 2.0 * options_.min_side_m - options_.wall_m;
     if (slack < 0.0 || (level_.random.chance(options_.stop_chance) && length < 7.0)) return keep(room);
     for (int attempt = 0; attempt < 12; ++attempt) {
       const double offset = options_.min_side_m + 0.5 * options_.wall_m + slack * level_.random.uniform();
-      const Cut cut{along_x, (along_x ? room.z0 : room.x0) + offset};
-      const Rect area = cutArea(room, cut, options_.wall_m);
+      const double at = room.edge(side) + offset, half = 0.5 * options_.wall_m;
+      const Rect wall = room.between(side, at - half, at + half);
       const bool is_free =
-          std::none_of(keep_free_.begin(), keep_free_.end(), [&](const Rect& other) { return other.grown(0.1).overlaps(area); });
-      if (is_free) return divide(room, area, along_x);
+          std::none_of(keep_free_.begin(), keep_free_.end(), [&](const Rect& other) { return other.grown(0.1).overlaps(wall); });
+      if (!is_free) continue;
+      addWall(wall, side);
+      part(room.between(side, room.edge(side), wall.edge(side)));
+      return part(room.between(side, wall.edge(opposite(side)), room.edge(opposite(side))));
     }
     keep(room);
   }
@@ -46,42 +38,26 @@ class Parter {
   std::vector<Room> take() { return std::move(rooms_); }
 
  private:
-  void divide(const Rect& room, const Rect& area, bool along_x) {
-    addWall(area, along_x);
-    if (along_x) {
-      part({room.x0, room.z0, room.x1, area.z0});
-      part({room.x0, area.z1, room.x1, room.z1});
-    } else {
-      part({room.x0, room.z0, area.x0, room.z1});
-      part({area.x1, room.z0, room.x1, room.z1});
-    }
-  }
-
-  void addWall(const Rect& area, bool along_x) {
-    const double length = along_x ? area.width() : area.depth();
+  void addWall(const Rect& wall, Side side) {
+    const double length = wall.length(side), start = wall.start(side);
     const double door_width = length > 5.0 && level_.random.chance(0.25) ? level_.pick(1.4, 2.2) : level_.pick(0.8, 1.0);
     const double door = 0.3 + (length - door_width - 0.6) * level_.random.uniform();
     const double head = floor_m_ + std::min(2.05, clear_m_ - 0.2);
-    const BrushMaterials materials(level_.palette.inner_wall);
+    const auto stretch = [&](double from, double to) {
+      return Rect::across(side, from, to, wall.edge(side), wall.edge(opposite(side)));
+    };
+    const Rect opening = stretch(start + door, start + door + door_width);
     BrushGrid grid;
-    grid.fill({area.x0, floor_m_, area.z0}, {area.x1, floor_m_ + clear_m_, area.z1}, materials);
-    const Rect opening = along_x ? Rect{area.x0 + door, area.z0, area.x0 + door + door_width, area.z1}
-                                 : Rect{area.x0, area.z0 + door, area.x1, area.z0 + door + door_width};
+    grid.fill({wall.x0, floor_m_, wall.z0}, {wall.x1, floor_m_ + clear_m_, wall.z1}, level_.palette.inner_wall);
     grid.carve({opening.x0, floor_m_, opening.z0}, {opening.x1, head, opening.z1});
-    if (length > 6.0 && level_.random.chance(0.3)) carveHatch(grid, area, along_x, door > 0.5 * length ? 0.8 : length - 2.0);
+    // a hatch like a kitchen's: an opening above the hip
+    if (length > 6.0 && level_.random.chance(0.3)) {
+      const double from = start + (door > 0.5 * length ? 0.8 : length - 2.0);
+      const Rect hatch = stretch(from, from + 1.2);
+      grid.carve({hatch.x0, floor_m_ + 1.0, hatch.z0}, {hatch.x1, floor_m_ + 1.8, hatch.z1});
+    }
     grid.emitObject(level_.mesh, "inner wall", options_.mobility);
     keep_free_.push_back(opening.grown(0.6));
-  }
-
-  // a hatch like a kitchen's: an opening above the hip
-  void carveHatch(BrushGrid& grid, const Rect& area, bool along_x, double at) {
-    const double low = floor_m_ + 1.0;
-    const double high = floor_m_ + 1.8;
-    if (along_x) {
-      grid.carve({area.x0 + at, low, area.z0}, {area.x0 + at + 1.2, high, area.z1});
-    } else {
-      grid.carve({area.x0, low, area.z0 + at}, {area.x1, high, area.z0 + at + 1.2});
-    }
   }
 
   void keep(const Rect& room) { rooms_.push_back({room, floor_m_, clear_m_, keep_free_}); }

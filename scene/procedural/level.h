@@ -50,7 +50,11 @@ struct Rect {
     const bool is_low = side == Side::north || side == Side::west;
     return across(side, from, to, edge(side) + (is_low ? gap : -gap), edge(side) + (is_low ? depth : -depth));
   }
-  // From one plane to another, in whatever order, that lie as a wall at that side does.
+  // The part between two planes that lie as a wall at that side does.
+  Rect between(Side side, double low, double high) const {
+    return alongX(side) ? Rect{x0, low, x1, high} : Rect{low, z0, high, z1};
+  }
+  // From one such plane to another, in whatever order.
   static Rect across(Side side, double from, double to, double plane, double other) {
     const double near = std::min(plane, other), far = std::max(plane, other);
     return alongX(side) ? Rect{from, near, to, far} : Rect{near, from, far, to};
