@@ -52,4 +52,7 @@ void putOnTop(Home& home, const std::optional<Stood>& below, const std::vector<F
 // A lamp under the ceiling.
 void hangLamp(Home& home, HomeRoom& room, const glm::dvec2& middle);
 
+// Furnishes a room by its use (recipes.cpp).
+void furnish(Home& home, HomeRoom& room);
+
 }  // namespace nlg

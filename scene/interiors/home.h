@@ -12,26 +12,12 @@
 namespace nlg {
 
 // A room that is being furnished: its floor, its openings, and what of it is taken.
+// clang-format off
 enum class HomeUse {
-  living,
-  dining,
-  kitchen,
-  bedroom,
-  child,
-  bath,
-  toilet,
-  study,
-  hall,
-  store,
-  attic,
-  open_office,
-  meeting,
-  lounge,
-  pantry,
-  gallery,
-  salon,
-  terrace
+  living, dining, kitchen, bedroom, child, bath, toilet, study, hall, store, attic,
+  open_office, meeting, lounge, pantry, gallery, salon, terrace
 };
+// clang-format on
 
 // A box above a footprint.
 struct Box {

@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "scene/interiors/fittings.h"
+#include "scene/interiors/furnisher.h"
 #include "scene/interiors/interiors.h"
-#include "scene/interiors/recipes.h"
 
 namespace nlg {
 namespace {

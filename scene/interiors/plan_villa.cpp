@@ -4,7 +4,6 @@
 #include "scene/interiors/fittings.h"
 #include "scene/interiors/furnisher.h"
 #include "scene/interiors/interiors.h"
-#include "scene/interiors/recipes.h"
 #include "scene/procedural/building.h"
 
 namespace nlg {

@@ -1,5 +1,4 @@
-#include "scene/interiors/recipes.h"
-
+// Furniture of each kind of room.
 #include <algorithm>
 #include <cmath>
 
@@ -92,6 +91,92 @@ void addDesk(Home& home, HomeRoom& room, int thing_count) {
   room.kept.resize(kept_count);
   const glm::dvec3 seat = stood->placement.apply({0.0, 0.0, 0.5 * desk->size_m.z + 0.55 * chair->size_m.z + pull});
   standFree(home, room, *chair, {seat.x, seat.z}, stood->degrees + 180.0 + turn);
+}
+
+// A table with chairs all around, somewhere in the room, with a lamp above; none when there is no place.
+void addTableGroup(Home& home, HomeRoom& room, double most_length_m) {
+  Level& level = home.level;
+  const std::optional<Piece> table = drawPiece(home, Use::dining_table, {most_length_m, 1.4, 1.0});
+  if (!table) return;
+  // the middle of the room first, then anywhere that leaves seats their room
+  for (int attempt = 0; attempt < 24; ++attempt) {
+    const double x_share = level.random.uniform(), z_share = level.random.uniform();
+    const bool is_turned = level.random.chance(0.5);
+    const double degrees = is_turned ? 90.0 : 0.0;
+    const Rect area = footprint(*table, {0.0, 0.0}, degrees);
+    constexpr double kSeat = 0.65;
+    const Rect& f = room.floor;
+    const double x_slack = f.width() - area.width() - 2.0 * kSeat, z_slack = f.depth() - area.depth() - 2.0 * kSeat;
+    if (x_slack < 0.0 || z_slack < 0.0) continue;
+    const bool is_middle = attempt < 2;
+    const glm::dvec2 middle{f.x0 + kSeat + 0.5 * area.width() + x_slack * (is_middle ? 0.5 : x_share),
+                            f.z0 + kSeat + 0.5 * area.depth() + z_slack * (is_middle ? 0.5 : z_share)};
+    const std::optional<Stood> stood = standFree(home, room, *table, middle, degrees, kSeat - 0.05);
+    if (!stood) continue;
+    addSeats(home, room, *stood, level.random.chance(0.15) && room.use == HomeUse::meeting ? Use::office_chair : Use::chair);
+    putOnTop(home, stood, {Use::kitchen_thing, Use::small_plant, Use::kitchen_thing, Use::small_thing}, level.pickCount(0, 6));
+    return hangLamp(home, room, middle);
+  }
+}
+
+// Two rows of desks back to back with a low partition of 2 to 4 cm between, chairs and computers; per_row desks in each.
+// It stands within 2 m of the wanted middle, where it is free; or not at all.
+void addDeskIsland(Home& home, HomeRoom& room, const glm::dvec2& wanted, bool along_x, int per_row) {
+  Level& level = home.level;
+  const std::optional<Piece> desk = drawPiece(home, Use::desk, {1.8, 0.95, 1.0});
+  if (!desk) return;
+  // two rows of desks face each other over a partition, as one piece whose place is sought
+  const double partition = level.pick(0.0, 0.05) * 0.4 + 0.02;  // 2, 3 or 4 cm
+  const double height = level.pick(1.15, 1.6);
+  const double degrees = along_x ? 0.0 : 90.0;
+  const double length = per_row * (desk->size_m.x + 0.02);
+  const Piece screen{Use::none, {length, height, partition}, 0.0, 0.0, nullptr, "partition"};
+  const Piece island{Use::none, {length, height, 2.0 * desk->size_m.z + partition + 0.02}, 0.0, 0.0, nullptr, "island"};
+  // round columns, walls and each other
+  glm::dvec2 middle = wanted;
+  bool is_free = false;
+  for (int attempt = 0; attempt < 30 && !is_free; ++attempt) {
+    const Rect area = footprint(island, middle, degrees);
+    // the chairs' places as well
+    const double x = along_x ? 0.2 : 0.85, z = along_x ? 0.85 : 0.2;
+    const Rect with_seats{area.x0 - x, area.z0 - z, area.x1 + x, area.z1 + z};
+    is_free = room.isFree({area, room.floor_m, room.floor_m + height}) &&
+              room.isEmpty({with_seats, room.floor_m, room.floor_m + height}) && with_seats.x0 >= room.floor.x0 &&
+              with_seats.x1 <= room.floor.x1 && with_seats.z0 >= room.floor.z0 && with_seats.z1 <= room.floor.z1;
+    if (!is_free) middle = wanted + glm::dvec2{level.random.uniform(-2.0, 2.0), level.random.uniform(-2.0, 2.0)};
+  }
+  if (!is_free) return;
+  const Placement frame{{middle.x, room.floor_m, middle.y}, turnByDegrees(degrees)};
+  // one island in five has no partition: rows see each other
+  if (level.random.chance(0.8)) {
+    room.solids.push_back({footprint(screen, middle, degrees), room.floor_m, room.floor_m + height});
+    level.mesh.beginObject("partition", Mobility::movable);
+    addBox(level.mesh, frame, {-0.5 * length, 0.0, -0.5 * partition}, {0.5 * length, height, 0.5 * partition},
+           level.palette.cloth);
+  }
+  // desks and chairs in the island's frame; a chair may stand off its desk, turned, or be missing
+  for (const double row : {-1.0, 1.0}) {
+    for (int i = 0; i < per_row; ++i) {
+      const double along = length * ((i + 0.5) / per_row - 0.5);
+      const glm::dvec3 at = frame.apply({along, 0.0, row * (0.5 * partition + 0.5 * desk->size_m.z + 0.01)});
+      const std::optional<Stood> stood = standFree(home, room, *desk, {at.x, at.z}, degrees + (row > 0 ? 0.0 : 180.0));
+      if (!stood) continue;
+      putOnTop(home, stood, {Use::computer, Use::computer, Use::small_thing, Use::table_lamp}, 2);
+      const std::optional<Piece> chair = drawPiece(home, Use::office_chair, {0.8, 0.8, 1.3});
+      const double pull = level.random.uniform(0.02, 0.4), turn = level.random.uniform(-40.0, 40.0);
+      if (!chair || level.random.chance(0.1)) continue;
+      const glm::dvec3 seat = stood->placement.apply({0.0, 0.0, 0.5 * desk->size_m.z + 0.55 * chair->size_m.z + 0.1 + pull});
+      standFree(home, room, *chair, {seat.x, seat.z}, stood->degrees + 180.0 + turn);
+    }
+  }
+}
+
+// People and animals that stand about.
+void addPeople(Home& home, HomeRoom& room, int count) {
+  for (int i = 0; i < count; ++i) {
+    const Use use = home.level.random.chance(0.85) ? Use::person : Use::animal;
+    addAnywhere(home, room, use, {1.2, 1.2, 2.0}, 0.1);
+  }
 }
 
 void furnishBedroom(Home& home, HomeRoom& room) {
@@ -501,90 +586,6 @@ void furnishTerrace(Home& home, HomeRoom& room) {
 }
 
 }  // namespace
-
-bool addTableGroup(Home& home, HomeRoom& room, double most_length_m) {
-  Level& level = home.level;
-  const std::optional<Piece> table = drawPiece(home, Use::dining_table, {most_length_m, 1.4, 1.0});
-  if (!table) return false;
-  // the middle of the room first, then anywhere that leaves seats their room
-  for (int attempt = 0; attempt < 24; ++attempt) {
-    const double x_share = level.random.uniform(), z_share = level.random.uniform();
-    const bool is_turned = level.random.chance(0.5);
-    const double degrees = is_turned ? 90.0 : 0.0;
-    const Rect area = footprint(*table, {0.0, 0.0}, degrees);
-    constexpr double kSeat = 0.65;
-    const Rect& f = room.floor;
-    const double x_slack = f.width() - area.width() - 2.0 * kSeat, z_slack = f.depth() - area.depth() - 2.0 * kSeat;
-    if (x_slack < 0.0 || z_slack < 0.0) continue;
-    const bool is_middle = attempt < 2;
-    const glm::dvec2 middle{f.x0 + kSeat + 0.5 * area.width() + x_slack * (is_middle ? 0.5 : x_share),
-                            f.z0 + kSeat + 0.5 * area.depth() + z_slack * (is_middle ? 0.5 : z_share)};
-    const std::optional<Stood> stood = standFree(home, room, *table, middle, degrees, kSeat - 0.05);
-    if (!stood) continue;
-    addSeats(home, room, *stood, level.random.chance(0.15) && room.use == HomeUse::meeting ? Use::office_chair : Use::chair);
-    putOnTop(home, stood, {Use::kitchen_thing, Use::small_plant, Use::kitchen_thing, Use::small_thing}, level.pickCount(0, 6));
-    hangLamp(home, room, middle);
-    return true;
-  }
-  return false;
-}
-
-void addDeskIsland(Home& home, HomeRoom& room, const glm::dvec2& wanted, bool along_x, int per_row) {
-  Level& level = home.level;
-  const std::optional<Piece> desk = drawPiece(home, Use::desk, {1.8, 0.95, 1.0});
-  if (!desk) return;
-  // two rows of desks face each other over a partition, as one piece whose place is sought
-  const double partition = level.pick(0.0, 0.05) * 0.4 + 0.02;  // 2, 3 or 4 cm
-  const double height = level.pick(1.15, 1.6);
-  const double degrees = along_x ? 0.0 : 90.0;
-  const double length = per_row * (desk->size_m.x + 0.02);
-  const Piece screen{Use::none, {length, height, partition}, 0.0, 0.0, nullptr, "partition"};
-  const Piece island{Use::none, {length, height, 2.0 * desk->size_m.z + partition + 0.02}, 0.0, 0.0, nullptr, "island"};
-  // round columns, walls and each other
-  glm::dvec2 middle = wanted;
-  bool is_free = false;
-  for (int attempt = 0; attempt < 30 && !is_free; ++attempt) {
-    const Rect area = footprint(island, middle, degrees);
-    // the chairs' places as well
-    const double x = along_x ? 0.2 : 0.85, z = along_x ? 0.85 : 0.2;
-    const Rect with_seats{area.x0 - x, area.z0 - z, area.x1 + x, area.z1 + z};
-    is_free = room.isFree({area, room.floor_m, room.floor_m + height}) &&
-              room.isEmpty({with_seats, room.floor_m, room.floor_m + height}) && with_seats.x0 >= room.floor.x0 &&
-              with_seats.x1 <= room.floor.x1 && with_seats.z0 >= room.floor.z0 && with_seats.z1 <= room.floor.z1;
-    if (!is_free) middle = wanted + glm::dvec2{level.random.uniform(-2.0, 2.0), level.random.uniform(-2.0, 2.0)};
-  }
-  if (!is_free) return;
-  const Placement frame{{middle.x, room.floor_m, middle.y}, turnByDegrees(degrees)};
-  // one island in five has no partition: rows see each other
-  if (level.random.chance(0.8)) {
-    room.solids.push_back({footprint(screen, middle, degrees), room.floor_m, room.floor_m + height});
-    level.mesh.beginObject("partition", Mobility::movable);
-    addBox(level.mesh, frame, {-0.5 * length, 0.0, -0.5 * partition}, {0.5 * length, height, 0.5 * partition},
-           level.palette.cloth);
-  }
-  // desks and chairs in the island's frame; a chair may stand off its desk, turned, or be missing
-  for (const double row : {-1.0, 1.0}) {
-    for (int i = 0; i < per_row; ++i) {
-      const double along = length * ((i + 0.5) / per_row - 0.5);
-      const glm::dvec3 at = frame.apply({along, 0.0, row * (0.5 * partition + 0.5 * desk->size_m.z + 0.01)});
-      const std::optional<Stood> stood = standFree(home, room, *desk, {at.x, at.z}, degrees + (row > 0 ? 0.0 : 180.0));
-      if (!stood) continue;
-      putOnTop(home, stood, {Use::computer, Use::computer, Use::small_thing, Use::table_lamp}, 2);
-      const std::optional<Piece> chair = drawPiece(home, Use::office_chair, {0.8, 0.8, 1.3});
-      const double pull = level.random.uniform(0.02, 0.4), turn = level.random.uniform(-40.0, 40.0);
-      if (!chair || level.random.chance(0.1)) continue;
-      const glm::dvec3 seat = stood->placement.apply({0.0, 0.0, 0.5 * desk->size_m.z + 0.55 * chair->size_m.z + 0.1 + pull});
-      standFree(home, room, *chair, {seat.x, seat.z}, stood->degrees + 180.0 + turn);
-    }
-  }
-}
-
-void addPeople(Home& home, HomeRoom& room, int count) {
-  for (int i = 0; i < count; ++i) {
-    const Use use = home.level.random.chance(0.85) ? Use::person : Use::animal;
-    addAnywhere(home, room, use, {1.2, 1.2, 2.0}, 0.1);
-  }
-}
 
 void furnish(Home& home, HomeRoom& room) {
   // in the order of HomeUse
