@@ -109,15 +109,20 @@ bool isUsual(const Evidence& e) {
   return longest >= kShort && longest <= kLong && e.size.y <= kHigh && isUsualRoom(e);
 }
 
+// Of an even number the upper one.
+float medianOf(std::vector<float> numbers) {
+  const auto middle = numbers.begin() + static_cast<ptrdiff_t>(numbers.size() / 2);
+  std::nth_element(numbers.begin(), middle, numbers.end());
+  return *middle;
+}
+
 double medianEdge(const Scene& scene) {
   if (scene.triangles.size() < kFewestTriangles) return 0.0;
   std::vector<float> edges;
   for (const glm::uvec3& t : scene.triangles) {
     for (int k = 0; k < 3; ++k) edges.push_back(glm::length(scene.positions[t[k]] - scene.positions[t[(k + 1) % 3]]));
   }
-  const auto middle = edges.begin() + static_cast<ptrdiff_t>(edges.size() / 2);
-  std::nth_element(edges.begin(), middle, edges.end());
-  return *middle;
+  return medianOf(std::move(edges));
 }
 
 Evidence evidenceOf(const Scene& scene) {
@@ -174,9 +179,7 @@ std::optional<float> medianCeiling(const std::vector<Floor>& floors) {
     if (floor.ceiling_m != Floor::kNone) heights.push_back(floor.ceiling_m);
   }
   if (heights.empty() || 4 * heights.size() < floors.size()) return std::nullopt;
-  const auto middle = heights.begin() + static_cast<ptrdiff_t>(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  return *middle;
+  return medianOf(std::move(heights));
 }
 
 std::optional<ExtentBox> reachBeyondBounds(const Scene& scene, double margin_m) {

@@ -124,9 +124,8 @@ std::string whiteNote(const Scene& scene) {
     if (!material.base_image.isThere() && std::max({base.r, base.g, base.b}) > kWhitestFactor + 1e-6f) white.insert(m);
   }
   if (white.empty()) return "";
-  return fmt::format("{} brighter than {:g} of white: light takes {:g}",
-                     white.size() == 1 ? "1 material is" : fmt::format("{} materials are", white.size()), kWhitestFactor,
-                     kWhitestFactor);
+  return fmt::format("{} brighter than {:g} of white: light takes {:g}", counted(white.size(), "material is", "materials are"),
+                     kWhitestFactor, kWhitestFactor);
 }
 
 constexpr float kAskedFromM = 50.0f;  // across: a bake of an odd size from here on is not begun unasked

@@ -230,7 +230,7 @@ std::vector<std::string> unreadImageNotes(const LoadedImages& loaded) {
     for (size_t i = 0; i < std::min(names.size(), kMostNames); ++i) some += (i > 0 ? ", \"" : "\"") + names[i] + "\"";
     if (names.size() > kMostNames) some += fmt::format(" and {} more", names.size() - kMostNames);
     notes.push_back(fmt::format("{} not read: {}, {} {}: grey in its place, or dark where it would shine",
-                                names.size() == 1 ? "1 image is" : fmt::format("{} images are", names.size()), some,
+                                counted(names.size(), "image is", "images are"), some,
                                 names.size() == 1 ? "which" : "each of which", problem));
   }
   if (loaded.left_out_count > 0)

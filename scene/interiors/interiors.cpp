@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include <fmt/ranges.h>
+
 #include "scene/procedural/level.h"
 #include "tool/error.h"
 
@@ -55,9 +57,7 @@ Interior makeInterior(const std::string& path, const std::string& plan, uint64_t
     interior.models = {{"placed", library.modelCount()}, {"left out", library.tooFineCount()}};
     return interior;
   }
-  std::string names;
-  for (const std::string& name : interiorPlans()) names += (names.empty() ? "" : ", ") + name;
-  throw UsageError("plan of an interior", "one of " + names, plan);
+  throw UsageError("plan of an interior", fmt::format("one of {}", fmt::join(interiorPlans(), ", ")), plan);
 }
 
 double pickFine(Level& level, double low, double high) {

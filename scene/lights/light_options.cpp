@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "runtime_eval/light_grid/packed_light.h"
 #include "scene/image/sky_file.h"
@@ -37,11 +38,7 @@ std::vector<double> numbersOf(const std::vector<std::string>& texts, const Usage
   return numbers;
 }
 
-std::string joined(const std::vector<std::string>& texts) {
-  std::string all;
-  for (const std::string& text : texts) all += (all.empty() ? "" : ",") + text;
-  return all;
-}
+std::string joined(const std::vector<std::string>& texts) { return fmt::format("{}", fmt::join(texts, ",")); }
 
 glm::vec3 colourFrom(const std::vector<double>& numbers, size_t first, const UsageError& error) {
   glm::vec3 colour;

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include <fmt/ranges.h>
+
 #include "scene/procedural/brush_grid.h"
 #include "scene/procedural/level.h"
 #include "tool/error.h"
@@ -113,9 +115,7 @@ Scene makeProceduralScene(const std::string& family, uint64_t seed) {
     for (const View& view : level.views) addCamera(scene, view.name, view.eye, view.look, kViewDegrees);
     return scene;
   }
-  std::string names;
-  for (const Family& known : kFamilies) names += std::string(names.empty() ? "" : ", ") + known.name;
-  throw UsageError("scene family", "one of " + names, family);
+  throw UsageError("scene family", fmt::format("one of {}", fmt::join(proceduralFamilies(), ", ")), family);
 }
 
 void addPanel(MeshBuilder& mesh, const glm::dvec3& middle, const glm::dvec2& half, uint32_t housing, uint32_t lamp) {
