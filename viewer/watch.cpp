@@ -42,12 +42,25 @@ class WatchedFiles {
  public:
   // Takes these files in place of the ones before, as they are now; of those that were watched already what is known of them stays.
   // since_ns   a new one that was written after this time counts as changed
-  void watch(const std::vector<std::string>& paths, int64_t since_ns);
+  void watch(const std::vector<std::string>& paths, int64_t since_ns) {
+    std::map<std::string, Stamp> stamps;
+    for (const std::string& path : paths) {
+      const auto known = stamps_.find(path);
+      Stamp stamp = known != stamps_.end() ? known->second : stampOf(path);
+      if (known == stamps_.end() && stamp.written_ns > since_ns) stamp = {};
+      stamps[path] = stamp;
+    }
+    stamps_ = std::move(stamps);
+  }
 
   // Whether any of them is another one than before, or has come or gone.
-  bool haveChanged() const;
+  bool haveChanged() const {
+    return std::any_of(stamps_.begin(), stamps_.end(), [](const auto& one) { return stampOf(one.first) != one.second; });
+  }
   // From here on they are what they are now.
-  void accept();
+  void accept() {
+    for (auto& [path, stamp] : stamps_) stamp = stampOf(path);
+  }
 
  private:
   struct Stamp {
@@ -55,37 +68,16 @@ class WatchedFiles {
     int64_t written_ns = -1;  // there is none
     bool operator==(const Stamp&) const = default;
   };
-  static Stamp stampOf(const std::string& path);
+  // By when it came to be what it is here (ctime): a copy may keep the time of what it was made of.
+  static Stamp stampOf(const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return {};
+    return {status.st_dev, status.st_ino, static_cast<uint64_t>(status.st_size),
+            int64_t{status.st_ctim.tv_sec} * 1'000'000'000 + status.st_ctim.tv_nsec};
+  }
 
   std::map<std::string, Stamp> stamps_;
 };
-
-// By when it came to be what it is here (ctime): a copy may keep the time of what it was made of.
-WatchedFiles::Stamp WatchedFiles::stampOf(const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return {};
-  return {status.st_dev, status.st_ino, static_cast<uint64_t>(status.st_size),
-          int64_t{status.st_ctim.tv_sec} * 1'000'000'000 + status.st_ctim.tv_nsec};
-}
-
-void WatchedFiles::watch(const std::vector<std::string>& paths, int64_t since_ns) {
-  std::map<std::string, Stamp> stamps;
-  for (const std::string& path : paths) {
-    const auto known = stamps_.find(path);
-    Stamp stamp = known != stamps_.end() ? known->second : stampOf(path);
-    if (known == stamps_.end() && stamp.written_ns > since_ns) stamp = {};
-    stamps[path] = stamp;
-  }
-  stamps_ = std::move(stamps);
-}
-
-bool WatchedFiles::haveChanged() const {
-  return std::any_of(stamps_.begin(), stamps_.end(), [](const auto& one) { return stampOf(one.first) != one.second; });
-}
-
-void WatchedFiles::accept() {
-  for (auto& [path, stamp] : stamps_) stamp = stampOf(path);
-}
 
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;

@@ -75,7 +75,6 @@ class Hdf5Reader {
                 T* values) const;
   // Compares every byte of the file with the digest that closeWithDigest stored. throws InputError
   void verifyDigest() const;
-  uint64_t storedBytes(const std::string& name) const;  // compressed size of an array
   bool hasAttribute(const std::string& name) const;
   std::string readTextAttribute(const std::string& name) const;
   uint64_t readIntegerAttribute(const std::string& name) const;

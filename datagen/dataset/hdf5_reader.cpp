@@ -200,6 +200,19 @@ Handle openAttribute(hid_t file, const Place& place, const std::string& name) {
   return attribute;
 }
 
+template <class Number>
+Number readNumber(hid_t file, const Place& place, const std::string& name, const char* expected) {
+  silenceHdf5();
+  const Handle attribute = openAttribute(file, place, name);
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  place.require(type.ok(), expected);
+  const ElementType element = elementType(Number{});
+  if (H5Tequal(type, element.file) <= 0) place.refuse(expected, "another type");
+  Number value = 0;
+  place.require(H5Aread(attribute, element.memory, &value) >= 0, "an undamaged value");
+  return value;
+}
+
 }  // namespace
 
 Hdf5Reader::Hdf5Reader(const std::string& path) : path_(path) {
@@ -257,11 +270,6 @@ void Hdf5Reader::verifyDigest() const {
   if (fileSha256Bytes(path_, {offset, kDigestBytes}) != stored) place.refuseDamage("the SHA-256 of the file", "another digest");
 }
 
-uint64_t Hdf5Reader::storedBytes(const std::string& name) const {
-  silenceHdf5();
-  return H5Dget_storage_size(openDataset(file_, {path_, "dataset " + name}, name));
-}
-
 std::string Hdf5Reader::readTextAttribute(const std::string& name) const {
   silenceHdf5();
   const Place place{path_, "attribute " + name};
@@ -281,26 +289,12 @@ std::string Hdf5Reader::readTextAttribute(const std::string& name) const {
 bool Hdf5Reader::hasAttribute(const std::string& name) const { return H5Aexists(file_, name.c_str()) > 0; }
 
 uint64_t Hdf5Reader::readIntegerAttribute(const std::string& name) const {
-  silenceHdf5();
-  const Place place{path_, "attribute " + name};
-  const Handle attribute = openAttribute(file_, place, name);
-  const Handle type(H5Aget_type(attribute), H5Tclose);
-  place.require(type.ok(), "an unsigned 64-bit integer");
-  if (H5Tequal(type, H5T_STD_U64LE) <= 0) place.refuse("an unsigned 64-bit integer", "another type");
-  uint64_t value = 0;
-  place.require(H5Aread(attribute, H5T_NATIVE_UINT64, &value) >= 0, "an undamaged value");
-  return value;
+  return readNumber<uint64_t>(file_, {path_, "attribute " + name}, name, "an unsigned 64-bit integer");
 }
 
 double Hdf5Reader::readRealAttribute(const std::string& name) const {
-  silenceHdf5();
   const Place place{path_, "attribute " + name};
-  const Handle attribute = openAttribute(file_, place, name);
-  const Handle type(H5Aget_type(attribute), H5Tclose);
-  place.require(type.ok(), "a 64-bit real number");
-  if (H5Tequal(type, H5T_IEEE_F64LE) <= 0) place.refuse("a 64-bit real number", "another type");
-  double value = 0;
-  place.require(H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) >= 0, "an undamaged value");
+  const double value = readNumber<double>(file_, place, name, "a 64-bit real number");
   if (!std::isfinite(value)) place.refuse("a finite number", fmt::format("{}", value));
   return value;
 }

@@ -31,14 +31,15 @@ void requireWritten(bool good, const std::string& path, const std::string& what)
   if (!good) throw OutputError(path, what + ": " + innermostError());
 }
 
-void writeScalarAttribute(hid_t file, const std::string& path, const std::string& name, hid_t file_type, hid_t memory_type,
+void writeScalarAttribute(hid_t file, const std::string& path, const std::string& name, const ElementType& type,
                           const void* value) {
   silenceHdf5();
+  NLG_CHECK(file, >=, 0);
   const std::string what = "attribute " + name;
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle attribute(H5Acreate2(file, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Handle attribute(H5Acreate2(file, name.c_str(), type.file, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   requireWritten(attribute.ok(), path, what);
-  requireWritten(H5Awrite(attribute, memory_type, value) >= 0, path, what);
+  requireWritten(H5Awrite(attribute, type.memory, value) >= 0, path, what);
 }
 
 }  // namespace
@@ -93,24 +94,21 @@ void Hdf5Writer::write(const std::string& name, const std::vector<uint64_t>& sha
 
 void Hdf5Writer::writeAttribute(const std::string& name, const std::string& value) {
   silenceHdf5();
-  NLG_CHECK(file_, >=, 0);
   NLG_CHECK(value.size(), <=, kMaxTextBytes);
   // fixed length, padded with NULs: HDF5 has no texts of length 0
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, std::max<size_t>(value.size(), 1));
   H5Tset_strpad(type, H5T_STR_NULLPAD);
   H5Tset_cset(type, H5T_CSET_UTF8);
-  writeScalarAttribute(file_, path_, name, type, type, value.c_str());
+  writeScalarAttribute(file_, path_, name, {type, type}, value.c_str());
 }
 
 void Hdf5Writer::writeAttribute(const std::string& name, uint64_t value) {
-  NLG_CHECK(file_, >=, 0);
-  writeScalarAttribute(file_, path_, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, &value);
+  writeScalarAttribute(file_, path_, name, elementType(value), &value);
 }
 
 void Hdf5Writer::writeAttribute(const std::string& name, double value) {
-  NLG_CHECK(file_, >=, 0);
-  writeScalarAttribute(file_, path_, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+  writeScalarAttribute(file_, path_, name, elementType(value), &value);
 }
 
 template <class T>

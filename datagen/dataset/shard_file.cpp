@@ -116,12 +116,6 @@ Shard ShardReader::read(uint64_t first, uint64_t count) const {
   return shard;
 }
 
-uint64_t ShardReader::storedBytes() const {
-  uint64_t bytes = 0;
-  forEachArray([&](const char* name, const auto&, const auto&) { bytes += file_.storedBytes(name); }, header_);
-  return bytes;
-}
-
 std::string ShardHeader::sceneSha256() const {
   const auto origin = nlohmann::json::parse(provenance_json, nullptr, false);
   const nlohmann::json::json_pointer place("/inputs/scene");

@@ -30,7 +30,6 @@ class ShardReader {
   // Compares every byte of the file with the stored SHA-256.
   // throws   InputError when they differ
   void verifyDigest() const { file_.verifyDigest(); }
-  uint64_t storedBytes() const;  // of all arrays, compressed
 
  private:
   Hdf5Reader file_;

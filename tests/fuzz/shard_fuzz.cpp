@@ -49,7 +49,6 @@ std::vector<Hdf5Item> rightShard() {
 void readAll(const std::string& path) {
   const ShardReader reader(path);
   const uint64_t count = reader.functionCount();
-  reader.storedBytes();
   const Shard whole = reader.read(0, count);
   FUZZ_CHECK(whole.functionCount() == count, std::to_string(count));
   FUZZ_CHECK(whole.phi.size() == count * static_cast<uint64_t>(whole.point_count), std::to_string(whole.phi.size()));
