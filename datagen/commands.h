@@ -83,7 +83,7 @@ std::string sceneText(const nlohmann::ordered_json& scene);
 // grid_probes, visited_probes, functions, … as docs/reference/formats.md lists them, without their prefix; then functions_per_probe.
 inline nlohmann::ordered_json countsJson(const ShardCounts& counts) {
   nlohmann::ordered_json json;
-  forEachCount(counts, [&](const char* name, uint64_t count) { json[name + std::strlen("count_")] = count; });
+  forEachCount([&](const char* name, uint64_t count) { json[name + std::strlen("count_")] = count; }, counts);
   json["functions_per_probe"] = functionsPerProbe(counts);
   return json;
 }

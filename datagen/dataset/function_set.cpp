@@ -59,42 +59,12 @@ void prepare(const std::vector<std::string>& paths, uint64_t pattern_hash, int p
 
 constexpr uint64_t kImages = kMirrorCount;
 
-// The samples of a function's mirror image: whole octants change places.
-class MirroredSamples {
- public:
-  explicit MirroredSamples(size_t point_count) : point_count_(point_count), row_(point_count + point_count / 8) {}
-
-  // Good until the next call.
-  StoredFunction of(const StoredFunction& function, size_t mirror) {
-    if (mirror == 0) return function;
-    uint8_t* const validity = row_.data() + point_count_;
-    const size_t points = point_count_ / kImages, bytes = points / 8;
-    for (size_t octant = 0; octant < kImages; ++octant) {
-      std::copy_n(function.phi + (octant ^ mirror) * points, points, row_.data() + octant * points);
-      std::copy_n(function.validity + (octant ^ mirror) * bytes, bytes, validity + octant * bytes);
-    }
-    return {row_.data(), validity};
-  }
-
- private:
-  size_t point_count_;
-  std::vector<uint8_t> row_;
-};
-
 uint64_t countOf(const std::vector<bool>& bits) { return static_cast<uint64_t>(std::count(bits.begin(), bits.end(), true)); }
 
 }  // namespace
 
 void addCounts(const ShardCounts& from, ShardCounts* to) {
-  to->grid_probes += from.grid_probes;
-  to->visited_probes += from.visited_probes;
-  to->functions += from.functions;
-  to->free_space += from.free_space;
-  to->in_solid += from.in_solid;
-  to->duplicates += from.duplicates;
-  to->empty += from.empty;
-  to->solid_functions += from.solid_functions;
-  to->outside += from.outside;
+  forEachCount([](const char*, uint64_t count, uint64_t& sum) { sum += count; }, from, *to);
 }
 
 FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t pattern_hash, int point_count) {
@@ -119,49 +89,43 @@ FunctionSet readFunctionSet(const std::vector<std::string>& paths, uint64_t patt
 uint64_t KnownFunctions::countInTraining() const { return countOf(in_training); }
 uint64_t KnownFunctions::countInTrainingMirrored() const { return countOf(in_training_mirrored); }
 
-// The held-out functions are the indexed ones, since they are the fewer: id = 8 function + mirror.
-struct KnownFunctionSearch::Impl {
-  Impl(const DuplicateRule& rule, const FunctionSet& set)
-      : held_out(set),
-        mirrored(static_cast<size_t>(set.point_count)),
-        index(rule, set.point_count, [this](uint64_t id) { return image(id); }) {}
-
-  StoredFunction image(uint64_t id) { return mirrored.of(functionAt(held_out, id / kImages), id % kImages); }
-  // Nothing is left to learn about an image of a function that is known already.
-  bool isOpen(uint64_t id) const {
-    const uint64_t n = id / kImages;
-    return id % kImages == 0 ? !known.in_training[n] : !known.in_training_mirrored[n];
-  }
-
-  const FunctionSet& held_out;
-  MirroredSamples mirrored;
-  DuplicateIndex index;
-  KnownFunctions known;
-};
-
 KnownFunctionSearch::KnownFunctionSearch(const DuplicateRule& rule, const FunctionSet& held_out)
-    : impl_(std::make_unique<Impl>(rule, held_out)) {
+    : held_out_(held_out), index_(rule, held_out.point_count, [this](uint64_t id) { return image(id); }) {
   NLG_CHECK(held_out.point_count % 64, ==, 0);
   const uint64_t count = held_out.functionCount();
-  impl_->known.in_training.assign(count, false);
-  impl_->known.in_training_mirrored.assign(count, false);
-  for (uint64_t id = 0; id < count * kImages; ++id) impl_->index.add(impl_->image(id));
+  known_.in_training.assign(count, false);
+  known_.in_training_mirrored.assign(count, false);
+  for (uint64_t id = 0; id < count * kImages; ++id) index_.add(image(id));
 }
 
-KnownFunctionSearch::~KnownFunctionSearch() = default;
+// The held-out functions are the indexed ones, since they are the fewer: id = 8 function + mirror. Whole octants change places in a
+// mirror image; it is good until the next call.
+StoredFunction KnownFunctionSearch::image(uint64_t id) {
+  const StoredFunction function = functionAt(held_out_, id / kImages);
+  const size_t mirror = id % kImages, point_count = static_cast<size_t>(held_out_.point_count);
+  if (mirror == 0) return function;
+  image_.resize(point_count + point_count / 8);
+  uint8_t* const validity = image_.data() + point_count;
+  const size_t points = point_count / kImages, bytes = points / 8;
+  for (size_t octant = 0; octant < kImages; ++octant) {
+    std::copy_n(function.phi + (octant ^ mirror) * points, points, image_.data() + octant * points);
+    std::copy_n(function.validity + (octant ^ mirror) * bytes, bytes, validity + octant * bytes);
+  }
+  return {image_.data(), validity};
+}
 
 void KnownFunctionSearch::see(const StoredFunction& training) {
+  // nothing is left to learn about an image of a function that is known already
+  const auto isOpen = [this](uint64_t id) {
+    return !(id % kImages == 0 ? known_.in_training : known_.in_training_mirrored)[id / kImages];
+  };
   // a training function equals an image of a held-out one exactly when that one equals the same image of the training function:
   // every mirror is its own inverse, and the rule does not care in which order points come
-  impl_->index.forEachMatch(
-      training, [this](uint64_t id) { return impl_->isOpen(id); },
-      [this](const DuplicateIndex::Match& match) {
-        const uint64_t n = match.id / kImages;
-        if (match.id % kImages == 0) impl_->known.in_training[n] = true;
-        impl_->known.in_training_mirrored[n] = true;
-      });
+  index_.forEachMatch(training, isOpen, [this](const DuplicateIndex::Match& match) {
+    const uint64_t n = match.id / kImages;
+    if (match.id % kImages == 0) known_.in_training[n] = true;
+    known_.in_training_mirrored[n] = true;
+  });
 }
-
-const KnownFunctions& KnownFunctionSearch::known() const { return impl_->known; }
 
 }  // namespace nlg

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <map>
-#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datagen/dataset/shard.h"
 #include "datagen/functions/duplicate_index.h"
+#include "datagen/functions/nameless_file.h"
 
 namespace nlg {
 
@@ -32,8 +34,7 @@ struct FunctionSet : FunctionRows {
 class DuplicateFilter {
  public:
   // earlier   gives the samples of the id-th function kept; without it a copy is kept in a file
-  explicit DuplicateFilter(DuplicateIndex::Fetch earlier = nullptr);
-  ~DuplicateFilter();
+  explicit DuplicateFilter(DuplicateIndex::Fetch earlier = nullptr) : earlier_(std::move(earlier)) {}
   DuplicateFilter(const DuplicateFilter&) = delete;
   DuplicateFilter& operator=(const DuplicateFilter&) = delete;
 
@@ -43,8 +44,17 @@ class DuplicateFilter {
   void removeKnown(Shard* rows);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  void begin(const Shard& rows);
+  StoredFunction samples(uint64_t id);
+  bool isDuplicate(const StoredFunction& function);
+
+  DuplicateIndex::Fetch earlier_;
+  std::optional<DuplicateIndex> index_;
+  std::optional<PackedFunctions> packed_;  // what was kept, where nobody else has it
+  std::vector<uint64_t> places_;           // of it there, by id
+  DuplicateRule rule_;
+  const Shard* current_ = nullptr;
+  uint64_t first_of_current_ = 0;
 };
 
 // Adds every count of `from` to `to`.
@@ -74,18 +84,21 @@ class KnownFunctionSearch {
  public:
   // held_out   must outlive the search; its points a multiple of 64
   KnownFunctionSearch(const DuplicateRule& rule, const FunctionSet& held_out);
-  ~KnownFunctionSearch();
   KnownFunctionSearch(const KnownFunctionSearch&) = delete;
   KnownFunctionSearch& operator=(const KnownFunctionSearch&) = delete;
 
   // A training function, of as many points as the held-out ones.
   void see(const StoredFunction& training);
 
-  const KnownFunctions& known() const;
+  const KnownFunctions& known() const { return known_; }
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  StoredFunction image(uint64_t id);
+
+  const FunctionSet& held_out_;
+  std::vector<uint8_t> image_;  // samples of the latest one
+  DuplicateIndex index_;
+  KnownFunctions known_;
 };
 
 }  // namespace nlg

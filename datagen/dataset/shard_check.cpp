@@ -59,6 +59,14 @@ Fault placementFault(const FunctionRows& rows, uint64_t first_function) {
   return {};
 }
 
+// throws   InputError naming the shard when its functions are told apart by another rule than those of the first shard
+void requireSameRule(const ShardHeader& shard, const DuplicateRule& first) {
+  if (shard.duplicate_rule == first) return;
+  const auto text = [](const DuplicateRule& rule) { return fmt::format("{:f} and {}", rule.rms, rule.validity_points); };
+  throw InputError(shard.path, "attributes duplicate_rms and duplicate_validity_points", text(first) + " as in the first shard",
+                   text(shard.duplicate_rule));
+}
+
 }  // namespace
 
 double functionsPerProbe(const ShardCounts& counts) {
@@ -87,13 +95,6 @@ Fault duplicateRuleFault(const DuplicateRule& rule) {
   return {"attribute duplicate_rms", "a number from 0 to 255", fmt::format("{}", rule.rms)};
 }
 
-void requireSameRule(const ShardHeader& shard, const DuplicateRule& first) {
-  if (shard.duplicate_rule == first) return;
-  const auto text = [](const DuplicateRule& rule) { return fmt::format("{:f} and {}", rule.rms, rule.validity_points); };
-  throw InputError(shard.path, "attributes duplicate_rms and duplicate_validity_points", text(first) + " as in the first shard",
-                   text(shard.duplicate_rule));
-}
-
 Fault valueFault(const FunctionRows& rows, uint64_t first_function) {
   Fault fault = placementFault(rows, first_function);
   if (!fault.place.empty()) return fault;
@@ -103,59 +104,42 @@ Fault valueFault(const FunctionRows& rows, uint64_t first_function) {
                           first_function);
 }
 
-struct DuplicateFilter::Impl {
-  void begin(const Shard& rows) {
-    if (!index) {
-      rule = rows.duplicate_rule;
-      index.emplace(rule, rows.point_count, [this](uint64_t id) { return samples(id); });
-      if (!earlier) packed.emplace(rows.point_count, temporaryFolder());
-    }
-    requireSameRule(rows, rule);
-    current = &rows;
-    first_of_current = index->functionCount();
+void DuplicateFilter::begin(const Shard& rows) {
+  if (!index_) {
+    rule_ = rows.duplicate_rule;
+    index_.emplace(rule_, rows.point_count, [this](uint64_t id) { return samples(id); });
+    if (!earlier_) packed_.emplace(rows.point_count, temporaryFolder());
   }
-
-  StoredFunction samples(uint64_t id) {
-    // those of the rows at work have moved to the front of their arrays
-    if (id >= first_of_current) return functionAt(*current, id - first_of_current);
-    return earlier ? earlier(id) : packed->at(places[id]);
-  }
-
-  bool isDuplicate(const StoredFunction& function) {
-    if (index->findOrAdd(function)) return true;
-    if (packed) places.push_back(packed->append(function));
-    return false;
-  }
-
-  DuplicateIndex::Fetch earlier;
-  std::optional<DuplicateIndex> index;
-  std::optional<PackedFunctions> packed;  // what was kept, where nobody else has it
-  std::vector<uint64_t> places;           // of it there, by id
-  DuplicateRule rule;
-  const Shard* current = nullptr;
-  uint64_t first_of_current = 0;
-};
-
-DuplicateFilter::DuplicateFilter(DuplicateIndex::Fetch earlier) : impl_(std::make_unique<Impl>()) {
-  impl_->earlier = std::move(earlier);
+  requireSameRule(rows, rule_);
+  current_ = &rows;
+  first_of_current_ = index_->functionCount();
 }
 
-DuplicateFilter::~DuplicateFilter() = default;
+StoredFunction DuplicateFilter::samples(uint64_t id) {
+  // those of the rows at work have moved to the front of their arrays
+  if (id >= first_of_current_) return functionAt(*current_, id - first_of_current_);
+  return earlier_ ? earlier_(id) : packed_->at(places_[id]);
+}
+
+bool DuplicateFilter::isDuplicate(const StoredFunction& function) {
+  if (index_->findOrAdd(function)) return true;
+  if (packed_) places_.push_back(packed_->append(function));
+  return false;
+}
 
 void DuplicateFilter::removeKnown(Shard* rows) {
-  Impl& m = *impl_;
-  m.begin(*rows);
+  begin(*rows);
   const uint64_t count = rows->functionCount();
   uint64_t kept = 0;
   for (uint64_t n = 0; n < count; ++n) {
-    if (m.isDuplicate(functionAt(*rows, n))) continue;
+    if (isDuplicate(functionAt(*rows, n))) continue;
     if (n != kept) moveRow(n, kept, rows);
     ++kept;
   }
   truncateRows(kept, rows);
   rows->counts.functions -= count - kept;
   rows->counts.duplicates += count - kept;
-  m.current = nullptr;
+  current_ = nullptr;
 }
 
 }  // namespace nlg

@@ -18,9 +18,6 @@ struct Fault {
 Fault pointCountFault(uint64_t point_count, uint64_t test_point_count);
 Fault duplicateRuleFault(const DuplicateRule& rule);
 
-// throws   InputError naming the shard when its functions are told apart by another rule than those of the first shard
-void requireSameRule(const ShardHeader& shard, const DuplicateRule& first);
-
 // What must hold of the values once all lengths are known to be right.
 // first_function   what the arrays' first row is called in messages
 Fault valueFault(const FunctionRows& rows, uint64_t first_function = 0);

@@ -53,9 +53,11 @@ Shard readAttributes(const std::string& path, const Hdf5Reader& file, uint64_t p
   shard.duplicate_rule.validity_points = file.readIntegerAttribute("duplicate_validity_points");
   refuse(path, duplicateRuleFault(shard.duplicate_rule));
   // a count that older files lack stays 0
-  forEachCount(shard.counts, [&](const char* name, uint64_t& count) {
-    if (std::string_view(name) != kCountOutside || file.hasAttribute(name)) count = file.readIntegerAttribute(name);
-  });
+  forEachCount(
+      [&](const char* name, uint64_t& count) {
+        if (std::string_view(name) != kCountOutside || file.hasAttribute(name)) count = file.readIntegerAttribute(name);
+      },
+      shard.counts);
   return shard;
 }
 
@@ -212,7 +214,7 @@ void ShardWriter::finish(const ShardCounts& counts) {
         if (isEmptyRow(columns)) file_.write(name, withRows(function_count_, columns), values.data());
       },
       shape_);
-  forEachCount(counts, [&](const char* name, uint64_t count) { file_.writeAttribute(name, count); });
+  forEachCount([&](const char* name, uint64_t count) { file_.writeAttribute(name, count); }, counts);
   file_.closeWithDigest();
 }
 

@@ -31,7 +31,7 @@ std::vector<Hdf5Item> rightShard() {
                                  textItem("provenance_json", "{}"),
                                  attributeItem("duplicate_rms", 0.5),
                                  attributeItem("duplicate_validity_points", uint64_t{4})};
-  forEachCount(counts, [&](const char* name, uint64_t value) { items.push_back(attributeItem(name, value)); });
+  forEachCount([&](const char* name, uint64_t value) { items.push_back(attributeItem(name, value)); }, counts);
   forEachArray(
       [&](const char* name, const std::vector<uint64_t>& columns, auto& values) {
         // all points valid, all values 1
