@@ -11,23 +11,9 @@
 
 namespace nlg {
 
-// Flags that the game's compiler stored; a shader script's surfaceparm sets the same.
-inline constexpr uint32_t kBspSurfaceSky = 0x4;
-inline constexpr uint32_t kBspSurfaceNodraw = 0x80;
-inline constexpr uint32_t kBspSurfaceHint = 0x100;
-inline constexpr uint32_t kBspSurfaceSkip = 0x200;
-inline constexpr uint32_t kBspContentsLava = 0x8;
-inline constexpr uint32_t kBspContentsSlime = 0x10;
-inline constexpr uint32_t kBspContentsWater = 0x20;
-inline constexpr uint32_t kBspContentsFog = 0x40;
-inline constexpr uint32_t kBspContentsPlayerClip = 0x10000;
-inline constexpr uint32_t kBspContentsMonsterClip = 0x20000;
-inline constexpr uint32_t kBspContentsTranslucent = 0x20000000;
-
 struct BspShader {
   std::string name;  // as written, up to the first NUL: what follows it is garbage
-  uint32_t surface_flags = 0;
-  uint32_t content_flags = 0;
+  uint32_t surface_flags = 0, content_flags = 0;  // as the game's compiler stored them: bsp_shader.cpp
 };
 
 enum class BspFaceKind : uint32_t { polygon = 1, patch = 2, mesh = 3, flare = 4 };

@@ -1,10 +1,8 @@
 #include "scene/quake/bsp_shader.h"
 
 #include <algorithm>
-#include <array>
 
 #include "scene/quake/bsp_entities.h"
-#include "scene/quake/bsp_file.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -16,24 +14,25 @@ constexpr size_t kMaxShaders = size_t{1} << 16;
 constexpr size_t kMaxTextures = 8;
 constexpr size_t kMaxSuns = 8;
 
+// What a surfaceparm of a script sets, which is what the game's compiler stores, and why such faces are no geometry: of a face with
+// several of these flags the first line says.
 struct SurfaceParm {
   std::string_view name;
   uint32_t surface_flags, content_flags;
+  const char* drop_reason;
 };
-constexpr std::array<SurfaceParm, 12> kSurfaceParms{{
-    {"sky", kBspSurfaceSky, 0},
-    {"nodraw", kBspSurfaceNodraw, 0},
-    {"hint", kBspSurfaceHint, 0},
-    {"skip", kBspSurfaceSkip, 0},
-    {"lava", 0, kBspContentsLava},
-    {"slime", 0, kBspContentsSlime},
-    {"water", 0, kBspContentsWater},
-    {"fog", 0, kBspContentsFog},
-    {"playerclip", 0, kBspContentsPlayerClip},
-    {"monsterclip", 0, kBspContentsMonsterClip},
-    {"trans", 0, kBspContentsTranslucent},
-    {"translucent", 0, kBspContentsTranslucent},
-}};
+constexpr SurfaceParm kSurfaceParms[] = {{"sky", 0x4, 0, "sky"},
+                                         {"nodraw", 0x80, 0, "nodraw"},
+                                         {"hint", 0x100, 0, "nodraw"},
+                                         {"skip", 0x200, 0, "nodraw"},
+                                         {"fog", 0, 0x40, "fog"},
+                                         {"lava", 0, 0x8, "liquid"},
+                                         {"slime", 0, 0x10, "liquid"},
+                                         {"water", 0, 0x20, "liquid"},
+                                         {"playerclip", 0, 0x10000, "clip"},
+                                         {"monsterclip", 0, 0x20000, "clip"},
+                                         {"trans", 0, 0x20000000, "translucent"},
+                                         {"translucent", 0, 0x20000000, "translucent"}};
 
 void addTexture(std::string_view name, ShaderScript& script) {
   if (name.empty() || name[0] == '$' || name[0] == '*' || name == "-" || script.textures.size() >= kMaxTextures) return;
@@ -218,12 +217,9 @@ ShaderScripts readShaderScripts(const Pk3Archives& archives) {
 }
 
 const char* dropReason(uint32_t surface_flags, uint32_t content_flags) {
-  if (surface_flags & kBspSurfaceSky) return "sky";
-  if (surface_flags & (kBspSurfaceNodraw | kBspSurfaceHint | kBspSurfaceSkip)) return "nodraw";
-  if (content_flags & kBspContentsFog) return "fog";
-  if (content_flags & (kBspContentsLava | kBspContentsSlime | kBspContentsWater)) return "liquid";
-  if (content_flags & (kBspContentsPlayerClip | kBspContentsMonsterClip)) return "clip";
-  if (content_flags & kBspContentsTranslucent) return "translucent";
+  for (const SurfaceParm& parm : kSurfaceParms) {
+    if ((surface_flags & parm.surface_flags) != 0 || (content_flags & parm.content_flags) != 0) return parm.drop_reason;
+  }
   return nullptr;
 }
 

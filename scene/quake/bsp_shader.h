@@ -41,7 +41,7 @@ struct ScriptCut {
 };
 
 struct ShaderScript {
-  uint32_t surface_flags = 0, content_flags = 0;  // bits of bsp_file.h that its surfaceparm lines set
+  uint32_t surface_flags = 0, content_flags = 0;  // bits of BspShader that its surfaceparm lines set
   bool double_sided = false;                      // cull none, disable or twosided
   // in the order of trust: qer_editorimage, then the maps of stages that are the surface's colour: no light, reflections and details
   std::vector<std::string> textures;

@@ -17,6 +17,8 @@
 namespace nlg {
 namespace {
 
+constexpr uint32_t kSkyFlag = 0x4, kLavaFlag = 0x8;  // of surfaces, of contents
+
 constexpr double kUnit = 0.0254;
 constexpr float kOfCode = 4.0f / 255.0f;
 constexpr float kPi = 3.14159265f;
@@ -113,7 +115,7 @@ TEST_F(BspLight, StaysInStepWithTrianglesThatAreDroppedAndSorted) {
 
 TEST_F(BspLight, SkyFacesAreNoGeometryButLieInsideTheBounds) {
   BspParts parts = litLevel();
-  parts.shaders.push_back({"textures/skies/blue", kBspSurfaceSky, 0});
+  parts.shaders.push_back({"textures/skies/blue", kSkyFlag, 0});
   // a sky above, seen from below: clockwise from there
   parts.addFace(1, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
   const BspLevel level = read(parts);
@@ -136,7 +138,7 @@ TEST_F(BspLight, SkyFacesAreNoGeometryButLieInsideTheBounds) {
 
 TEST_F(BspLight, VariantsKeepTheSkyAndLoseWhatLayOnSurfaces) {
   BspParts parts = litLevel();
-  parts.shaders.push_back({"textures/skies/blue", kBspSurfaceSky, 0});
+  parts.shaders.push_back({"textures/skies/blue", kSkyFlag, 0});
   parts.addFace(1, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
   parts.entities += "{ \"classname\" \"light\" \"origin\" \"10 20 30\" }";
   const Scene scene = read(parts).scene;
@@ -279,9 +281,9 @@ TEST_F(BspLightOfScripts, PagesOfLightLieInFiles) {
 
 TEST_F(BspLightOfScripts, LavaShinesThoughItIsNoGeometry) {
   BspParts parts = litLevel();
-  parts.shaders.push_back({"textures/test/lava", 0, kBspContentsLava});
+  parts.shaders.push_back({"textures/test/lava", 0, kLavaFlag});
   parts.addFace(1, 1, {{0, 0, -5}, {0, 100, -5}, {100, 100, -5}, {100, 0, -5}});
-  parts.shaders.push_back({"textures/skies/blue", kBspSurfaceSky, 0});
+  parts.shaders.push_back({"textures/skies/blue", kSkyFlag, 0});
   parts.addFace(2, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
   const Scene scene = readWith(parts, "textures/test/lava\n{\n q3map_surfacelight 10\n q3map_lightRGB 1 0 0\n cull none\n}\n");
   const SkyFaces& faces = scene.light.sky_faces;
@@ -303,7 +305,7 @@ TEST_F(BspLightOfScripts, LavaShinesThoughItIsNoGeometry) {
 
 BspParts levelWithSky() {
   BspParts parts = litLevel();
-  parts.shaders.push_back({"textures/skies/blue", kBspSurfaceSky, 0});
+  parts.shaders.push_back({"textures/skies/blue", kSkyFlag, 0});
   parts.addFace(1, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
   return parts;
 }

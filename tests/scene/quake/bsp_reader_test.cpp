@@ -70,9 +70,9 @@ TEST_F(BspReader, TurnsAxesUnitsAndWinding) {
 TEST_F(BspReader, FacesThatAreNoGeometryAreDroppedAndCounted) {
   BspParts parts = smallLevel();
   const std::vector<glm::vec3> quad = {{0, 0, 9}, {0, 9, 9}, {9, 9, 9}, {9, 0, 9}};
-  const std::vector<std::pair<uint32_t, uint32_t>> flags = {
-      {kBspSurfaceSky, 0},   {kBspSurfaceNodraw, 0}, {0, kBspContentsFog},        {0, kBspContentsWater},
-      {0, kBspContentsLava}, {0, kBspContentsSlime}, {0, kBspContentsPlayerClip}, {0, kBspContentsTranslucent}};
+  // sky, nodraw, fog, water, lava, slime, playerclip, translucent
+  const std::vector<std::pair<uint32_t, uint32_t>> flags = {{0x4, 0}, {0x80, 0}, {0, 0x40},    {0, 0x20},
+                                                            {0, 0x8}, {0, 0x10}, {0, 0x10000}, {0, 0x20000000}};
   for (const auto& [surface, contents] : flags) {
     parts.shaders.push_back({"textures/x" + std::to_string(parts.shaders.size()), surface, contents});
     parts.addFace(static_cast<uint32_t>(parts.shaders.size()) - 1, 1, quad);

@@ -44,7 +44,7 @@ textures/base/plain { cull back { animMap 0.5 textures/a.tga textures/b.tga } { 
 )");
   ASSERT_EQ(scripts.size(), 2u);
   const ShaderScript& grate = scripts.at("textures/base/grate");
-  EXPECT_EQ(grate.content_flags, kBspContentsTranslucent);
+  EXPECT_EQ(grate.content_flags, 0x20000000u);
   EXPECT_EQ(grate.surface_flags, 0u);
   EXPECT_TRUE(grate.double_sided);
   EXPECT_EQ(grate.textures, (std::vector<std::string>{"textures/base/grate_editor", "textures/base/grate"}));
