@@ -121,6 +121,13 @@ RTCPointQuery queryAroundCube(const glm::vec3& center, float half_side) {
   return {center.x, center.y, center.z, 0.0f, half_side * 1.7330509f + reach * 0x1p-20f};
 }
 
+// Calls `visit` for the triangles whose boxes come near the place of the query.
+void visitNear(RTCScene scene, RTCPointQuery query, RTCPointQueryFunction visit, void* result) {
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene, &query, &context, visit, result);
+}
+
 // From origin + near * direction to origin + far * direction.
 RTCRay rayAlong(const glm::vec3& origin, const glm::vec3& direction, float near, float far) {
   return {origin.x, origin.y, origin.z, near, direction.x, direction.y, direction.z, 0.0f, far, ~0u, 0, 0};
@@ -229,34 +236,6 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
 
 RayScene::~RayScene() = default;
 
-uint32_t RayScene::occluded(const SegmentPacket& segments, int count) const {
-  alignas(64) RTCRay16 rays;
-  alignas(64) int active[kPacketSize];
-  // tnear 0 and tfar 1 in units of the direction: the segment with both its ends
-  for (int i = 0; i < kPacketSize; ++i) {
-    active[i] = i < count ? -1 : 0;
-    rays.org_x[i] = segments.origin_x[i];
-    rays.org_y[i] = segments.origin_y[i];
-    rays.org_z[i] = segments.origin_z[i];
-    rays.dir_x[i] = segments.direction_x[i];
-    rays.dir_y[i] = segments.direction_y[i];
-    rays.dir_z[i] = segments.direction_z[i];
-    rays.tnear[i] = 0.0f;
-    rays.tfar[i] = 1.0f;
-    rays.time[i] = 0.0f;
-    rays.mask[i] = ~0u;
-    rays.id[i] = i;
-    rays.flags[i] = 0;
-  }
-  // Embree sets tfar to minus infinity where anything is met
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded16(active, impl_->scene, &context, &rays);
-  uint32_t hits = 0;
-  for (int i = 0; i < count; ++i) hits |= static_cast<uint32_t>(rays.tfar[i] < 0.0f) << i;
-  return hits;
-}
-
 Facing RayScene::Impl::facing(unsigned geometry, uint32_t triangle, const glm::vec3& direction) const {
   if (geometry == kSurfaces && double_sided[triangle]) return Facing::both;
   const glm::vec3 out = geometry == kSky ? sky_normals[triangle] : normal(triangle);
@@ -320,16 +299,9 @@ Facing RayScene::firstBackWithSky(const glm::vec3& origin, const glm::vec3& dire
 }
 
 LightHit RayScene::Impl::surfaceHit(const RTCRayHit& hit, uint32_t triangle, const glm::vec3& direction) const {
-  LightHit result;
-  result.kind = LightHit::Kind::surface;
-  result.triangle = triangle;
-  result.distance = hit.ray.tfar;
-  result.u = hit.hit.u;
-  result.v = hit.hit.v;
   const glm::vec3 out = glm::normalize(glm::vec3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z));
-  result.is_front = glm::dot(out, direction) < 0.0f;
-  result.normal = result.is_front ? out : -out;
-  return result;
+  const bool is_front = glm::dot(out, direction) < 0.0f;
+  return {LightHit::Kind::surface, is_front, triangle, hit.ray.tfar, hit.hit.u, hit.hit.v, is_front ? out : -out};
 }
 
 float RayScene::justBehind(const LightHit& hit) { return std::nextafter(hit.distance * (1.0f + 0x1p-20f), kInfinity); }
@@ -339,10 +311,7 @@ LightHit RayScene::Impl::lightHit(const glm::vec3& origin, const glm::vec3& dire
     const RTCRayHit hit = firstRayHit(lightScene(), origin, direction, near, far);
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
     if (hit.hit.geomID != kSky) return surfaceHit(hit, opaque[hit.hit.primID], direction);
-    LightHit result;
-    result.kind = LightHit::Kind::sky;
-    result.distance = hit.ray.tfar;
-    result.triangle = hit.hit.primID;
+    const LightHit result{LightHit::Kind::sky, true, hit.hit.primID, hit.ray.tfar};
     if (glm::dot(sky_normals[hit.hit.primID], direction) < 0.0f) return result;
     // from behind: on, past this face
     near = justBehind(result);
@@ -382,11 +351,8 @@ bool RayScene::isLightBlocked(const glm::vec3& from, const glm::vec3& to) const 
 
 bool RayScene::isSkyNearCube(const glm::vec3& center, float half_side) const {
   if (!hasSkyFaces()) return false;
-  RTCPointQuery point = queryAroundCube(center, half_side);
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
   bool is_near = false;
-  rtcPointQuery(impl_->light_scene, &point, &context, findSky, &is_near);
+  visitNear(impl_->light_scene, queryAroundCube(center, half_side), findSky, &is_near);
   return is_near;
 }
 
@@ -395,11 +361,8 @@ double RayScene::cavityWidth() const { return impl_->cavity_m; }
 bool RayScene::isFree(const glm::vec3& center, float radius) const { return clearance(center, radius) >= radius; }
 
 float RayScene::clearance(const glm::vec3& center, float most) const {
-  RTCPointQuery point = {center.x, center.y, center.z, 0.0f, most};
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
   NearestSurface nearest{impl_->opaque, impl_->positions, impl_->triangles, most};
-  rtcPointQuery(impl_->opaqueScene(), &point, &context, findNearer, &nearest);
+  visitNear(impl_->opaqueScene(), {center.x, center.y, center.z, 0.0f, most}, findNearer, &nearest);
   return nearest.distance;
 }
 
@@ -407,11 +370,8 @@ const AirRegions& RayScene::airRegions() const { return *impl_->air_regions; }
 
 void RayScene::trianglesNearCube(const glm::vec3& center, float half_side, std::vector<uint32_t>* triangles) const {
   triangles->clear();
-  RTCPointQuery point = queryAroundCube(center, half_side);
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
   TriangleCollector collector{impl_->walls, triangles};
-  rtcPointQuery(impl_->scene, &point, &context, collectTriangle, &collector);
+  visitNear(impl_->scene, queryAroundCube(center, half_side), collectTriangle, &collector);
   std::sort(triangles->begin(), triangles->end());
 }
 

@@ -11,14 +11,6 @@
 
 namespace nlg {
 
-inline constexpr int kPacketSize = 16;
-
-// Sixteen segments from origin to origin + direction, structure of arrays, as the ray packets want them.
-struct SegmentPacket {
-  alignas(64) float origin_x[kPacketSize], origin_y[kPacketSize], origin_z[kPacketSize];
-  alignas(64) float direction_x[kPacketSize], direction_y[kPacketSize], direction_z[kPacketSize];
-};
-
 enum class Facing : uint8_t { nothing, front, back, both };  // both: a double-sided material, or faces that coincide
 
 // Where a ray of light ends, or meets a transmissive surface.
@@ -44,10 +36,6 @@ class RayScene {
   ~RayScene();
   RayScene(const RayScene&) = delete;
   RayScene& operator=(const RayScene&) = delete;
-
-  // Bit i of the result: segment i meets a triangle, its ends included. Only the first `count` segments are traced.
-  // Each as isBlocked says.
-  uint32_t occluded(const SegmentPacket& segments, int count) const;
 
   // Which side of the first face a ray from origin meets. A front and a back in one place (within 2^-18 of the way) say `both`,
   // whichever of them the traversal finds first.
