@@ -7,6 +7,7 @@
 #include "render/picture/legend.h"
 #include "scene/model/scene_light.h"
 #include "scene/model/surface_look.h"
+#include "scene/model/texture_image.h"
 
 namespace nlg {
 namespace {
@@ -17,12 +18,6 @@ using glm::vec3, std::max, std::min;
 constexpr double kPi = std::numbers::pi, kMiddleGrey = 0.18;
 
 constexpr Colour kNoReceiver{120, 120, 120};
-
-uint8_t srgbByte(double linear) {
-  const double value = std::clamp(linear, 0.0, 1.0);
-  const double encoded = value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055;
-  return static_cast<uint8_t>(std::lround(255.0 * encoded));
-}
 
 // Colours by pixel: colour(pixel) where there are receivers.
 template <class ColourOf>
@@ -95,7 +90,8 @@ Image toneMapped(const LitPicture& picture, double exposure) {
       const size_t pixel = static_cast<size_t>(y) * picture.width + x;
       const vec3 shown = neutralTone(vec3(exposure * glm::dvec3(picture.radiance[pixel])));
       image.set(x, y,
-                picture.in_solid[pixel] ? hatchColour(x, y) : Colour{srgbByte(shown.r), srgbByte(shown.g), srgbByte(shown.b)});
+                picture.in_solid[pixel] ? hatchColour(x, y)
+                                        : Colour{srgbFromLinear(shown.r), srgbFromLinear(shown.g), srgbFromLinear(shown.b)});
     }
   }
   return image;

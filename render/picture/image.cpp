@@ -120,7 +120,7 @@ void drawLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double wid
 
 void drawText(Image& image, int x, int y, const std::string& text, Colour colour, int scale) {
   for (size_t i = 0; i < text.size(); x += kGlyphWidth * scale) {
-    const auto& rows = glyphRows(nextCodePoint(text, &i));
+    const auto rows = glyphRows(nextCodePoint(text, &i));
     for (int row = 0; row < kGlyphHeight; ++row) {
       for (int column = 0; column < kGlyphWidth; ++column) {
         if (rows[row] >> column & 1) fillRect(image, x + column * scale, y + row * scale, scale + (scale > 1), scale, colour);

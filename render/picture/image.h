@@ -21,7 +21,7 @@ namespace nlg {
 inline constexpr int kGlyphWidth = 9, kGlyphHeight = 18;
 
 // One glyph from top to bottom; bit x of a row is the pixel x from the left. A sign that the font lacks is a question mark.
-const std::array<uint16_t, kGlyphHeight>& glyphRows(uint32_t code_point);
+std::array<uint16_t, kGlyphHeight> glyphRows(uint32_t code_point);
 
 struct Colour {
   uint8_t r = 0, g = 0, b = 0;
