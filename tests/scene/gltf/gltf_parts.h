@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -57,6 +58,17 @@ struct Parts {
   std::string scenes = R"([{"nodes":[0]}])";
   std::string more_buffers;  // further buffers, each led by a comma
   std::string more;          // further members of the root, each led by a comma
+
+  // Appends bytes in a view of their own, and an accessor of them where it is described.
+  void add(const std::string& bytes, const std::string& accessor = "") {
+    views.back() = ',';
+    views +=
+        R"({"buffer":0,"byteOffset":)" + std::to_string(bin.size()) + R"(,"byteLength":)" + std::to_string(bytes.size()) + "}]";
+    bin += bytes;
+    if (accessor.empty()) return;
+    accessors.back() = ',';
+    accessors += R"({"bufferView":)" + std::to_string(std::count(views.begin(), views.end(), '{') - 1) + "," + accessor + "}]";
+  }
 
   std::string json(const std::string& uri) const {
     const std::string uri_member = uri.empty() ? "" : R"(,"uri":")" + uri + "\"";

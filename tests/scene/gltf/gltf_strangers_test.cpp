@@ -143,9 +143,7 @@ TEST_F(GltfStrangers, NamesWhatOtherScenesHoldAndReadsThemByName) {
 // A second set of four vectors behind the square's: what a morph target adds.
 Parts morphing(const std::string& node, const std::string& primitive = "") {
   Parts parts;
-  parts.bin = kSquare + bytesOf<float>({0, 0, 2, 0, 0, 2, 0, 0, 2, 0, 0, 2});
-  parts.views = replaced(parts.views, "}]", R"(},{"buffer":0,"byteOffset":60,"byteLength":48}])");
-  parts.accessors = replaced(parts.accessors, "]", R"(,{"bufferView":2,"componentType":5126,"count":4,"type":"VEC3"}])");
+  parts.add(bytesOf<float>({0, 0, 2, 0, 0, 2, 0, 0, 2, 0, 0, 2}), R"("componentType":5126,"count":4,"type":"VEC3")");
   parts.primitives = R"([{"attributes":{"POSITION":0},"indices":1,"targets":[{"POSITION":2},{"NORMAL":2}]}])" + primitive;
   parts.nodes = "[" + node + "]";
   return parts;
@@ -167,15 +165,10 @@ TEST_F(GltfStrangers, MorphTargetsStandAtTheFilesWeights) {
 // The square on joints 0 and 1, half a corner each or as said.
 Parts skinned(const std::string& joints, const std::string& weights, const std::string& skin, const std::string& nodes) {
   Parts parts;
-  parts.bin = kSquare + joints + weights + bytesOf<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -5, 0, 0, 1,  //
-                                                           1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0,  0, 0, 1});
-  parts.views = replaced(parts.views, "}]",
-                         R"(},{"buffer":0,"byteOffset":60,"byteLength":16},{"buffer":0,"byteOffset":76,"byteLength":64},)"
-                         R"({"buffer":0,"byteOffset":140,"byteLength":128}])");
-  parts.accessors = replaced(
-      parts.accessors, "]",
-      R"(,{"bufferView":2,"componentType":5121,"count":4,"type":"VEC4"},{"bufferView":3,"componentType":5126,"count":4,"type":"VEC4"},)"
-      R"({"bufferView":4,"componentType":5126,"count":2,"type":"MAT4"}])");
+  parts.add(joints, R"("componentType":5121,"count":4,"type":"VEC4")");
+  parts.add(weights, R"("componentType":5126,"count":4,"type":"VEC4")");
+  parts.add(bytesOf<float>({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -5, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}),
+            R"("componentType":5126,"count":2,"type":"MAT4")");
   parts.primitives = R"([{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"indices":1}])";
   parts.nodes = nodes;
   parts.scenes = R"([{"nodes":[0,1,2]}])";
@@ -225,16 +218,11 @@ TEST_F(GltfStrangers, SkinsStandWhereTheirJointsAre) {
 
 Parts instanced(const std::string& attributes) {
   Parts parts;
-  // three translations, three turns as bytes, three scales
-  parts.bin = kSquare + bytesOf<float>({0, 0, 0, 10, 0, 0, 20, 0, 0}) +
-              bytesOf<int8_t>({0, 0, 0, 127, 0, 0, 127, 0, 0, 0, 90, 90}) + bytesOf<float>({1, 1, 1, 2, 2, 2, 3, 3, 3});
-  parts.views = replaced(parts.views, "}]",
-                         R"(},{"buffer":0,"byteOffset":60,"byteLength":36},{"buffer":0,"byteOffset":96,"byteLength":12},)"
-                         R"({"buffer":0,"byteOffset":108,"byteLength":36}])");
-  parts.accessors = replaced(parts.accessors, "]",
-                             R"(,{"bufferView":2,"componentType":5126,"count":3,"type":"VEC3"},)"
-                             R"({"bufferView":3,"componentType":5120,"normalized":true,"count":3,"type":"VEC4"},)"
-                             R"({"bufferView":4,"componentType":5126,"count":3,"type":"VEC3"}])");
+  // translations, turns as bytes, scales
+  parts.add(bytesOf<float>({0, 0, 0, 10, 0, 0, 20, 0, 0}), R"("componentType":5126,"count":3,"type":"VEC3")");
+  parts.add(bytesOf<int8_t>({0, 0, 0, 127, 0, 0, 127, 0, 0, 0, 90, 90}),
+            R"("componentType":5120,"normalized":true,"count":3,"type":"VEC4")");
+  parts.add(bytesOf<float>({1, 1, 1, 2, 2, 2, 3, 3, 3}), R"("componentType":5126,"count":3,"type":"VEC3")");
   parts.nodes = R"([{"mesh":0,"name":"slat","translation":[0,5,0],"extensions":{"EXT_mesh_gpu_instancing":{"attributes":)" +
                 attributes + "}}}]";
   parts.more = R"(,"extensionsUsed":["EXT_mesh_gpu_instancing"],"extensionsRequired":["EXT_mesh_gpu_instancing"])";
@@ -317,8 +305,6 @@ TEST_F(GltfStrangers, Version1OfMeshoptIsUnpacked) {
   EXPECT_NE(notes, "") << "a byte too many";
 }
 
-// --- extensions that are not read
-
 // --- one broken part
 
 TEST_F(GltfStrangers, ABrokenPartDoesNotRefuseALevel) {
@@ -397,41 +383,31 @@ TEST_F(GltfStrangers, ABrokenBufferIsMissedByWhatUsesItAlone) {
 
 // Codes that an exporter forgot to normalise. Each is half of what stands for white, but for the alpha of three.
 TEST_F(GltfStrangers, ColoursThatAreNotNormalizedAreTakenAsCodesAndSaid) {
-  struct Case {
-    std::string bytes;
-    const char *accessor, *says;
-    float least, most;
-  };
   const auto repeated = [](const std::string& bytes) { return bytes + bytes + bytes + bytes; };
-  const Case cases[] = {{repeated(bytesOf<uint8_t>({128, 128, 128, 255})), R"("componentType":5121,"type":"VEC4")",
-                         "taken as of 0 to 255", 0.49f, 0.51f},
-                        {repeated(bytesOf<uint8_t>({128, 128, 128, 255})),
-                         R"("componentType":5121,"type":"VEC4","normalized":true)", "", 0.49f, 0.51f},
-                        {repeated(bytesOf<uint16_t>({32768, 32768, 32768, 65535})), R"("componentType":5123,"type":"VEC4")",
-                         "taken as of 0 to 65535", 0.49f, 0.51f},
-                        {repeated(bytesOf<float>({127.5f, 127.5f, 127.5f})), R"("componentType":5126,"type":"VEC3")",
-                         "taken as of 0 to 255", 0.49f, 0.51f},
-                        {repeated(bytesOf<float>({127.5f, 127.5f, 127.5f, 1.0f})), R"("componentType":5126,"type":"VEC4")",
-                         "taken as of 0 to 255", 0.49f, 0.51f},
-                        {repeated(bytesOf<float>({-1.0f, 0.5f, 1.0f})), R"("componentType":5126,"type":"VEC3")",
-                         "COLOR_0: 4 numbers outside of 0 to 1: cut", 0.5f, 0.5f},
-                        {repeated(bytesOf<float>({32767.5f, 32767.5f, 32767.5f, 1.0f})), R"("componentType":5126,"type":"VEC4")",
-                         "taken as of 0 to 65535", 0.49f, 0.51f},
-                        {repeated(bytesOf<float>({300.0f, 127.5f, 127.5f})), R"("componentType":5126,"type":"VEC3")",
-                         "COLOR_0: 4 numbers outside of 0 to 255: cut", 0.49f, 0.51f},
-                        // a single bright vertex
-                        {repeated(bytesOf<float>({0.5f, 0.5f, 0.5f})).substr(12) + bytesOf<float>({9.0f, 0.5f, 9.0f}),
-                         R"("componentType":5126,"type":"VEC3")", "COLOR_0: 2 numbers outside of 0 to 1: cut", 0.5f, 0.5f},
-                        {repeated(bytesOf<float>({1.5f, 0.5f, 1.5f})), R"("componentType":5126,"type":"VEC3")",
-                         "COLOR_0: 8 numbers outside of 0 to 1: cut", 0.5f, 0.5f},
-                        {repeated(bytesOf<float>({0.5f, 0.5f, 0.5f})), R"("componentType":5126,"type":"VEC3")", "", 0.5f, 0.5f}};
-  for (const Case& one : cases) {
+  const auto floats = [&](std::initializer_list<float> colour) { return repeated(bytesOf<float>(colour)); };
+  const std::string byte = R"("componentType":5121,"type":"VEC4")", word = R"("componentType":5123,"type":"VEC4")";
+  const std::string rgb = R"("componentType":5126,"type":"VEC3")", rgba = R"("componentType":5126,"type":"VEC4")";
+  const std::string half_bytes = repeated(bytesOf<uint8_t>({128, 128, 128, 255}));
+  const struct {
+    std::string bytes, accessor;
+    const char* says;
+    float least, most;
+  } cases[] = {{half_bytes, byte, "taken as of 0 to 255", 0.49f, 0.51f},
+               {half_bytes, byte + R"(,"normalized":true)", "", 0.49f, 0.51f},
+               {repeated(bytesOf<uint16_t>({32768, 32768, 32768, 65535})), word, "taken as of 0 to 65535", 0.49f, 0.51f},
+               {floats({127.5f, 127.5f, 127.5f}), rgb, "taken as of 0 to 255", 0.49f, 0.51f},
+               {floats({127.5f, 127.5f, 127.5f, 1.0f}), rgba, "taken as of 0 to 255", 0.49f, 0.51f},
+               {floats({-1.0f, 0.5f, 1.0f}), rgb, "COLOR_0: 4 numbers outside of 0 to 1: cut", 0.5f, 0.5f},
+               {floats({32767.5f, 32767.5f, 32767.5f, 1.0f}), rgba, "taken as of 0 to 65535", 0.49f, 0.51f},
+               {floats({300.0f, 127.5f, 127.5f}), rgb, "COLOR_0: 4 numbers outside of 0 to 255: cut", 0.49f, 0.51f},
+               // a single bright vertex
+               {floats({0.5f, 0.5f, 0.5f}).substr(12) + bytesOf<float>({9.0f, 0.5f, 9.0f}), rgb,
+                "COLOR_0: 2 numbers outside of 0 to 1: cut", 0.5f, 0.5f},
+               {floats({1.5f, 0.5f, 1.5f}), rgb, "COLOR_0: 8 numbers outside of 0 to 1: cut", 0.5f, 0.5f},
+               {floats({0.5f, 0.5f, 0.5f}), rgb, "", 0.5f, 0.5f}};
+  for (const auto& one : cases) {
     Parts parts;
-    parts.bin += one.bytes;
-    parts.views.back() = ',';
-    parts.views += R"({"buffer":0,"byteOffset":60,"byteLength":)" + std::to_string(one.bytes.size()) + "}]";
-    parts.accessors.back() = ',';
-    parts.accessors += R"({"bufferView":2,"count":4,)" + std::string(one.accessor) + "}]";
+    parts.add(one.bytes, R"("count":4,)" + std::string(one.accessor));
     parts.primitives = replaced(parts.primitives, R"("POSITION":0)", R"("POSITION":0,"COLOR_0":2)");
     const GltfLevel read = level(parts);
     for (const glm::vec4& colour : read.scene.vertex_colours) {
@@ -486,38 +462,37 @@ TEST_F(GltfStrangers, EmissionAboveOneIsTakenAsItIs) {
 
 // --- units of exporters
 
-struct UnitCase {
-  const char *version, *lights;
-  LightUnit::Kind kind;
-  const char* sign;
-};
-
 TEST_F(GltfStrangers, TheUnitOfAnExporterIsKnownByItsSign) {
   using Kind = LightUnit::Kind;
-  const UnitCase cases[] = {
-      {"4.3.47", R"({"type":"point","intensity":217.40565226352905})", Kind::standard, "such as 4 W"},
-      {"4.3.47", R"({"type":"point","intensity":2174.0565226352905})", Kind::standard, "such as 40 W"},
-      {"4.3.47", R"({"type":"point","intensity":0.3183098861837907})", Kind::same, "such as 4 W"},
-      {"4.3.47", R"({"type":"point","intensity":636.6197723675814})", Kind::same, "such as 8000 W"},
-      {"4.3.47", R"({"type":"point","intensity":5.4351413})", Kind::standard, "such as 0.1 W"},
-      {"4.3.47", R"({"type":"point","intensity":60})", Kind::raw, "such as 60 W"},
-      {"4.3.47", R"({"type":"directional","intensity":2049})", Kind::standard, "such as 3 W"},
-      {"4.3.47", R"({"type":"directional","intensity":3.5})", Kind::same, "such as 3.5 W"},
-      // no digits tell
-      {"4.3.47", R"({"type":"point","intensity":163.123457})", Kind::standard, "the exporter's default"},
-      {"4.3.47", R"({"type":"point","intensity":16.3123457})", Kind::same, "too faint"},
-      {"4.3.47", R"({"type":"directional","intensity":51.23456},{"type":"point","intensity":1.234567})", Kind::standard,
-       "default"},
-      // exporters from before there were units
-      {"3.3.36", R"({"type":"point","intensity":217.40565226352905})", Kind::raw, "exporters before 3.4.40"},
-      {"3.4.50", R"({"type":"point","intensity":217.40565226352905})", Kind::standard, "4"},
-      {"4.3.47", "", Kind::same, ""}};
-  for (const UnitCase& one : cases) {
+  const auto unitOf = [&](const std::string& generator, const std::string& lights) {
     Parts parts;
-    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[)" + std::string(one.lights) + "]}}";
-    const std::string text = replaced(parts.text(), R"("asset":{)",
-                                      R"("asset":{"generator":"Khronos glTF Blender I/O v)" + std::string(one.version) + "\",");
-    const LightUnit unit = readGltf(write("blender.gltf", text)).scene.light.unit;
+    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[)" + lights + "]}}";
+    const std::string text = replaced(parts.text(), R"("asset":{)", R"("asset":{"generator":")" + generator + "\",");
+    return readGltf(write("unit.gltf", text)).scene.light.unit;
+  };
+  const struct {
+    const char *version, *lights;
+    Kind kind;
+    const char* sign;
+  } cases[] = {{"4.3.47", R"({"type":"point","intensity":217.40565226352905})", Kind::standard, "such as 4 W"},
+               {"4.3.47", R"({"type":"point","intensity":2174.0565226352905})", Kind::standard, "such as 40 W"},
+               {"4.3.47", R"({"type":"point","intensity":0.3183098861837907})", Kind::same, "such as 4 W"},
+               {"4.3.47", R"({"type":"point","intensity":636.6197723675814})", Kind::same, "such as 8000 W"},
+               {"4.3.47", R"({"type":"point","intensity":5.4351413})", Kind::standard, "such as 0.1 W"},
+               {"4.3.47", R"({"type":"point","intensity":60})", Kind::raw, "such as 60 W"},
+               {"4.3.47", R"({"type":"directional","intensity":2049})", Kind::standard, "such as 3 W"},
+               {"4.3.47", R"({"type":"directional","intensity":3.5})", Kind::same, "such as 3.5 W"},
+               // no digits tell
+               {"4.3.47", R"({"type":"point","intensity":163.123457})", Kind::standard, "the exporter's default"},
+               {"4.3.47", R"({"type":"point","intensity":16.3123457})", Kind::same, "too faint"},
+               {"4.3.47", R"({"type":"directional","intensity":51.23456},{"type":"point","intensity":1.234567})", Kind::standard,
+                "default"},
+               // exporters from before there were units
+               {"3.3.36", R"({"type":"point","intensity":217.40565226352905})", Kind::raw, "exporters before 3.4.40"},
+               {"3.4.50", R"({"type":"point","intensity":217.40565226352905})", Kind::standard, "4"},
+               {"4.3.47", "", Kind::same, ""}};
+  for (const auto& one : cases) {
+    const LightUnit unit = unitOf(std::string("Khronos glTF Blender I/O v") + one.version, one.lights);
     EXPECT_EQ(static_cast<int>(unit.kind), static_cast<int>(one.kind)) << one.version << one.lights << unit.sign;
     EXPECT_NE(unit.sign.find(one.sign), std::string::npos) << one.lights << unit.sign;
     EXPECT_EQ(unit.sign.empty(), std::string(one.sign).empty());
@@ -536,10 +511,7 @@ TEST_F(GltfStrangers, TheUnitOfAnExporterIsKnownByItsSign) {
       {"SketchUp 24.0", Kind::unsure},
       {"Houdini", Kind::unsure}};
   for (const auto& [generator, kind] : engines) {
-    Parts parts;
-    parts.more = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":2}]}})";
-    const std::string text = replaced(parts.text(), R"("asset":{)", R"("asset":{"generator":")" + std::string(generator) + "\",");
-    const LightUnit unit = readGltf(write("engine.gltf", text)).scene.light.unit;
+    const LightUnit unit = unitOf(generator, R"({"type":"point","intensity":2})");
     EXPECT_EQ(static_cast<int>(unit.kind), static_cast<int>(kind)) << generator;
     EXPECT_EQ(unit.sign.empty(), kind == Kind::same) << generator;
   }

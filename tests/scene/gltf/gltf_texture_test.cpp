@@ -19,16 +19,10 @@ const std::string kHalves("\xff\0\0\xff\0\xff\0\x40", 8);
 // all of them halved as TEXCOORD_1, in normalized integers of 16 bits; then whatever bytes an image is.
 Parts texturedSquare(const std::string& material, const std::string& image_bytes) {
   Parts parts;
-  parts.bin = kSquare + bytesOf<float>({0, 1, 1, 1, 1, 0, 0, 0}) + bytesOf<uint16_t>({0, 32768, 32768, 32768, 32768, 0, 0, 0}) +
-              image_bytes;
-  parts.views =
-      R"([{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":32},)"
-      R"({"buffer":0,"byteOffset":92,"byteLength":16},{"buffer":0,"byteOffset":108,"byteLength":)" +
-      std::to_string(std::max<size_t>(image_bytes.size(), 1)) + "}]";
-  if (image_bytes.empty()) parts.bin += '\0';
-  parts.accessors =
-      R"([{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"},)"
-      R"({"bufferView":2,"componentType":5126,"count":4,"type":"VEC2"},{"bufferView":3,"componentType":5123,"normalized":true,"count":4,"type":"VEC2"}])";
+  parts.add(bytesOf<float>({0, 1, 1, 1, 1, 0, 0, 0}), R"("componentType":5126,"count":4,"type":"VEC2")");
+  parts.add(bytesOf<uint16_t>({0, 32768, 32768, 32768, 32768, 0, 0, 0}),
+            R"("componentType":5123,"normalized":true,"count":4,"type":"VEC2")");
+  parts.add(image_bytes.empty() ? std::string(1, '\0') : image_bytes);
   parts.primitives = R"([{"attributes":{"POSITION":0,"TEXCOORD_0":2,"TEXCOORD_1":3},"indices":1,"material":0}])";
   parts.more =
       R"(,"images":[{"bufferView":4,"mimeType":"image/png","name":"picture"}],"samplers":[{"wrapS":33071,"wrapT":33648}],)"
@@ -54,10 +48,8 @@ class GltfTextures : public GltfFiles {
           << "corner " << i << ": " << scene.base_places[i].x << " " << scene.base_places[i].y;
   }
   bool hasNote(const GltfLevel& level, const std::string& words) const {
-    for (const std::string& note : level.notes) {
-      if (note.find(words) != std::string::npos) return true;
-    }
-    return false;
+    return std::any_of(level.notes.begin(), level.notes.end(),
+                       [&](const std::string& note) { return note.find(words) != std::string::npos; });
   }
 };
 
@@ -99,17 +91,15 @@ TEST_F(GltfTextures, AnImageOfOneColourIsTheFactor) {
   }
 }
 
-struct PlacingCase {
-  const char* name;
-  std::string texture;  // behind "index":0
-  std::vector<glm::vec2> places;
-};
-
 TEST_F(GltfTextures, PlacesAreThoseOfTheSetAndItsTransform) {
   const auto transform = [](const std::string& members) {
     return R"(,"extensions":{"KHR_texture_transform":{)" + members + "}}";
   };
-  const std::vector<PlacingCase> cases = {
+  const struct {
+    const char* name;
+    std::string texture;  // behind "index":0
+    std::vector<glm::vec2> places;
+  } cases[] = {
       {"first set", "", {{0, 1}, {1, 1}, {1, 0}, {0, 0}}},
       {"second set", R"(,"texCoord":1)", {{0, .5}, {.5, .5}, {.5, 0}, {0, 0}}},
       {"offset and scale", transform(R"("offset":[0.25,-1],"scale":[2,3])"), {{.25, 2}, {2.25, 2}, {2.25, -1}, {.25, -1}}},
@@ -118,7 +108,7 @@ TEST_F(GltfTextures, PlacesAreThoseOfTheSetAndItsTransform) {
       {"rotation",
        transform(R"("offset":[0,1],"rotation":1.57079632679,"scale":[0.5,0.5])"),
        {{.5, 1}, {.5, .5}, {0, .5}, {0, 1}}}};
-  for (const PlacingCase& one : cases) {
+  for (const auto& one : cases) {
     SCOPED_TRACE(one.name);
     const GltfLevel read = level(texturedSquare(baseTexture(one.texture), png(2, 1, kHalves)));
     EXPECT_TRUE(read.notes.empty());
@@ -156,12 +146,8 @@ std::string placedDracoSquare() {
 }
 
 TEST_F(GltfTextures, DracoHoldsPlacesAndColours) {
-  const std::string image = png(2, 1, kHalves);
   Parts parts = dracoParts(placedDracoSquare());
-  parts.views = replaced(parts.views, "}]",
-                         R"(},{"buffer":0,"byteOffset":)" + std::to_string(parts.bin.size()) + R"(,"byteLength":)" +
-                             std::to_string(image.size()) + "}]");
-  parts.bin += image;
+  parts.add(png(2, 1, kHalves));
   parts.accessors = replaced(parts.accessors, R"("type":"SCALAR"})",
                              R"("type":"SCALAR"},{"componentType":5126,"count":4,"type":"VEC2"},)"
                              R"({"componentType":5121,"normalized":true,"count":4,"type":"VEC4"})");
@@ -237,12 +223,8 @@ TEST_F(GltfTextures, WhatCannotBeReadIsGreyAndDarkAndNoted) {
 
 TEST_F(GltfTextures, VertexColoursTimesBaseColour) {
   Parts parts;
-  parts.bin = kSquare + bytesOf<uint8_t>({255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 0, 51, 51, 51, 51});
-  parts.views =
-      R"([{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12},{"buffer":0,"byteOffset":60,"byteLength":16}])";
-  parts.accessors =
-      replaced(parts.accessors, R"("type":"SCALAR"})",
-               R"("type":"SCALAR"},{"bufferView":2,"componentType":5121,"normalized":true,"count":4,"type":"VEC4"})");
+  parts.add(bytesOf<uint8_t>({255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 0, 51, 51, 51, 51}),
+            R"("componentType":5121,"normalized":true,"count":4,"type":"VEC4")");
   parts.primitives =
       R"([{"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0,"COLOR_0":2},"indices":1,"material":0}])";
   parts.nodes = R"([{"mesh":0},{"mesh":0,"translation":[3,0,0]}])";
@@ -335,8 +317,6 @@ TEST_F(GltfTextures, DiffuseOfSpecularGlossinessIsBaseColour) {
   EXPECT_EQ(scene.materials.at(0).base_color, glm::vec3(0.5f, 1, 1));
   EXPECT_GT(colourAtRight(scene).g, 0.4f);
 }
-
-// --- the list
 
 }  // namespace
 }  // namespace nlg
