@@ -1,13 +1,32 @@
 // Scenes made of a few faces, for tests that know what must come out.
 #pragma once
 
+#include <array>
 #include <initializer_list>
+#include <vector>
 
 #include "scene/model/scene.h"
 
 namespace nlg {
 
 enum class Sides : uint32_t { one = 0, two = 1 };  // also the material's index
+
+// The sides of a box, wound outward: low and high of x, of y, of z.
+inline std::vector<std::array<glm::vec3, 4>> boxSides(const glm::vec3& low, const glm::vec3& high) {
+  std::vector<std::array<glm::vec3, 4>> sides;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (const bool is_far : {false, true}) {
+      glm::vec3 a = low;
+      a[axis] = is_far ? high[axis] : low[axis];
+      glm::vec3 b = a, c = a, d = a;
+      b[u] = c[u] = high[u];
+      c[v] = d[v] = high[v];
+      sides.push_back(is_far ? std::array{a, b, c, d} : std::array{a, d, c, b});
+    }
+  }
+  return sides;
+}
 
 class SceneOfFaces {
  public:
@@ -18,40 +37,28 @@ class SceneOfFaces {
   }
 
   // Front side: where a, b, c run counter-clockwise.
-  void addTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Sides sides = Sides::one) {
+  SceneOfFaces& addTriangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, Sides sides = Sides::one) {
     const auto first = static_cast<uint32_t>(scene_.positions.size());
     for (const glm::vec3& corner : {a, b, c}) scene_.positions.push_back(corner);
     scene_.triangles.push_back({first, first + 1, first + 2});
     scene_.triangle_material.push_back(static_cast<uint32_t>(sides));
+    return *this;
   }
 
-  void addQuad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d, Sides sides = Sides::one) {
-    addTriangle(a, b, c, sides);
-    addTriangle(a, c, d, sides);
+  SceneOfFaces& addQuad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d,
+                        Sides sides = Sides::one) {
+    return addTriangle(a, b, c, sides).addTriangle(a, c, d, sides);
   }
 
   // Faces look outward; a flipped box's look inward.
-  void addBox(const glm::vec3& low, const glm::vec3& high, bool flipped = false) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-      for (const bool far_side : {false, true}) {
-        glm::vec3 a = low;
-        a[axis] = far_side ? high[axis] : low[axis];
-        glm::vec3 b = a, c = a, d = a;
-        b[u] = c[u] = high[u];
-        c[v] = d[v] = high[v];
-        if (far_side != flipped)
-          addQuad(a, b, c, d);
-        else
-          addQuad(a, d, c, b);
-      }
-    }
+  SceneOfFaces& addBox(const glm::vec3& low, const glm::vec3& high, bool flipped = false) {
+    for (const auto& [a, b, c, d] : boxSides(low, high)) flipped ? addQuad(a, d, c, b) : addQuad(a, b, c, d);
+    return *this;
   }
 
   // A closed room: the inside of low..high is air, walls of this thickness are solid.
-  void addRoom(const glm::vec3& low, const glm::vec3& high, float thickness) {
-    addBox(low, high, true);
-    addBox(low - glm::vec3(thickness), high + glm::vec3(thickness));
+  SceneOfFaces& addRoom(const glm::vec3& low, const glm::vec3& high, float thickness) {
+    return addBox(low, high, true).addBox(low - glm::vec3(thickness), high + glm::vec3(thickness));
   }
 
   Scene finish() const {
@@ -76,18 +83,10 @@ inline Scene mirroredScene(Scene scene, int mirror) {
 }
 
 // A wall from x = 0.31 to 0.47 that is infinite as far as a support of spacing 1 can tell.
-inline Scene infiniteWall() {
-  SceneOfFaces faces;
-  faces.addBox({0.31f, -50, -50}, {0.47f, 50, 50});
-  return faces.finish();
-}
+inline Scene infiniteWall() { return SceneOfFaces().addBox({0.31f, -50, -50}, {0.47f, 50, 50}).finish(); }
 
 // The same wall, ending at y = 0.07: the upper half of the support is open.
-inline Scene halfWall() {
-  SceneOfFaces faces;
-  faces.addBox({0.31f, -50, -50}, {0.47f, 0.07f, 50});
-  return faces.finish();
-}
+inline Scene halfWall() { return SceneOfFaces().addBox({0.31f, -50, -50}, {0.47f, 0.07f, 50}).finish(); }
 
 // A wall with a square window, as one closed solid of four beams that share whole edges.
 inline Scene wallWithHole() {
@@ -101,9 +100,7 @@ inline Scene wallWithHole() {
 
 // One sheet, seen from the probe's side, thinner than anything.
 inline Scene thinWall(Sides sides) {
-  SceneOfFaces faces;
-  faces.addQuad({0.31f, -50, -50}, {0.31f, -50, 50}, {0.31f, 50, 50}, {0.31f, 50, -50}, sides);
-  return faces.finish();
+  return SceneOfFaces().addQuad({0.31f, -50, -50}, {0.31f, -50, 50}, {0.31f, 50, 50}, {0.31f, 50, -50}, sides).finish();
 }
 
 // Needles across the support, each a thousandth wide.
@@ -118,10 +115,10 @@ inline Scene slivers() {
 
 // Two boxes that reach into each other, neither cut to the other.
 inline Scene crossingBoxes() {
-  SceneOfFaces faces;
-  faces.addBox({0.21f, -0.9f, -0.43f}, {0.47f, 0.33f, 0.31f});
-  faces.addBox({-0.37f, -0.31f, 0.11f}, {0.83f, 0.07f, 0.57f});
-  return faces.finish();
+  return SceneOfFaces()
+      .addBox({0.21f, -0.9f, -0.43f}, {0.47f, 0.33f, 0.31f})
+      .addBox({-0.37f, -0.31f, 0.11f}, {0.83f, 0.07f, 0.57f})
+      .finish();
 }
 
 // A crate with a sheet that stands on one of its edges: three faces meet there, and the sheet has no thickness.
@@ -134,15 +131,11 @@ inline Scene crateWithFin() {
 
 // Ground at y = height, looking up; nothing else.
 inline Scene terrainSheet(float height, Sides sides) {
-  SceneOfFaces faces;
-  faces.addQuad({-50, height, -50}, {-50, height, 50}, {50, height, 50}, {50, height, -50}, sides);
-  return faces.finish();
+  return SceneOfFaces().addQuad({-50, height, -50}, {-50, height, 50}, {50, height, 50}, {50, height, -50}, sides).finish();
 }
 
 inline Scene room(const glm::vec3& albedo, const glm::vec3& emission) {
-  SceneOfFaces faces;
-  faces.addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f);
-  Scene scene = faces.finish();
+  Scene scene = SceneOfFaces().addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f).finish();
   scene.materials[0].base_color = albedo;
   scene.materials[0].emissive = emission;
   return scene;

@@ -3,12 +3,11 @@
 #include "light/standing.h"
 #include "render/camera.h"
 #include "render/denoise.h"
-#include "render/lit_picture.h"
 #include "render/lit_views.h"
 #include "render/panel.h"
 #include "render/picture/legend.h"
 #include "render/tone.h"
-#include "tests/datagen/hand_built_scenes.h"
+#include "tests/render/rendered.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -16,25 +15,13 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 
-struct Rendered {
-  explicit Rendered(const Scene& s) : scene(s), rays(scene), transport(scene, rays) {}
-  Scene scene;
-  RayScene rays;
-  LightTransport transport;
-};
-
-SightOptions smallPicture(int threads = 1) {
+SightOptions smallPicture(int samples_per_side = SightOptions().samples_per_side) {
   SightOptions options;
   options.width = 24;
   options.height = 16;
-  options.thread_count = threads;
+  options.samples_per_side = samples_per_side;
+  options.thread_count = 1;
   return options;
-}
-
-LightAt even(const glm::vec3& irradiance) {
-  return [irradiance](std::span<const Receiver> receivers, LightAnswer* answers) {
-    std::fill_n(answers, receivers.size(), LightAnswer{irradiance, Reach::lit});
-  };
 }
 
 const Camera kAcross = cameraAlong({-1.5, 0.2, -2.5}, {1, -0.1, 1.6}, 1.2);
@@ -57,9 +44,7 @@ TEST(LitPicture, FurnaceIsConstant) {
 }
 
 TEST(LitPicture, SkyIsWhatTheCameraSeesBesideTheGround) {
-  SceneOfFaces faces;
-  faces.addQuad({-9, 0, 9}, {9, 0, 9}, {9, 0, -9}, {-9, 0, -9});
-  Scene scene = faces.finish();
+  Scene scene = SceneOfFaces().addQuad({-9, 0, 9}, {9, 0, 9}, {9, 0, -9}, {-9, 0, -9}).finish();
   scene.light.sky = {glm::vec3(0.5f), glm::vec3(0.5f), glm::vec3(0.5f)};
   const Rendered r(scene);
   const Sights sights = sightsOf(r.transport, cameraAlong({0, 1, 8}, {0, 0, -1}, 1.0), smallPicture());
@@ -77,10 +62,8 @@ TEST(LitPicture, ReceiversStandBeforeSurfacesAndNeverBehindOthers) {
   // a lid 4 mm above the box's upper side hides it from receivers 2 cm above
   faces.addQuad({-1, 0.004f, 0.5f}, {0, 0.004f, 0.5f}, {0, 0.004f, -0.5f}, {-1, 0.004f, -0.5f}, Sides::two);
   const Rendered r(faces.finish());
-  SightOptions options = smallPicture();
-  options.samples_per_side = 1;
   // so low that rays reach under the lid
-  const Sights sights = sightsOf(r.transport, cameraAlong({0.5, 0.01, 0}, {-1, -0.012, 0}, 0.1), options);
+  const Sights sights = sightsOf(r.transport, cameraAlong({0.5, 0.01, 0}, {-1, -0.012, 0}, 0.1), smallPicture(1));
   int under = 0, open = 0;
   for (const Sight& sight : sights.samples) {
     const Receiver& receiver = sight.receiver;
@@ -141,9 +124,7 @@ TEST(ChosenView, StandsInAirAndSeesTheRoom) {
 // Two surfaces, noise of a half on one and none on the other.
 TEST(Denoised, TakesNoiseAwayAndKeepsWhatHasNone) {
   const Rendered r(room(glm::vec3(0.5f), glm::vec3(0.0f)));
-  SightOptions options = smallPicture();
-  options.samples_per_side = 1;
-  const Sights sights = sightsOf(r.transport, kAcross, options);
+  const Sights sights = sightsOf(r.transport, kAcross, smallPicture(1));
   std::vector<LightAnswer> light(sights.samples.size());
   const auto isNoisy = [&](size_t i) { return sights.samples[i].receiver.normal.y > 0.5f; };
   for (size_t i = 0; i < light.size(); ++i) {

@@ -3,41 +3,28 @@
 #include <gtest/gtest.h>
 
 #include "render/picture/legend.h"
-#include "tests/datagen/hand_built_scenes.h"
+#include "tests/render/rendered.h"
 
 namespace nlg {
 namespace {
-
-// A room of 4 x 2.5 x 6 m without any light.
-struct DarkRoom {
-  DarkRoom() : scene(make()), rays(scene), transport(scene, rays) {}
-  static Scene make() {
-    SceneOfFaces faces;
-    faces.addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f);
-    return faces.finish();
-  }
-  Scene scene;
-  RayScene rays;
-  LightTransport transport;
-};
-
-LightAt even(float irradiance) {
-  return [irradiance](std::span<const Receiver> receivers, LightAnswer* answers) {
-    std::fill_n(answers, receivers.size(), LightAnswer{glm::vec3(irradiance), Reach::lit});
-  };
-}
 
 MeasuredPlace darkPlace(float answer) {
   return {"even", {{0.3, 0.2, -1.0}, {0, 0, 1}}, glm::vec3(0.0f), glm::vec3(answer), 1.0, answer};
 }
 
-PlacePictureOptions smallPicture(int threads = 1) {
+PlacePictureOptions smallPicture() {
   PlacePictureOptions options;
   options.width = 48;
   options.height = 32;
   options.truth_rays = 8;
-  options.thread_count = threads;
+  options.thread_count = 1;
   return options;
+}
+
+// Of 4 x 2.5 x 6 m, without any light.
+const Rendered& darkRoom() {
+  static const Rendered dark(room(glm::vec3(0.5f), glm::vec3(0.0f)));
+  return dark;
 }
 
 int countOf(const Image& image, Colour colour) {
@@ -49,15 +36,14 @@ int countOf(const Image& image, Colour colour) {
 }
 
 TEST(PlacePicture, ViewStandsInTheOpenOnTheNormalsSide) {
-  const DarkRoom room;
   for (const Receiver& place : {Receiver{{0, 0, 0}, {0, 1, 0}}, Receiver{{0.5, -0.95, 2}, {0, 1, 0}},
                                 Receiver{{1.97, 0.3, -1}, {-1, 0, 0}}, Receiver{{0, 1.48, 0}, {0, -1, 0}}}) {
-    const PlaceView view = viewOfPlace(room.transport, place);
+    const PlaceView view = viewOfPlace(darkRoom().transport, place);
     const glm::dvec3 back = view.camera.eye_m - place.position_m;
     EXPECT_GT(glm::dot(back, glm::dvec3(place.normal)), 0.0);
     EXPECT_LE(glm::length(back), 3.0 + 1e-9);
     EXPECT_GT(glm::length(back), 1.0) << "the room has space for more";
-    EXPECT_FALSE(room.rays.isBlocked(glm::vec3(place.position_m), glm::vec3(view.camera.eye_m)));
+    EXPECT_FALSE(darkRoom().rays.isBlocked(glm::vec3(place.position_m), glm::vec3(view.camera.eye_m)));
     EXPECT_NEAR(glm::dot(glm::normalize(back), glm::dvec3(view.camera.forward)), -1.0, 1e-6);
     EXPECT_GT(view.camera.up.y, 0.0f);
     EXPECT_EQ(view.ball.centre_m, place.position_m);
@@ -66,12 +52,11 @@ TEST(PlacePicture, ViewStandsInTheOpenOnTheNormalsSide) {
 
 // Three pictures of 48 x 32: truth is black, the answer is not; needles cover less than half of each.
 TEST(PlacePicture, LeakIsBrightBesideBlackTruthAndRedInTheError) {
-  const DarkRoom room;
-  const Image leaks = drawPlace(room.transport, darkPlace(3.0f), even(3.0f), smallPicture());
+  const Image leaks = drawPlace(darkRoom().transport, darkPlace(3.0f), even(glm::vec3(3.0f)), smallPicture());
   EXPECT_GT(countOf(leaks, kBlack), 48 * 32 / 2);
   EXPECT_LE(countOf(leaks, kBlack), 48 * 32);
   EXPECT_GT(countOf(leaks, diverging(1.0)), 48 * 32 / 2);
-  const Image right = drawPlace(room.transport, darkPlace(3.0f), even(0.0f), smallPicture());
+  const Image right = drawPlace(darkRoom().transport, darkPlace(3.0f), even(glm::vec3(0.0f)), smallPicture());
   EXPECT_GT(countOf(right, kBlack), 2 * 48 * 32 / 2);
   EXPECT_EQ(countOf(right, diverging(1.0)), 0);
 }

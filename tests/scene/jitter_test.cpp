@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "scene/procedural/procedural.h"
+#include "tests/scene/scene_triangles.h"
 
 namespace nlg {
 namespace {
@@ -32,33 +33,17 @@ Scene makeScene() {
   return scene;
 }
 
-JitterOptions withoutDrops() {
-  JitterOptions options;
-  options.drop_share = 0.0;
-  return options;
-}
-
-double volume(const Scene& scene, const SceneObject& object) {
-  double sum = 0.0;
-  for (uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
-    const glm::uvec3& t = scene.triangles[i];
-    const glm::dvec3 a(scene.positions[t.x]);
-    sum += glm::dot(a, glm::cross(glm::dvec3(scene.positions[t.y]), glm::dvec3(scene.positions[t.z]))) / 6.0;
-  }
-  return sum;
-}
-
-TEST(SplitConnectedComponents, SeparatesWhatSharesNoPosition) {
+TEST(SplitConnectedComponents, SeparatesWhatSharesNoPositionAndHoldsLargePiecesForStructure) {
   Scene scene = makeScene();
+  scene.objects[0].movable = true;
   splitConnectedComponents(scene, 0.35);
   ASSERT_EQ(scene.objects.size(), 5u);
-  uint32_t next = 0;
-  for (const SceneObject& object : scene.objects) {
-    EXPECT_EQ(object.first_triangle, next);
-    EXPECT_EQ(object.triangle_count, 4u);
-    next += object.triangle_count;
+  for (uint32_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(scene.objects[i].first_triangle, 4 * i);
+    EXPECT_EQ(scene.objects[i].triangle_count, 4u);
+    EXPECT_EQ(scene.objects[i].movable, i > 0);
   }
-  EXPECT_EQ(next, scene.triangles.size());
+  EXPECT_EQ(scene.triangles.size(), 20u);
   EXPECT_EQ(scene.objects[4].name, "whole");
 }
 
@@ -70,14 +55,6 @@ TEST(SplitConnectedComponents, JoinsVerticesThatStandAtTheSamePosition) {
   splitConnectedComponents(scene, 0.35);
   EXPECT_EQ(scene.objects.size(), 5u);
   EXPECT_EQ(scene.objects.back().triangle_count, 8u);
-}
-
-TEST(SplitConnectedComponents, HoldsLargeComponentsForStructure) {
-  Scene scene = makeScene();
-  scene.objects[0].movable = true;
-  splitConnectedComponents(scene, 0.35);
-  EXPECT_FALSE(scene.objects[0].movable);
-  EXPECT_TRUE(scene.objects[1].movable);
 }
 
 TEST(Jitter, ZeroIsTheSceneItself) {
@@ -97,26 +74,24 @@ TEST(Jitter, IsAPureFunctionOfItsArguments) {
 }
 
 TEST(Jitter, LeavesStructureWhereItIs) {
-  const Scene scene = makeScene();
-  const Scene moved = jitterScene(scene, {}, 5);
+  const Scene scene = makeScene(), moved = jitterScene(scene, {}, 5);
   ASSERT_EQ(moved.objects[0].name, "shell");
-  for (uint32_t i = 0; i < 4; ++i) {
-    for (int corner = 0; corner < 3; ++corner) {
-      EXPECT_EQ(moved.positions[moved.triangles[i][corner]], scene.positions[scene.triangles[i][corner]]);
-    }
+  for (size_t i = 0; i < 4; ++i) {
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(corner(moved, i, k), corner(scene, i, k));
   }
 }
 
 TEST(Jitter, MovesTurnsAndScalesWithinItsOptions) {
   const Scene scene = makeScene();
-  const JitterOptions options = withoutDrops();
+  JitterOptions options;
+  options.drop_share = 0.0;
   Scene parts = scene;
   splitConnectedComponents(parts, options.structure_share);
   for (uint64_t jitter = 1; jitter <= 50; ++jitter) {
     const Scene moved = jitterScene(scene, options, jitter);
     ASSERT_EQ(moved.objects.size(), parts.objects.size());
     for (size_t i = 1; i < moved.objects.size(); ++i) {
-      const double scale = std::cbrt(volume(moved, moved.objects[i]) / volume(parts, parts.objects[i]));
+      const double scale = std::cbrt(volumeOf(moved, moved.objects[i]) / volumeOf(parts, parts.objects[i]));
       EXPECT_GE(scale, 0.85 - 1e-4) << "jitter " << jitter;
       EXPECT_LE(scale, 1.15 + 1e-4) << "jitter " << jitter;
       // the point at the box's lower corner lies sqrt(1/2) from the axis: it turns by at most 20 degrees and grows by 15 %

@@ -15,4 +15,15 @@ inline glm::dvec3 normalOf(const Scene& scene, size_t triangle) {
   return glm::cross(corner(scene, triangle, 1) - a, corner(scene, triangle, 2) - a);
 }
 
+// What an object encloses; below 0 where its faces look inward.
+inline double volumeOf(const Scene& scene, const SceneObject& object) {
+  double volume = 0.0;
+  for (uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
+    const glm::uvec3& t = scene.triangles[i];
+    const glm::dvec3 a(scene.positions[t.x]), b(scene.positions[t.y]), c(scene.positions[t.z]);
+    volume += glm::dot(a, glm::cross(b, c)) / 6.0;
+  }
+  return volume;
+}
+
 }  // namespace nlg

@@ -64,27 +64,12 @@ void expectEqualHeaders(const Shard& a, const Shard& b) {
   EXPECT_EQ(a.test_point_count, b.test_point_count);
   EXPECT_EQ(a.duplicate_rule, b.duplicate_rule);
   EXPECT_EQ(a.provenance_json, b.provenance_json);
-  EXPECT_EQ(a.counts.grid_probes, b.counts.grid_probes);
-  EXPECT_EQ(a.counts.visited_probes, b.counts.visited_probes);
-  EXPECT_EQ(a.counts.functions, b.counts.functions);
-  EXPECT_EQ(a.counts.free_space, b.counts.free_space);
-  EXPECT_EQ(a.counts.in_solid, b.counts.in_solid);
-  EXPECT_EQ(a.counts.duplicates, b.counts.duplicates);
-  EXPECT_EQ(a.counts.empty, b.counts.empty);
-  EXPECT_EQ(a.counts.outside, b.counts.outside);
+  forEachCount([](const char* name, uint64_t of_a, uint64_t of_b) { EXPECT_EQ(of_a, of_b) << name; }, a.counts, b.counts);
 }
 
 void expectEqual(const Shard& a, const Shard& b) {
   expectEqualHeaders(a, b);
-  EXPECT_EQ(a.phi, b.phi);
-  EXPECT_EQ(a.validity, b.validity);
-  EXPECT_EQ(a.seen, b.seen);
-  EXPECT_EQ(a.probe_position_m, b.probe_position_m);
-  EXPECT_EQ(a.spacing_m, b.spacing_m);
-  EXPECT_EQ(a.flags, b.flags);
-  EXPECT_EQ(a.phi_test, b.phi_test);
-  EXPECT_EQ(a.validity_test, b.validity_test);
-  EXPECT_EQ(a.seen_test, b.seen_test);
+  forEachArray([](const char* name, const auto&, const auto& of_a, const auto& of_b) { EXPECT_EQ(of_a, of_b) << name; }, a, b);
 }
 
 class ShardFile : public testing::Test {

@@ -15,11 +15,7 @@
 namespace nlg {
 namespace {
 
-Scene boxScene(const glm::vec3& low, const glm::vec3& high) {
-  SceneOfFaces faces;
-  faces.addBox(low, high);
-  return faces.finish();
-}
+Scene boxScene(const glm::vec3& low, const glm::vec3& high) { return SceneOfFaces().addBox(low, high).finish(); }
 
 // Triangles of all sizes in a box of 20 m, every seventh of them a needle.
 Scene randomScene(uint64_t seed, int triangle_count) {
@@ -42,6 +38,11 @@ PositionM positionOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 glm::dvec3 randomIn(const glm::dvec3& low, const glm::dvec3& high, Random& random) {
   const double x = random.uniform(low.x, high.x), y = random.uniform(low.y, high.y), z = random.uniform(low.z, high.z);
   return {x, y, z};
+}
+
+glm::dvec3 lowCorner(const ProbeTree& tree, const ProbeCell& cell) {
+  const auto& [x, y, z] = tree.frame().first_m;
+  return glm::dvec3(x, y, z) + tree.frame().spacing_m * glm::dvec3(cell.low[0], cell.low[1], cell.low[2]);
 }
 
 // The nearest of many points of every triangle: never below the distance.
@@ -112,12 +113,9 @@ TEST(ProbePlacement, CellsAreAsFineAsTheirDistanceFromGeometryAsks) {
     tree.forEachCell([&](const ProbeCell& cell) {
       sides.insert(cell.side);
       if (cell.side == 1) return;
-      glm::dvec3 low, high;
-      for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = tree.frame().first_m[axis] + tree.frame().spacing_m * cell.low[axis];
-        high[axis] = low[axis] + tree.frame().spacing_m * cell.side;
-      }
-      EXPECT_LE(tree.frame().spacing_m * cell.side, options.density_growth * sampledDistance(scene, low, high) * (1 + 1e-9))
+      const double side_m = tree.frame().spacing_m * cell.side;
+      const glm::dvec3 low = lowCorner(tree, cell);
+      EXPECT_LE(side_m, options.density_growth * sampledDistance(scene, low, low + side_m) * (1 + 1e-9))
           << "seed " << seed << ", cell of side " << cell.side << " at " << low.x << ", " << low.y << ", " << low.z;
     });
     EXPECT_GE(sides.size(), 4u) << "seed " << seed;
@@ -232,9 +230,8 @@ TEST(ProbePlacement, TakesScenesOfAnySizeAndPlace) {
 
   // a sheet of 100 km, and one triangle
   const float far = 5e4f;
-  SceneOfFaces faces;
-  faces.addTriangle({-far, 0, -far}, {far, 0, -far}, {0, 0, far});
-  const ProbeTree large = placeProbes(faces.finish(), {.spacing_min_m = 100, .spacing_max_m = 100}, 1);
+  const Scene sheet = SceneOfFaces().addTriangle({-far, 0, -far}, {far, 0, -far}, {0, 0, far}).finish();
+  const ProbeTree large = placeProbes(sheet, {.spacing_min_m = 100, .spacing_max_m = 100}, 1);
   EXPECT_TRUE(large.lookUp({0, 0, 0}, &around));
 
   // the same tree wherever the scene's origin stands; the extent is in world coordinates
@@ -322,10 +319,8 @@ TEST(ProbePlacement, KeepsToTheBoxesOfTheScenesAuthor) {
   EXPECT_DOUBLE_EQ(tree.frame().spacing_m, 0.25);
   std::set<double> outside, in_coarse;
   tree.forEachCell([&](const ProbeCell& cell) {
-    glm::dvec3 low;
-    for (int axis = 0; axis < 3; ++axis) low[axis] = tree.frame().first_m[axis] + tree.frame().spacing_m * cell.low[axis];
     const double side_m = tree.frame().spacing_m * cell.side;
-    const glm::dvec3 high = low + side_m;
+    const glm::dvec3 low = lowCorner(tree, cell), high = low + side_m;
     const auto overlaps = [&](const ExtentBox& box) {
       return glm::all(glm::lessThan(low, box.high_m)) && glm::all(glm::lessThan(box.low_m, high));
     };

@@ -39,19 +39,12 @@ TEST(RayScene, BlocksSegmentsThatCrossAFaceFromEitherSide) {
   EXPECT_FALSE(scene.isBlocked({0, 0, 0}, {-5, 0, 0})) << "the wall is behind the origin";
 }
 
-TEST(RayScene, CountsASegmentsEnds) {
-  SceneOfFaces faces;
-  faces.addQuad({1, -4, -4}, {1, 4, -4}, {1, 4, 4}, {1, -4, 4});
-  const RayScene scene(faces.finish());
+TEST(RayScene, CountsASegmentsEndsAndLetsSegmentsPassInAFacesPlane) {
+  const RayScene scene(SceneOfFaces().addQuad({1, -4, -4}, {1, 4, -4}, {1, 4, 4}, {1, -4, 4}).finish());
   EXPECT_TRUE(scene.isBlocked({0, 0.25f, 0.5f}, {1, 0.25f, 0.5f}));
   EXPECT_TRUE(scene.isBlocked({1, 0.25f, 0.5f}, {2, 0.25f, 0.5f}));
   EXPECT_FALSE(scene.isBlocked({0, 0.25f, 0.5f}, {0.9999f, 0.25f, 0.5f}));
-}
-
-TEST(RayScene, LetsSegmentsPassInAFacesPlane) {
-  SceneOfFaces faces;
-  faces.addQuad({1, -4, -4}, {1, 4, -4}, {1, 4, 4}, {1, -4, 4});
-  EXPECT_FALSE(RayScene(faces.finish()).isBlocked({1, -1, 0.5f}, {1, 2, 0.25f}));
+  EXPECT_FALSE(scene.isBlocked({1, -1, 0.5f}, {1, 2, 0.25f}));
 }
 
 TEST(RayScene, IsWatertightAlongSharedEdges) {
@@ -114,9 +107,7 @@ TEST(RayScene, FindsEveryTriangleNearACube) {
 
 TEST(RayScene, AThinTransmissiveSurfaceIsAirForFunctionsAndADenseOneASheet) {
   for (const Transmissive transmissive : {Transmissive::none, Transmissive::thin, Transmissive::dense}) {
-    SceneOfFaces faces;
-    faces.addQuad({-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1});
-    Scene scene = faces.finish();
+    Scene scene = SceneOfFaces().addQuad({-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}).finish();
     scene.materials[0].transmissive = transmissive;
     scene.materials[0].double_sided = true;
     const RayScene rays(scene);

@@ -24,11 +24,7 @@ std::optional<LocalPoint> eyeAt(const Scene& scene, const glm::dvec3& position_m
 }
 
 // A wall between two rooms, thick, the probe inside it nearer to the one at x < 0.
-Scene wallBetweenRooms() {
-  SceneOfFaces faces;
-  faces.addBox({-0.15f, -50, -50}, {0.35f, 50, 50});
-  return faces.finish();
-}
+Scene wallBetweenRooms() { return SceneOfFaces().addBox({-0.15f, -50, -50}, {0.35f, 50, 50}).finish(); }
 
 TEST(SolidEye, IsOnTheNearerSideOfAWall) {
   const auto eye = eyeAt(wallBetweenRooms(), {0, 0.01, 0.02});
@@ -48,9 +44,7 @@ TEST(SolidEye, IsInTheLargerOfTwoRoomsEvenFartherAway) {
 
 TEST(SolidEye, IsNotBehindTheSky) {
   // ground between two levels of air, the lower one under a sky that closes it off from below
-  SceneOfFaces faces;
-  faces.addBox({-50, -0.1f, -50}, {50, 0.3f, 50});
-  Scene scene = faces.finish();
+  Scene scene = SceneOfFaces().addBox({-50, -0.1f, -50}, {50, 0.3f, 50}).finish();
   const auto without = eyeAt(scene, {0, 0, 0});
   ASSERT_TRUE(without);
   EXPECT_LT((*without)[1], -0.1f);

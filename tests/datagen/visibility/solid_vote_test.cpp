@@ -18,51 +18,35 @@ TEST(SolidVote, FindsAPlaceInAWallSolid) {
 }
 
 TEST(SolidVote, AsksMoreMembersOfAGroupWhereTheFirstLeavesDoubt) {
-  const RayScene scene(terrainSheet(0.0f, Sides::one));
   std::vector<size_t> asked;
-  const auto voteOf = [&](float y) {
+  const auto voteBelow = [&](Sides sides) {
     asked.clear();
-    return groupVote(scene, 7, [&](size_t member) {
+    return groupVote(RayScene(terrainSheet(0.0f, sides)), 7, [&](size_t member) {
       asked.push_back(member);
-      return glm::dvec3(0.1, y, 0.2);
+      return glm::dvec3(0.1, -0.3, 0.2);
     });
   };
   // half of the rays meet the ground, in seven of fourteen directions
-  EXPECT_TRUE(voteOf(-0.3f).solid());
+  EXPECT_TRUE(voteBelow(Sides::one).solid());
   EXPECT_EQ(asked, (std::vector<size_t>{0}));
-  const RayScene sheets(terrainSheet(0.0f, Sides::two));
-  asked.clear();
-  EXPECT_FALSE(groupVote(sheets, 7,
-                         [&](size_t member) {
-                           asked.push_back(member);
-                           return glm::dvec3(0.1, -0.3, 0.2);
-                         })
-                   .solid())
-      << "no evidence is air";
+  EXPECT_FALSE(voteBelow(Sides::two).solid()) << "no evidence is air";
   EXPECT_EQ(asked, (std::vector<size_t>{0, 2, 4, 6}));
 }
 
 // A yard whose walls and lid are sky, between halls that look inward: from high in the yard, rays that pass the sky meet the backs
 // of the halls' walls.
 TEST(SolidVote, TakesNoEvidenceFromBeyondTheSky) {
-  SceneOfFaces faces;
-  faces.addBox({-2, 0, -2}, {2, 3, 2}, true);
-  const size_t yard_triangles = faces.finish().triangles.size();
+  SceneOfFaces faces, yard;
+  const auto sides = boxSides({-2, 0, -2}, {2, 3, 2});
+  for (size_t side = 0; side < 6; ++side) {
+    const auto& [a, b, c, d] = sides[side];
+    (side == 2 ? faces : yard).addQuad(a, d, c, b);  // the floor is none of the sky's
+  }
   for (const glm::vec3 shift : {glm::vec3(-10, 0, 0), glm::vec3(10, 0, 0), glm::vec3(0, 0, -10), glm::vec3(0, 0, 10)})
     faces.addBox(shift + glm::vec3(-5, -3, -5), shift + glm::vec3(5, 12, 5), true);
   Scene scene = faces.finish();
-  SkyFaces& sky = scene.light.sky_faces;
-  sky.positions = scene.positions;
-  std::vector<glm::uvec3> kept;
-  for (size_t t = 0; t < scene.triangles.size(); ++t) {
-    const glm::uvec3& corners = scene.triangles[t];
-    const bool is_floor =
-        scene.positions[corners.x].y == 0 && scene.positions[corners.y].y == 0 && scene.positions[corners.z].y == 0;
-    (t < yard_triangles && !is_floor ? sky.triangles : kept).push_back(corners);
-  }
-  scene.triangles = kept;
-  scene.triangle_material.resize(kept.size());
-  scene.objects[0].triangle_count = static_cast<uint32_t>(kept.size());
+  scene.light.sky_faces.positions = yard.finish().positions;
+  scene.light.sky_faces.triangles = yard.finish().triangles;
   const RayScene rays(scene);
   const glm::dvec3 high(0.3, 2.8, 0.1);
   EXPECT_TRUE(solidVote(rays, high).solid()) << "the halls' backs are what geometry alone shows";

@@ -20,7 +20,9 @@ namespace {
 class TurnedBoxes {
  public:
   // radians, around the vertical and then around x
-  TurnedBoxes(double turn, double tilt) : turn_(turn), tilt_(tilt) {}
+  TurnedBoxes(double turn, double tilt)
+      : turned_(glm::dmat3(1, 0, 0, 0, std::cos(tilt), std::sin(tilt), 0, -std::sin(tilt), std::cos(tilt)) *
+                glm::dmat3(std::cos(turn), 0, -std::sin(turn), 0, 1, 0, std::sin(turn), 0, std::cos(turn))) {}
 
   void add(const glm::dvec3& low, const glm::dvec3& high) { boxes_.push_back({low, high}); }
 
@@ -28,7 +30,7 @@ class TurnedBoxes {
     SceneOfFaces faces;
     for (const Box& box : boxes_) faces.addBox(glm::vec3(box.low), glm::vec3(box.high));
     Scene scene = faces.finish();
-    for (glm::vec3& position : scene.positions) position = glm::vec3(turned(glm::dvec3(position)));
+    for (glm::vec3& position : scene.positions) position = glm::vec3(turned_ * glm::dvec3(position));
     return scene;
   }
 
@@ -40,10 +42,7 @@ class TurnedBoxes {
     return std::all_of(boxes_.begin(), boxes_.end(),
                        [&](const Box& box) { return std::abs(box.depth(turnedBack(place))) > 1e-5; });
   }
-  glm::dvec3 turnedBack(const glm::dvec3& p) const {
-    const glm::dvec3 q(p.x, std::cos(tilt_) * p.y + std::sin(tilt_) * p.z, -std::sin(tilt_) * p.y + std::cos(tilt_) * p.z);
-    return {std::cos(turn_) * q.x - std::sin(turn_) * q.z, q.y, std::sin(turn_) * q.x + std::cos(turn_) * q.z};
-  }
+  glm::dvec3 turnedBack(const glm::dvec3& p) const { return p * turned_; }
 
  private:
   struct Box {
@@ -55,12 +54,8 @@ class TurnedBoxes {
       return least;
     }
   };
-  glm::dvec3 turned(const glm::dvec3& p) const {
-    const glm::dvec3 q(std::cos(turn_) * p.x + std::sin(turn_) * p.z, p.y, -std::sin(turn_) * p.x + std::cos(turn_) * p.z);
-    return {q.x, std::cos(tilt_) * q.y - std::sin(tilt_) * q.z, std::sin(tilt_) * q.y + std::cos(tilt_) * q.z};
-  }
 
-  double turn_, tilt_;
+  glm::dmat3 turned_;
   std::vector<Box> boxes_;
 };
 
@@ -177,10 +172,8 @@ TEST(MadeCases, ALampShadeTakesNoAirAroundIt) {
     const auto x = static_cast<float>(0.4 - side / 2), X = static_cast<float>(0.4 + side / 2);
     const auto z = static_cast<float>(-side / 2), Z = static_cast<float>(side / 2);
     const float low = -0.17f, high = 0.13f;
-    faces.addQuad({x, low, z}, {x, low, Z}, {x, high, Z}, {x, high, z});
-    faces.addQuad({X, low, Z}, {X, low, z}, {X, high, z}, {X, high, Z});
-    faces.addQuad({X, low, z}, {x, low, z}, {x, high, z}, {X, high, z});
-    faces.addQuad({x, low, Z}, {X, low, Z}, {X, high, Z}, {x, high, Z});
+    const auto sides = boxSides({x, low, z}, {X, high, Z});
+    for (const size_t side : {0, 1, 4, 5}) faces.addQuad(sides[side][0], sides[side][1], sides[side][2], sides[side][3]);
     const Scene scene = faces.finish();
     const RayScene rays(scene);
     const GeneratedFunction function = functionAtOrigin(scene);
@@ -200,26 +193,12 @@ TEST(MadeCases, ALampShadeTakesNoAirAroundIt) {
 TEST(MadeCases, ACrackInAShellLetsNoAirIn) {
   for (const float crack : {0.001f, 0.005f, 0.01f}) {
     SceneOfFaces faces;
-    faces.addBox({0.25f, -0.6f, -0.6f}, {0.75f, 0.6f, 0.6f});
-    Scene scene = faces.finish();
-    // the near face, in two strips
-    std::vector<glm::uvec3> kept;
-    for (const glm::uvec3& t : scene.triangles) {
-      const bool is_near = scene.positions[t.x].x == 0.25f && scene.positions[t.y].x == 0.25f && scene.positions[t.z].x == 0.25f;
-      if (!is_near) kept.push_back(t);
-    }
-    scene.triangles = kept;
-    scene.triangle_material.resize(kept.size());
-    SceneOfFaces strips;
-    strips.addQuad({0.25f, -0.6f, -0.6f}, {0.25f, -0.6f, 0.6f}, {0.25f, -crack, 0.6f}, {0.25f, -crack, -0.6f});
-    strips.addQuad({0.25f, 0.0f, -0.6f}, {0.25f, 0.0f, 0.6f}, {0.25f, 0.6f, 0.6f}, {0.25f, 0.6f, -0.6f});
-    const Scene more = strips.finish();
-    const auto first = static_cast<uint32_t>(scene.positions.size());
-    scene.positions.insert(scene.positions.end(), more.positions.begin(), more.positions.end());
-    for (const glm::uvec3& t : more.triangles) scene.triangles.push_back(t + first);
-    scene.triangle_material.resize(scene.triangles.size());
-    scene.objects[0].triangle_count = static_cast<uint32_t>(scene.triangles.size());
-    const RayScene rays(scene);
+    // the near face, the first one, in two strips
+    const auto sides = boxSides({0.25f, -0.6f, -0.6f}, {0.75f, 0.6f, 0.6f});
+    for (size_t side = 1; side < 6; ++side) faces.addQuad(sides[side][0], sides[side][1], sides[side][2], sides[side][3]);
+    faces.addQuad({0.25f, -0.6f, -0.6f}, {0.25f, -0.6f, 0.6f}, {0.25f, -crack, 0.6f}, {0.25f, -crack, -0.6f});
+    faces.addQuad({0.25f, 0.0f, -0.6f}, {0.25f, 0.0f, 0.6f}, {0.25f, 0.6f, 0.6f}, {0.25f, 0.6f, -0.6f});
+    const Scene scene = faces.finish();
     const GeneratedFunction function = functionAtOrigin(scene);
     size_t inside = 0;
     for (size_t p = 0; p < kSupportPointCount; ++p) {

@@ -2,10 +2,8 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
-#include <unistd.h>
 
-#include <filesystem>
-
+#include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 
@@ -19,10 +17,6 @@ double inkOf(const Image& image) {
     for (int x = 0; x < image.width(); ++x) ink += 1.0 - image.at(x, y).g / 255.0;
   }
   return ink;
-}
-
-std::string temporaryPath(const std::string& name) {
-  return (std::filesystem::temp_directory_path() / (std::to_string(getpid()) + "." + name)).string();
 }
 
 TEST(Image, LinesCoverTheirLengthTimesWidthAtAnySlope) {
@@ -41,7 +35,8 @@ TEST(PngFile, DecodesToTheSamePixels) {
   for (int y = 0; y < 21; ++y) {
     for (int x = 0; x < 37; ++x) image.set(x, y, {static_cast<uint8_t>(7 * x), static_cast<uint8_t>(12 * y), 99});
   }
-  const std::string path = temporaryPath("pixels.png");
+  const TemporaryFolder folder;
+  const std::string path = folder / "pixels.png";
   writePng(path, image);
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
@@ -56,7 +51,6 @@ TEST(PngFile, DecodesToTheSamePixels) {
   writePng(path, image);
   EXPECT_EQ(readFile(path), first);
   EXPECT_EQ(first.find("tIME"), std::string::npos);
-  std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -54,8 +54,9 @@ inline std::string pixels(int count, const std::string& rgba) {
 
 enum class JpegKind { plain, progressive };
 
-// A square of one colour.
-inline std::string jpeg(int side, unsigned char red, unsigned char green, unsigned char blue, JpegKind kind = JpegKind::plain) {
+// A square of pixels that are all alike, in the JPEG library's numbers for colours; `choose` sets what is not the default.
+template <class Choose>
+std::string jpegOf(int side, const std::vector<unsigned char>& pixel, J_COLOR_SPACE colours, const Choose& choose) {
   jpeg_compress_struct info;
   jpeg_error_mgr errors;
   info.err = jpeg_std_error(&errors);
@@ -64,14 +65,14 @@ inline std::string jpeg(int side, unsigned char red, unsigned char green, unsign
   unsigned long size = 0;
   jpeg_mem_dest(&info, &out, &size);
   info.image_width = info.image_height = static_cast<unsigned>(side);
-  info.input_components = 3;
-  info.in_color_space = JCS_RGB;
+  info.input_components = static_cast<int>(pixel.size());
+  info.in_color_space = colours;
   jpeg_set_defaults(&info);
+  choose(info);
   jpeg_set_quality(&info, 100, TRUE);
-  if (kind == JpegKind::progressive) jpeg_simple_progression(&info);
   jpeg_start_compress(&info, TRUE);
   std::vector<unsigned char> row;
-  for (int x = 0; x < side; ++x) row.insert(row.end(), {red, green, blue});
+  for (int x = 0; x < side; ++x) row.insert(row.end(), pixel.begin(), pixel.end());
   unsigned char* row_start = row.data();
   for (int y = 0; y < side; ++y) jpeg_write_scanlines(&info, &row_start, 1);
   jpeg_finish_compress(&info);
@@ -81,38 +82,24 @@ inline std::string jpeg(int side, unsigned char red, unsigned char green, unsign
   return bytes;
 }
 
+// A square of one colour.
+inline std::string jpeg(int side, unsigned char red, unsigned char green, unsigned char blue, JpegKind kind = JpegKind::plain) {
+  return jpegOf(side, {red, green, blue}, JCS_RGB, [&](jpeg_compress_struct& info) {
+    if (kind == JpegKind::progressive) jpeg_simple_progression(&info);
+  });
+}
+
 struct InkJpeg {
   bool is_adobes, is_ycck;
 };
 
 // A square of cyan, magenta, yellow and black, 255 for all of each.
-inline std::string inkJpeg(int side, const std::vector<unsigned char>& ink, const InkJpeg& kind) {
-  jpeg_compress_struct info;
-  jpeg_error_mgr errors;
-  info.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&info);
-  unsigned char* out = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&info, &out, &size);
-  info.image_width = info.image_height = static_cast<unsigned>(side);
-  info.input_components = 4;
-  info.in_color_space = JCS_CMYK;
-  jpeg_set_defaults(&info);
-  jpeg_set_colorspace(&info, kind.is_ycck ? JCS_YCCK : JCS_CMYK);
-  info.write_Adobe_marker = kind.is_adobes ? TRUE : FALSE;
-  jpeg_set_quality(&info, 100, TRUE);
-  jpeg_start_compress(&info, TRUE);
-  std::vector<unsigned char> row;
-  for (int x = 0; x < side; ++x) {
-    for (const unsigned char channel : ink) row.push_back(static_cast<unsigned char>(kind.is_adobes ? 255 - channel : channel));
-  }
-  unsigned char* row_start = row.data();
-  for (int y = 0; y < side; ++y) jpeg_write_scanlines(&info, &row_start, 1);
-  jpeg_finish_compress(&info);
-  jpeg_destroy_compress(&info);
-  std::string bytes(reinterpret_cast<char*>(out), size);
-  free(out);
-  return bytes;
+inline std::string inkJpeg(int side, std::vector<unsigned char> ink, const InkJpeg& kind) {
+  for (unsigned char& channel : ink) channel = static_cast<unsigned char>(kind.is_adobes ? 255 - channel : channel);
+  return jpegOf(side, ink, JCS_CMYK, [&](jpeg_compress_struct& info) {
+    jpeg_set_colorspace(&info, kind.is_ycck ? JCS_YCCK : JCS_CMYK);
+    info.write_Adobe_marker = kind.is_adobes ? TRUE : FALSE;
+  });
 }
 
 }  // namespace nlg

@@ -8,6 +8,7 @@
 #include "datagen/probes/probe_placement.h"
 #include "scene/interiors/furnisher.h"
 #include "scene/scene_source.h"
+#include "tests/scene/scene_triangles.h"
 #include "tiny_library.h"
 #include "tool/error.h"
 
@@ -81,7 +82,7 @@ std::vector<std::pair<std::string, Bounds>> furnitureOf(const Scene& scene) {
   return found;
 }
 
-TEST_F(Interiors, HaveFurnitureInRoomsAndNotInEachOther) {
+TEST_F(Interiors, HaveFurnitureInRoomsAndNotInEachOtherNorInDoorways) {
   for (const auto& [plan, build] : plans()) {
     for (uint64_t seed = 0; seed < 6; ++seed) {
       Home home(seed, library_);
@@ -104,16 +105,6 @@ TEST_F(Interiors, HaveFurnitureInRoomsAndNotInEachOther) {
         for (size_t k = 0; k < i; ++k)
           EXPECT_FALSE(overlap(box, furniture[k].second)) << plan << " " << seed << ": " << name << " in " << furniture[k].first;
       }
-    }
-  }
-}
-
-TEST_F(Interiors, LeaveDoorwaysFree) {
-  for (const auto& [plan, build] : plans()) {
-    for (uint64_t seed = 0; seed < 6; ++seed) {
-      Home home(seed, library_);
-      build(home);
-      const auto furniture = furnitureOf(home.level.mesh.finish(plan));
       for (const HomeRoom& room : home.rooms) {
         for (const RoomOpening& opening : room.openings) {
           if (opening.kind == RoomOpening::Kind::window) continue;
@@ -128,7 +119,7 @@ TEST_F(Interiors, LeaveDoorwaysFree) {
   }
 }
 
-TEST_F(Interiors, HaveADoorwayToEveryRoomThatIsInside) {
+TEST_F(Interiors, HaveADoorwayToEveryRoomThatIsInsideAndThinWalls) {
   for (const auto& [plan, build] : plans()) {
     for (uint64_t seed = 0; seed < 12; ++seed) {
       Home home(seed, library_);
@@ -139,15 +130,6 @@ TEST_F(Interiors, HaveADoorwayToEveryRoomThatIsInside) {
                                           [](const RoomOpening& opening) { return opening.kind != RoomOpening::Kind::window; });
         EXPECT_TRUE(has_door || has_stairs_alone) << plan << " " << seed << ": use " << static_cast<int>(room.use);
       }
-    }
-  }
-}
-
-TEST_F(Interiors, HaveWallsAsThinAsTheirPlansSay) {
-  for (const auto& [plan, build] : plans()) {
-    for (uint64_t seed = 0; seed < 8; ++seed) {
-      Home home(seed, library_);
-      build(home);
       EXPECT_GE(home.outer_wall_m, 0.15 - 1e-9) << plan;
       EXPECT_LE(home.outer_wall_m, 0.30 + 1e-9) << plan;
       EXPECT_GE(home.inner_wall_m, 0.07 - 1e-9) << plan;
@@ -166,15 +148,13 @@ TEST_F(Interiors, ConsistOfShellsThatAreOneClosedSolid) {
         std::find_if(scene.objects.begin(), scene.objects.end(), [](const SceneObject& o) { return o.name == "shell"; });
     ASSERT_NE(shell, scene.objects.end());
     EXPECT_FALSE(shell->movable);
-    double six_volumes = 0.0;
+    EXPECT_GT(volumeOf(scene, *shell), 0.0) << plan;
     glm::dvec3 area(0.0);
     for (uint32_t i = shell->first_triangle; i < shell->first_triangle + shell->triangle_count; ++i) {
       const glm::dvec3 a = scene.positions[scene.triangles[i].x], b = scene.positions[scene.triangles[i].y],
                        c = scene.positions[scene.triangles[i].z];
-      six_volumes += glm::dot(a, glm::cross(b, c));
       area += glm::cross(b - a, c - a);
     }
-    EXPECT_GT(six_volumes, 0.0) << plan;
     // of a closed surface the areas' vectors sum to nothing; positions are multiples of 2^-10, so that the sum is exact
     EXPECT_EQ(area, glm::dvec3(0.0)) << plan;
   }

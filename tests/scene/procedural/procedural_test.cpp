@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "runtime_eval/numbers/random.h"
+#include "tests/scene/scene_triangles.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -52,16 +53,6 @@ bool isOfSheets(const Scene& scene, const SceneObject& object) {
   return scene.materials[scene.triangle_material[object.first_triangle]].double_sided;
 }
 
-double signedVolume(const Scene& scene, const SceneObject& object) {
-  double volume = 0.0;
-  for (uint32_t i = 0; i < object.triangle_count; ++i) {
-    const glm::uvec3& t = scene.triangles[object.first_triangle + i];
-    const glm::dvec3 a(scene.positions[t.x]);
-    volume += glm::dot(a, glm::cross(glm::dvec3(scene.positions[t.y]), glm::dvec3(scene.positions[t.z]))) / 6.0;
-  }
-  return volume;
-}
-
 // Directed edges without their opposites; none when the object's surface is closed.
 size_t openEdgeCount(const Scene& scene, const SceneObject& object) {
   std::map<std::pair<uint32_t, uint32_t>, int> balance;
@@ -100,7 +91,7 @@ TEST(ProceduralScene, FacesOutwards) {
   forEachScene([](const Scene& scene) {
     for (const SceneObject& object : scene.objects) {
       if (isOfSheets(scene, object)) continue;
-      const double volume = signedVolume(scene, object);
+      const double volume = volumeOf(scene, object);
       if (object.name == "cave") {
         EXPECT_LT(volume, -50.0);
       } else {
@@ -113,7 +104,7 @@ TEST(ProceduralScene, FacesOutwards) {
 TEST(DaylightScene, FacesOutwardsAndDiffersBySeed) {
   std::set<uint64_t> hashes;
   forEachDaylight([&](const Scene& scene) {
-    for (const SceneObject& object : scene.objects) EXPECT_GT(signedVolume(scene, object), 0.0) << object.name;
+    for (const SceneObject& object : scene.objects) EXPECT_GT(volumeOf(scene, object), 0.0) << object.name;
     EXPECT_TRUE(hashes.insert(hashOf(scene)).second);
     EXPECT_EQ(scene.viewpoints.size(), 2u);
   });

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "hand_built_bsp.h"
 #include "scene/jitter.h"
@@ -36,14 +35,17 @@ BspParts litLevel() {
   return parts;
 }
 
+// The same under a sky, seen from below: clockwise from there.
+BspParts levelWithSky() {
+  BspParts parts = litLevel();
+  parts.shaders.push_back({"textures/skies/blue", kSkyFlag, 0});
+  parts.addFace(1, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
+  return parts;
+}
+
 class BspLight : public testing::Test {
  protected:
   BspLevel read(const BspParts& parts) const { return readBsp(folder_.write("level.bsp", parts.bytes())); }
-  void expectError(const std::string& words, const std::function<void(BspParts&)>& change) const {
-    BspParts parts = litLevel();
-    change(parts);
-    expectInputError(words, [&] { read(parts); });
-  }
   TemporaryFolder folder_;
 };
 
@@ -114,13 +116,7 @@ TEST_F(BspLight, StaysInStepWithTrianglesThatAreDroppedAndSorted) {
 }
 
 TEST_F(BspLight, SkyFacesAreNoGeometryButLieInsideTheBounds) {
-  BspParts parts = litLevel();
-  parts.shaders.push_back({"textures/skies/blue", kSkyFlag, 0});
-  // a sky above, seen from below: clockwise from there
-  parts.addFace(1, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
-  const BspLevel level = read(parts);
-  const Scene without = read(litLevel()).scene;
-  const Scene& scene = level.scene;
+  const Scene scene = read(levelWithSky()).scene, without = read(litLevel()).scene;
   EXPECT_EQ(scene.positions.size(), without.positions.size());
   EXPECT_NE(sceneSha256(scene), sceneSha256(without)) << "whether a place is in solid hangs on the sky";
   EXPECT_NE(sceneLightSha256(scene), sceneLightSha256(without));
@@ -137,9 +133,7 @@ TEST_F(BspLight, SkyFacesAreNoGeometryButLieInsideTheBounds) {
 }
 
 TEST_F(BspLight, VariantsKeepTheSkyAndLoseWhatLayOnSurfaces) {
-  BspParts parts = litLevel();
-  parts.shaders.push_back({"textures/skies/blue", kSkyFlag, 0});
-  parts.addFace(1, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
+  BspParts parts = levelWithSky();
   parts.entities += "{ \"classname\" \"light\" \"origin\" \"10 20 30\" }";
   const Scene scene = read(parts).scene;
   const Scene variant = jitterScene(scene, {}, 1);
@@ -280,11 +274,9 @@ TEST_F(BspLightOfScripts, PagesOfLightLieInFiles) {
 }
 
 TEST_F(BspLightOfScripts, LavaShinesThoughItIsNoGeometry) {
-  BspParts parts = litLevel();
+  BspParts parts = levelWithSky();
   parts.shaders.push_back({"textures/test/lava", 0, kLavaFlag});
-  parts.addFace(1, 1, {{0, 0, -5}, {0, 100, -5}, {100, 100, -5}, {100, 0, -5}});
-  parts.shaders.push_back({"textures/skies/blue", kSkyFlag, 0});
-  parts.addFace(2, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
+  parts.addFace(2, 1, {{0, 0, -5}, {0, 100, -5}, {100, 100, -5}, {100, 0, -5}});
   const Scene scene = readWith(parts, "textures/test/lava\n{\n q3map_surfacelight 10\n q3map_lightRGB 1 0 0\n cull none\n}\n");
   const SkyFaces& faces = scene.light.sky_faces;
   ASSERT_EQ(faces.triangles.size(), 6u) << "two of sky, two of lava, and their backs";
@@ -301,13 +293,6 @@ TEST_F(BspLightOfScripts, LavaShinesThoughItIsNoGeometry) {
   }
   EXPECT_NEAR(upward, 0.0, 1e-6) << "as much upward as downward";
   EXPECT_EQ(scene.positions.size(), readWith(litLevel(), "").positions.size());
-}
-
-BspParts levelWithSky() {
-  BspParts parts = litLevel();
-  parts.shaders.push_back({"textures/skies/blue", kSkyFlag, 0});
-  parts.addFace(1, 1, {{0, 0, 1000}, {100, 0, 1000}, {100, 100, 1000}, {0, 100, 1000}});
-  return parts;
 }
 
 TEST_F(BspLightOfScripts, SkyShinesWithWhatTheCompilerTookItForThenWithItsLooks) {

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "hand_built_bsp.h"
 #include "scene/archive/pk3_archive.h"
 #include "scene/model/surface_look.h"
@@ -11,6 +9,7 @@
 #include "scene/quake/bsp_looks.h"
 #include "scene/scene_source.h"
 #include "scene/solid/transmissive.h"
+#include "tests/datagen/hand_built_scenes.h"
 #include "tests/input_error.h"
 #include "tests/scene/image/hand_built_images.h"
 #include "tests/scene/scene_triangles.h"
@@ -25,17 +24,6 @@ constexpr double kUnit = 0.0254;
 class BspReader : public testing::Test {
  protected:
   BspLevel read(const BspParts& parts) const { return readBsp(folder_.write("level.bsp", parts.bytes())); }
-
-  std::string errorOfBytes(const std::string& bytes) const {
-    return inputErrorOf([&] { readBsp(folder_.write("hostile.bsp", bytes)); });
-  }
-  void expectError(const std::string& words, const std::function<void(BspParts&)>& change) const {
-    BspParts parts = smallLevel();
-    change(parts);
-    const std::string error = errorOfBytes(parts.bytes());
-    EXPECT_NE(error.find(words), std::string::npos) << "expected " << words << ", got: " << error;
-    EXPECT_NE(error.find("hostile.bsp"), std::string::npos) << error;
-  }
 
   TemporaryFolder folder_;
 };
@@ -147,22 +135,10 @@ TEST_F(BspReader, SubmodelsAreMovableObjectsWhereTheirEntityStands) {
 
 // Six quads around a box, corners clockwise from outside; inside out for a room. Sides are left out by their number.
 void addBox(BspParts& parts, const glm::vec3& low, const glm::vec3& high, bool is_room, int left_out = -1) {
+  const auto sides = boxSides(low, high);
   for (int side = 0; side < 6; ++side) {
-    if (side == left_out) continue;
-    const int axis = side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
-    glm::vec3 corners[4];
-    for (int i = 0; i < 4; ++i) {
-      corners[i][axis] = side % 2 == 0 ? low[axis] : high[axis];
-      corners[i][u] = i == 1 || i == 2 ? high[u] : low[u];
-      corners[i][v] = i >= 2 ? high[v] : low[v];
-    }
-    // counted from u to v a face winds counter-clockwise as seen from the axis' positive side
-    const bool is_clockwise = (side % 2 == 0) != is_room;
-    if (is_clockwise) {
-      parts.addFace(0, 1, {corners[0], corners[1], corners[2], corners[3]});
-    } else {
-      parts.addFace(0, 1, {corners[3], corners[2], corners[1], corners[0]});
-    }
+    const auto& [a, b, c, d] = sides[side];
+    if (side != left_out) parts.addFace(0, 1, is_room ? std::vector{a, b, c, d} : std::vector{d, c, b, a});
   }
 }
 

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "scene/solid/double_sided.h"
+#include "tests/datagen/hand_built_scenes.h"
+#include "tests/scene/scene_triangles.h"
 
 namespace nlg {
 namespace {
@@ -56,23 +58,6 @@ class SceneOfObjects {
   Scene scene_;
 };
 
-// The sides of a box, wound outward: low and high of x, of y, of z.
-Quads box(const glm::vec3& low, const glm::vec3& high) {
-  Quads sides;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    for (const bool is_far : {false, true}) {
-      glm::vec3 a = low;
-      a[axis] = is_far ? high[axis] : low[axis];
-      glm::vec3 b = a, c = a, d = a;
-      b[u] = c[u] = high[u];
-      c[v] = d[v] = high[v];
-      sides.push_back(is_far ? std::array{a, b, c, d} : std::array{a, d, c, b});
-    }
-  }
-  return sides;
-}
-
 Quads inverted(Quads quads) {
   for (auto& [a, b, c, d] : quads) std::swap(b, d);
   return quads;
@@ -87,8 +72,8 @@ Quads square(float y) { return {{glm::vec3(0, y, 0), glm::vec3(0, y, 1), glm::ve
 
 // Outer and inner faces of a house of 4 x 3 x 4 m, joined through a window in its far wall: one manifold, as solidified ones are.
 Quads houseWithWindow() {
-  Quads house = without(box({0, 0, 0}, {4, 3, 4}), 5);
-  for (const auto& quad : without(inverted(box({0.2f, 0.2f, 0.2f}, {3.8f, 2.8f, 3.8f})), 5)) house.push_back(quad);
+  Quads house = without(boxSides({0, 0, 0}, {4, 3, 4}), 5);
+  for (const auto& quad : without(inverted(boxSides({0.2f, 0.2f, 0.2f}, {3.8f, 2.8f, 3.8f})), 5)) house.push_back(quad);
   // rings around the opening: outside at z = 4, its reveal, inside at z = 3.8
   const auto corners = [](float low, float high, float up, float z) {
     return std::array{glm::vec3(low, high, z), glm::vec3(4 - low, high, z), glm::vec3(4 - low, up, z), glm::vec3(low, up, z)};
@@ -134,22 +119,22 @@ Shell shellOf(const Quads& quads) {
 }
 
 TEST(ClosedShells, MeasuresABoxOfSplitVertices) {
-  const Shell shell = shellOf(box({1, 2, 3}, {2, 4, 6}));
+  const Shell shell = shellOf(boxSides({1, 2, 3}, {2, 4, 6}));
   EXPECT_EQ(shell.open_length_m, 0.0);
   EXPECT_EQ(shell.hole_area_m2, 0.0);
   EXPECT_NEAR(shell.volume_m3, 6.0, 1e-12);
   EXPECT_NEAR(shell.area_m2, 22.0, 1e-12);
-  EXPECT_NEAR(shellOf(inverted(box({1, 2, 3}, {2, 4, 6}))).volume_m3, -6.0, 1e-12);
+  EXPECT_NEAR(shellOf(inverted(boxSides({1, 2, 3}, {2, 4, 6}))).volume_m3, -6.0, 1e-12);
 }
 
 TEST(ClosedShells, MeasuresTheHoleOfAMissingSide) {
-  const Shell shell = shellOf(without(box({1, 2, 3}, {2, 4, 6}), 0));
+  const Shell shell = shellOf(without(boxSides({1, 2, 3}, {2, 4, 6}), 0));
   EXPECT_NEAR(shell.hole_area_m2, 6.0, 1e-12);
   EXPECT_NEAR(shell.open_length_m, 10.0, 1e-12);
 }
 
 TEST(ClosedShells, AVertexOnANeighboursEdgeLeavesAnOpenEdgeAndNoHole) {
-  Quads sides = without(box({0, 0, 0}, {1, 1, 1}), 5);
+  Quads sides = without(boxSides({0, 0, 0}, {1, 1, 1}), 5);
   sides.push_back({glm::vec3(0, 0, 1), glm::vec3(0.5f, 0, 1), glm::vec3(0.5f, 1, 1), glm::vec3(0, 1, 1)});
   sides.push_back({glm::vec3(0.5f, 0, 1), glm::vec3(1, 0, 1), glm::vec3(1, 1, 1), glm::vec3(0.5f, 1, 1)});
   const Shell shell = shellOf(sides);
@@ -159,7 +144,8 @@ TEST(ClosedShells, AVertexOnANeighboursEdgeLeavesAnOpenEdgeAndNoHole) {
 }
 
 TEST(ClosedShells, KeepsSetsOfTrianglesApart) {
-  const Scene scene = SceneOfObjects().object("").quads(box({0, 0, 0}, {1, 1, 1})).quads(box({1, 0, 0}, {2, 1, 1})).scene_;
+  const Scene scene =
+      SceneOfObjects().object("").quads(boxSides({0, 0, 0}, {1, 1, 1})).quads(boxSides({1, 0, 0}, {2, 1, 1})).scene_;
   ShellFinder finder(weldedVertices(scene.positions));
   const std::span<const glm::uvec3> triangles = scene.triangles;
   EXPECT_EQ(finder.components(triangles).count, 1u);
@@ -169,7 +155,7 @@ TEST(ClosedShells, KeepsSetsOfTrianglesApart) {
 
 TEST(DoubleSided, AClosedPartWoundOutwardIsSolid) {
   DoubleSidedFaces faces;
-  EXPECT_EQ(solidsOf(onGround().object("box").quads(box({0, 0, 0}, {1, 1, 1})), &faces), Names{"box"});
+  EXPECT_EQ(solidsOf(onGround().object("box").quads(boxSides({0, 0, 0}, {1, 1, 1})), &faces), Names{"box"});
   EXPECT_EQ(faces.face_count, 14u);
   EXPECT_EQ(faces.solid_count, 12u);
   EXPECT_EQ(faces.note(), "12 of its 14 double-sided faces bound solid, 2 are sheets");
@@ -178,36 +164,36 @@ TEST(DoubleSided, AClosedPartWoundOutwardIsSolid) {
 TEST(DoubleSided, OpenAndFlatPartsAreSheets) {
   Quads two_faced = square(0);
   two_faced.push_back(inverted(square(0))[0]);
-  for (const Quads& quads : {without(box({0, 0, 0}, {1, 1, 1}), 2), square(0), two_faced})
+  for (const Quads& quads : {without(boxSides({0, 0, 0}, {1, 1, 1}), 2), square(0), two_faced})
     EXPECT_EQ(solidsOf(onGround().object("sheet").quads(quads)), Names{}) << quads.size();
 }
 
 TEST(DoubleSided, APlainBoxWoundInwardIsNoSolid) {
-  EXPECT_EQ(solidsOf(SceneOfObjects().object("flipped").quads(inverted(box({0, 0, 0}, {1, 1, 1})))), Names{});
+  EXPECT_EQ(solidsOf(SceneOfObjects().object("flipped").quads(inverted(boxSides({0, 0, 0}, {1, 1, 1})))), Names{});
 }
 
 TEST(DoubleSided, PartsOfOneObjectAreJudgedByThemselves) {
   SceneOfObjects objects;
-  objects.object("shelf").quads(box({0, 0, 0}, {1, 1, 1})).quads(square(5));
+  objects.object("shelf").quads(boxSides({0, 0, 0}, {1, 1, 1})).quads(square(5));
   EXPECT_EQ(solidsOf(objects), Names{"shelf?"});
 }
 
 TEST(DoubleSided, BoxesThatTouchAreSolid) {
-  const Quads left = box({0, 0, 0}, {1, 1, 1}), right = box({1, 0, 0}, {2, 1, 1});
+  const Quads left = boxSides({0, 0, 0}, {1, 1, 1}), right = boxSides({1, 0, 0}, {2, 1, 1});
   EXPECT_EQ(solidsOf(onGround().object("joined").quads(left).quads(right)), Names{"joined"});
   EXPECT_EQ(solidsOf(onGround().object("left").quads(left).object("right").quads(right)), (Names{"left", "right"}));
 }
 
 TEST(DoubleSided, TransmissiveSurfacesCloseNothing) {
   SceneOfObjects objects = onGround();
-  objects.object("lantern").quads(without(box({0, 0, 0}, {1, 1, 1}), 5));
+  objects.object("lantern").quads(without(boxSides({0, 0, 0}, {1, 1, 1}), 5));
   objects.triangle({0, 0, 1}, {1, 0, 1}, {1, 1, 1}, 1).triangle({0, 0, 1}, {1, 1, 1}, {0, 1, 1}, 1);
   DoubleSidedFaces faces;
   EXPECT_EQ(solidsOf(objects, &faces), Names{});
   EXPECT_EQ(faces.face_count, 12u);
 }
 
-const Quads kRoom = box({0, 0, 0}, {5, 3, 4});
+const Quads kRoom = boxSides({0, 0, 0}, {5, 3, 4});
 
 TEST(DoubleSided, ARoomWoundOutwardIsHollowByWhateverLiesInIt) {
   const auto room = [] { return onGround().object("room").quads(kRoom); };
@@ -217,7 +203,7 @@ TEST(DoubleSided, ARoomWoundOutwardIsHollowByWhateverLiesInIt) {
   EXPECT_EQ(solidsOf(room().lamp({2, 3.5f, 2}).camera({-1, 1, 1})), Names{"room"}) << "above the roof, before the wall";
   DoubleSidedFaces faces;
   // it stands on the floor, a centimetre deep
-  EXPECT_EQ(solidsOf(room().object("chest").quads(box({1, -0.01f, 1}, {2, 1, 2})), &faces), Names{"chest"});
+  EXPECT_EQ(solidsOf(room().object("chest").quads(boxSides({1, -0.01f, 1}, {2, 1, 2})), &faces), Names{"chest"});
   EXPECT_EQ(faces.note(),
             "12 of its 26 double-sided faces bound solid, 14 are sheets; hollow, since it is wide and something lies in it: "
             "room");
@@ -231,12 +217,7 @@ TEST(DoubleSided, ARoomWoundOutwardAroundAllElseIsTheOneWoundInward) {
             "inward: room");
   Scene outward = SceneOfObjects().object("room").quads(kRoom).lamp({2, 2, 2}).scene_;
   giveSolidsOneSide(outward);
-  // six times the volume that the faces enclose: minus that of 5 x 3 x 4
-  double volume = 0.0;
-  for (const glm::uvec3& t : outward.triangles)
-    volume += glm::dot(glm::dvec3(outward.positions[t.x]),
-                       glm::cross(glm::dvec3(outward.positions[t.y]), glm::dvec3(outward.positions[t.z])));
-  EXPECT_NEAR(volume, -6.0 * 60.0, 1e-3);
+  EXPECT_NEAR(volumeOf(outward, outward.objects[0]), -5.0 * 3.0 * 4.0, 1e-4);
 }
 
 TEST(DoubleSided, ABoxThatIsAllThereIsIsARoom) {
@@ -245,7 +226,7 @@ TEST(DoubleSided, ABoxThatIsAllThereIsIsARoom) {
   EXPECT_EQ(faces.turned, Names{"room"});
   solidsOf(SceneOfObjects().object("cube").quads(kRoom).lamp({9, 2, 2}), &faces);
   EXPECT_EQ(faces.turned, Names{}) << "a lamp beside it";
-  EXPECT_EQ(solidsOf(SceneOfObjects().object("room").quads(kRoom).object("chest").quads(box({5, 0, 0}, {9, 1, 1}))),
+  EXPECT_EQ(solidsOf(SceneOfObjects().object("room").quads(kRoom).object("chest").quads(boxSides({5, 0, 0}, {9, 1, 1}))),
             (Names{"room", "chest"}));
 }
 
@@ -275,14 +256,14 @@ TEST(DoubleSided, ShellsWithHolesAreSolidWhereTheyAreNarrowOrTheirRoomsInUse) {
   EXPECT_NEAR(shellOf(small).hole_area_m2, 0.16 * 12, 1e-5);
   EXPECT_EQ(solidsOf(onGround().object("house").quads(small)), Names{"house"}) << "a house that nobody lives in";
   EXPECT_EQ(solidsOf(onGround().object("house").quads(small).lamp({2.1f, 1.5f, 2.2f})), Names{"house"});
-  EXPECT_EQ(solidsOf(onGround().object("house").quads(small).object("chest").quads(box({1, 0.2f, 1}, {2, 1, 2}))),
+  EXPECT_EQ(solidsOf(onGround().object("house").quads(small).object("chest").quads(boxSides({1, 0.2f, 1}, {2, 1, 2}))),
             (Names{"house", "chest"}));
 }
 
 TEST(DoubleSided, WhatIsSunkIntoSolidPartlyMakesItNotHollow) {
-  const auto slab = [] { return onGround().object("slab").quads(box({0, -1, 0}, {5, 0, 4})); };
-  EXPECT_EQ(solidsOf(slab().object("chest").quads(box({1, -0.1f, 1}, {2, 1, 2}))), (Names{"slab", "chest"}));
-  EXPECT_EQ(solidsOf(slab().object("post").quads(box({1, -0.5f, 1}, {1.1f, 1, 1.1f}))), (Names{"slab", "post"}));
+  const auto slab = [] { return onGround().object("slab").quads(boxSides({0, -1, 0}, {5, 0, 4})); };
+  EXPECT_EQ(solidsOf(slab().object("chest").quads(boxSides({1, -0.1f, 1}, {2, 1, 2}))), (Names{"slab", "chest"}));
+  EXPECT_EQ(solidsOf(slab().object("post").quads(boxSides({1, -0.5f, 1}, {1.1f, 1, 1.1f}))), (Names{"slab", "post"}));
   EXPECT_EQ(
       solidsOf(slab().object("tile").quads({{glm::vec3(1, 0, 1), glm::vec3(1, 0, 2), glm::vec3(2, 0, 2), glm::vec3(2, 0, 1)}})),
       Names{"slab"})
@@ -291,7 +272,7 @@ TEST(DoubleSided, WhatIsSunkIntoSolidPartlyMakesItNotHollow) {
 
 TEST(DoubleSided, AHouseOfOneManifoldIsSolidWithItsRoomInUse) {
   SceneOfObjects objects;
-  objects.object("house").quads(houseWithWindow()).object("chest").quads(box({1, 0.2f, 1}, {2, 1, 2}));
+  objects.object("house").quads(houseWithWindow()).object("chest").quads(boxSides({1, 0.2f, 1}, {2, 1, 2}));
   objects.lamp({2, 2.5f, 2}).camera({2, 1.6f, 1});
   EXPECT_EQ(solidsOf(objects), (Names{"house", "chest"}));
   objects.lamp({0.1f, 1.5f, 2});
@@ -301,15 +282,15 @@ TEST(DoubleSided, AHouseOfOneManifoldIsSolidWithItsRoomInUse) {
 }
 
 TEST(DoubleSided, OuterAndInnerShellAreWallsWithTheRoomInUse) {
-  const Quads outer = box({0, 0, 0}, {5, 3, 4}), inner = inverted(box({0.2f, 0.2f, 0.2f}, {4.8f, 2.8f, 3.8f}));
+  const Quads outer = boxSides({0, 0, 0}, {5, 3, 4}), inner = inverted(boxSides({0.2f, 0.2f, 0.2f}, {4.8f, 2.8f, 3.8f}));
   const auto house = [&] { return SceneOfObjects().object("house").quads(outer).quads(inner); };
   const auto furnished = [&] {
-    return house().object("chest").quads(box({1, 0.2f, 1}, {2, 1, 2})).lamp({2, 2.5f, 2}).camera({2, 1.6f, 1});
+    return house().object("chest").quads(boxSides({1, 0.2f, 1}, {2, 1, 2})).lamp({2, 2.5f, 2}).camera({2, 1.6f, 1});
   };
   EXPECT_EQ(solidsOf(house()), Names{"house"});
   EXPECT_EQ(solidsOf(furnished()), (Names{"house", "chest"}));
   // a sky all around, whichever way it looks
-  const Quads sky = box({-50, -50, -50}, {50, 50, 50});
+  const Quads sky = boxSides({-50, -50, -50}, {50, 50, 50});
   EXPECT_EQ(solidsOf(furnished().object("sky").quads(sky)), (Names{"house", "chest", "sky"}));
   EXPECT_EQ(solidsOf(furnished().object("sky").quads(inverted(sky))), (Names{"house", "chest", "sky"}));
 }
@@ -318,33 +299,33 @@ TEST(DoubleSided, ARoomWoundInwardIsOneSidedWhenAllElseLiesInIt) {
   const auto room = [] { return SceneOfObjects().object("room").quads(inverted(kRoom)); };
   EXPECT_EQ(solidsOf(room()), Names{}) << "a box with flipped faces";
   EXPECT_EQ(solidsOf(room().lamp({2, 2, 2})), Names{"room"});
-  EXPECT_EQ(solidsOf(room().object("chest").quads(box({1, -0.01f, 1}, {2, 1, 2}))), (Names{"room", "chest"}));
+  EXPECT_EQ(solidsOf(room().object("chest").quads(boxSides({1, -0.01f, 1}, {2, 1, 2}))), (Names{"room", "chest"}));
   EXPECT_EQ(solidsOf(room().lamp({2, 2, 2}).camera({2, 2, 9})), Names{}) << "a camera outside";
-  EXPECT_EQ(solidsOf(room().lamp({2, 2, 2}).object("other").quads(inverted(box({6, 0, 0}, {9, 3, 4}))).lamp({7, 2, 2})),
+  EXPECT_EQ(solidsOf(room().lamp({2, 2, 2}).object("other").quads(inverted(boxSides({6, 0, 0}, {9, 3, 4}))).lamp({7, 2, 2})),
             (Names{"room", "other"}));
 }
 
 TEST(DoubleSided, ShadesWoundInwardStaySheetsInRooms) {
   SceneOfObjects objects;
-  objects.object("room").quads(inverted(kRoom)).object("shade").quads(inverted(box({1, 1, 1}, {1.5f, 1.5f, 1.5f})));
+  objects.object("room").quads(inverted(kRoom)).object("shade").quads(inverted(boxSides({1, 1, 1}, {1.5f, 1.5f, 1.5f})));
   objects.lamp({1.2f, 1.2f, 1.2f});
   EXPECT_EQ(solidsOf(objects), Names{"room"});
   SceneOfObjects outward = onGround();
-  outward.object("room").quads(kRoom).object("shade").quads(inverted(box({1, 1, 1}, {1.5f, 1.5f, 1.5f})));
+  outward.object("room").quads(kRoom).object("shade").quads(inverted(boxSides({1, 1, 1}, {1.5f, 1.5f, 1.5f})));
   outward.lamp({1.2f, 1.2f, 1.2f}).lamp({3, 2, 3});
   EXPECT_EQ(solidsOf(outward), Names{});
 }
 
 TEST(DoubleSided, RoomsInRoomsAreHollowEach) {
   SceneOfObjects objects = onGround();
-  objects.object("hall").quads(kRoom).object("cabin").quads(box({1, 0, 1}, {3, 2, 3})).lamp({2, 1, 2});
+  objects.object("hall").quads(kRoom).object("cabin").quads(boxSides({1, 0, 1}, {3, 2, 3})).lamp({2, 1, 2});
   EXPECT_EQ(solidsOf(objects), Names{});
 }
 
 TEST(DoubleSided, AWallIsSolidWhateverIsSunkIntoIt) {
-  const Quads wall = box({0, 0, 0}, {6, 3, 0.2f});
+  const Quads wall = boxSides({0, 0, 0}, {6, 3, 0.2f});
   const auto walled = [&] { return onGround().object("wall").quads(wall); };
-  const Quads pipe = box({1, 0.2f, 0.05f}, {1.1f, 2.9f, 0.15f}), picture = box({3, 1, 0.19f}, {4, 2, 0.195f});
+  const Quads pipe = boxSides({1, 0.2f, 0.05f}, {1.1f, 2.9f, 0.15f}), picture = boxSides({3, 1, 0.19f}, {4, 2, 0.195f});
   EXPECT_EQ(solidsOf(walled().object("pipe").quads(pipe)), (Names{"wall", "pipe"}));
   EXPECT_EQ(solidsOf(walled().object("picture").quads(picture)), (Names{"wall", "picture"}));
   EXPECT_EQ(solidsOf(walled().lamp({2, 2, 0.1f})), Names{"wall"});
@@ -353,7 +334,7 @@ TEST(DoubleSided, AWallIsSolidWhateverIsSunkIntoIt) {
   EXPECT_EQ(solidsOf(onGround().object("wall").quads(bottomless)), Names{"wall"});
   EXPECT_EQ(solidsOf(onGround().object("wall").quads(bottomless).object("pipe").quads(pipe)), (Names{"wall", "pipe"}));
   // between outer and inner surface of a house
-  const Quads outer = box({0, 0, 0}, {5, 3, 4}), inner = inverted(box({0.2f, 0.2f, 0.2f}, {4.8f, 2.8f, 3.8f}));
+  const Quads outer = boxSides({0, 0, 0}, {5, 3, 4}), inner = inverted(boxSides({0.2f, 0.2f, 0.2f}, {4.8f, 2.8f, 3.8f}));
   EXPECT_EQ(solidsOf(onGround().object("house").quads(outer).quads(inner).object("pipe").quads(pipe).lamp({2, 2, 2})),
             (Names{"house", "pipe"}));
 }
@@ -362,9 +343,9 @@ TEST(DoubleSided, ACupboardIsSolidUnlessItIsWide) {
   const auto cupboard = [](float depth_m) {
     return onGround()
         .object("cupboard")
-        .quads(box({0, 0, 0}, {1.2f, 2, depth_m}))
+        .quads(boxSides({0, 0, 0}, {1.2f, 2, depth_m}))
         .object("shelf")
-        .quads(box({0.02f, 1, 0.02f}, {1.18f, 1.02f, depth_m - 0.02f}));
+        .quads(boxSides({0.02f, 1, 0.02f}, {1.18f, 1.02f, depth_m - 0.02f}));
   };
   EXPECT_EQ(solidsOf(cupboard(0.4f)), (Names{"cupboard", "shelf"}));
   EXPECT_EQ(solidsOf(cupboard(0.49f)), (Names{"cupboard", "shelf"})) << "just too narrow for a ball of 50 cm";
@@ -378,8 +359,8 @@ TEST(DoubleSided, ACupboardIsSolidUnlessItIsWide) {
 
 TEST(DoubleSided, ARoomWithFurnitureAndAGardenIsHollow) {
   SceneOfObjects objects = onGround();
-  objects.object("room").quads(box({0, 0, 0}, {4, 2.5f, 3}));
-  objects.object("table").quads(box({1, 0.01f, 1}, {2, 0.8f, 2})).object("tree").quads(box({8, 0, 0}, {9, 4, 1}));
+  objects.object("room").quads(boxSides({0, 0, 0}, {4, 2.5f, 3}));
+  objects.object("table").quads(boxSides({1, 0.01f, 1}, {2, 0.8f, 2})).object("tree").quads(boxSides({8, 0, 0}, {9, 4, 1}));
   DoubleSidedFaces faces;
   EXPECT_EQ(solidsOf(objects, &faces), (Names{"table", "tree"}));
   EXPECT_EQ(faces.hollow, Names{"room"});
