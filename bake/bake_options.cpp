@@ -1,6 +1,6 @@
 #include "bake/bake_options.h"
 
-#include "datagen/functions/diffusion_options.h"
+#include "datagen/weighting/weighting_builder.h"
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 

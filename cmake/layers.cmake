@@ -14,7 +14,7 @@ set(NLG_MAY_LINK_scene         nlg::scene_model nlg::regular_file nlg::tool nlg:
 set(NLG_MAY_LINK_probes        nlg::scene_model nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_visibility    nlg::scene_model nlg::runtime_eval embree hwy::hwy nlg::tool)
 set(NLG_MAY_LINK_light         nlg::visibility nlg::probes nlg::scene_model nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_weighting     nlg::visibility nlg::probes nlg::runtime_eval)
+set(NLG_MAY_LINK_weighting     nlg::visibility nlg::probes nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_functions     nlg::weighting nlg::runtime_eval nlg::tool nlg::deflate Threads::Threads)
 set(NLG_MAY_LINK_dataset       nlg::functions nlg::tool hdf5::hdf5 nlg::runtime_eval)
 set(NLG_MAY_LINK_light_methods nlg::light nlg::weighting nlg::visibility nlg::probes nlg::scene_model nlg::runtime_eval nlg::tool)

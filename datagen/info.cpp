@@ -111,14 +111,13 @@ constexpr double kHardRmse = 0.01;  // as nlg-validate's hard_tent_rmse
 constexpr std::array kBins = {0.002, 0.005, 0.01, 0.02, 0.04, 0.08, 1e9};
 
 struct Row {
-  uint64_t probes = 0, functions = 0, free_space = 0, in_solid = 0, duplicates = 0, empty = 0, outside = 0;
+  ShardCounts counts;
   uint64_t bare_tents = 0, hard = 0, of_solid = 0, valid_points = 0, dark_points = 0;
   std::array<uint64_t, kBins.size()> bins{};
 
   void add(const Row& other) {
-    for (uint64_t Row::*count :
-         {&Row::probes, &Row::functions, &Row::free_space, &Row::in_solid, &Row::duplicates, &Row::empty, &Row::outside,
-          &Row::bare_tents, &Row::hard, &Row::of_solid, &Row::valid_points, &Row::dark_points})
+    addCounts(other.counts, &counts);
+    for (uint64_t Row::*count : {&Row::bare_tents, &Row::hard, &Row::of_solid, &Row::valid_points, &Row::dark_points})
       this->*count += other.*count;
     for (size_t b = 0; b < bins.size(); ++b) bins[b] += other.bins[b];
   }
@@ -137,8 +136,8 @@ void addFunction(const StoredFunction& function, uint8_t flags, FunctionChecker&
 }
 
 Row rowOf(const ShardReader& reader) {
-  const ShardCounts& c = reader.header().counts;
-  Row row{c.visited_probes, c.functions, c.free_space, c.in_solid, c.duplicates, c.empty, c.outside};
+  Row row;
+  row.counts = reader.header().counts;
   FunctionChecker checker;
   for (uint64_t first = 0; first < reader.functionCount(); first += kPieceFunctions) {
     const Shard piece = reader.read(first, std::min(kPieceFunctions, reader.functionCount() - first));
@@ -154,13 +153,14 @@ Json jsonOf(const Row& row) {
   Json bins = Json::array();
   for (size_t b = 0; b < kBins.size(); ++b)
     bins.push_back({{"at_most", b + 1 < kBins.size() ? Json(kBins[b]) : Json()}, {"functions", row.bins[b]}});
-  return {{"probes", row.probes},
-          {"functions", row.functions},
-          {"free_space", row.free_space},
-          {"in_solid", row.in_solid},
-          {"duplicates", row.duplicates},
-          {"empty", row.empty},
-          {"outside", row.outside},
+  const ShardCounts& c = row.counts;
+  return {{"probes", c.visited_probes},
+          {"functions", c.functions},
+          {"free_space", c.free_space},
+          {"in_solid", c.in_solid},
+          {"duplicates", c.duplicates},
+          {"empty", c.empty},
+          {"outside", c.outside},
           {"bare_tents", row.bare_tents},
           {"hard", row.hard},
           {"of_solid", row.of_solid},

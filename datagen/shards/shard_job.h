@@ -5,7 +5,6 @@
 
 #include "datagen/dataset/shard.h"
 #include "datagen/dataset/shard_file.h"
-#include "datagen/functions/diffusion_options.h"
 #include "datagen/functions/function_pipeline.h"
 #include "datagen/probes/probe_placement.h"
 #include "datagen/probes/shuffled_order.h"

@@ -23,55 +23,46 @@ uint64_t hashText(const std::string& text) {
 class ShardOptions {
  public:
   ShardOptions(const ShardHeader& shard, const std::string& path) : path_(path) {
-    provenance_ = nlohmann::json::parse(shard.provenance_json, nullptr, false);
-    if (!provenance_.is_object()) throw InputError(path, "provenance_json", "a JSON object", "other text");
+    const auto provenance = nlohmann::json::parse(shard.provenance_json, nullptr, false);
+    if (!provenance.is_object()) throw InputError(path, "provenance_json", "a JSON object", "other text");
+    options_ = provenance.value("options", nlohmann::json());
   }
 
   // A number of 0 to max, as the option's own range is.
   double real(const std::string& key, double max) const {
-    const nlohmann::json& value = find("options", key);
-    if (!value.is_number() || !(value.get<double>() >= 0.0 && value.get<double>() <= max)) {
-      throw InputError(path_, "provenance_json, option " + key, "a number from 0 to " + std::to_string(max), value.dump());
-    }
+    const nlohmann::json value = find(key);
+    if (!value.is_number() || !(value.get<double>() >= 0.0 && value.get<double>() <= max))
+      fail(key, "a number from 0 to " + std::to_string(max), value);
     return value.get<double>();
   }
 
   uint64_t integer(const std::string& key) const {
-    const nlohmann::json& value = find("options", key);
-    if (!value.is_number_unsigned()) {
-      throw InputError(path_, "provenance_json, option " + key, "an unsigned integer", value.dump());
-    }
+    const nlohmann::json value = find(key);
+    if (!value.is_number_unsigned()) fail(key, "an unsigned integer", value);
     return value.get<uint64_t>();
   }
 
   std::vector<std::string> texts(const std::string& key) const {
-    const nlohmann::json& value = find("options", key);
     std::vector<std::string> result;
-    for (const nlohmann::json& text : value) {
-      if (!text.is_string()) throw InputError(path_, "provenance_json, option " + key, "a list of texts", value.dump());
+    for (const nlohmann::json& text : find(key)) {
+      if (!text.is_string()) fail(key, "a list of texts", find(key));
       result.push_back(text.get<std::string>());
     }
     return result;
   }
 
-  // SHA-256 of the scene's file; empty for a procedural scene.
-  std::string sceneSha256() const {
-    const nlohmann::json& value = find("inputs", "scene");
-    return value.is_string() ? value.get<std::string>() : "";
+ private:
+  [[noreturn]] void fail(const std::string& key, const std::string& expected, const nlohmann::json& got) const {
+    throw InputError(path_, "provenance_json, option " + key, expected, got.dump());
   }
 
- private:
   // null when there is none
-  const nlohmann::json& find(const std::string& section, const std::string& key) const {
-    static const nlohmann::json kNone;
-    const auto found = provenance_.find(section);
-    if (found == provenance_.end() || !found->is_object()) return kNone;
-    const auto value = found->find(key);
-    return value == found->end() ? kNone : *value;
+  nlohmann::json find(const std::string& key) const {
+    return options_.is_object() ? options_.value(key, nlohmann::json()) : nlohmann::json();
   }
 
   std::string path_;
-  nlohmann::json provenance_;
+  nlohmann::json options_;
 };
 
 }  // namespace
@@ -104,7 +95,7 @@ Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path,
   SceneReading reading;
   reading.unit_m = options.real("unit", 1e6);
   const SceneSource source = loadScene(request, reading);
-  const std::string wanted = options.sceneSha256();
+  const std::string wanted = shard.sceneSha256();
   // a file that has changed since has other walls than the functions
   if (source.sha256 != wanted) {
     throw InputError(shard_path, "scene " + shard.scene_id, wanted.empty() ? "a procedural scene" : "a file of SHA-256 " + wanted,

@@ -10,6 +10,7 @@
 
 #include "datagen/visibility/probe_lattice.h"
 #include "datagen/visibility/test_links.h"
+#include "tool/command/options.h"
 
 namespace nlg {
 
@@ -18,6 +19,7 @@ struct DiffusionOptions {
   double sigma = 0.1;    // deviation of the Gaussian, local units (shares of the spacing)
   double falloff = 2.0;  // a point's weight fades below a lit share of 1 / falloff of its open neighbourhood
 };
+void describe(DiffusionOptions& options, OptionTable& table);
 
 enum class ProbeOutcome {
   function,    // generated

@@ -171,20 +171,13 @@ class DracoPrimitive {
   }
 
   static int componentType(draco::DataType type) {
-    switch (type) {
-      case draco::DT_INT8:
-        return TINYGLTF_COMPONENT_TYPE_BYTE;
-      case draco::DT_UINT8:
-        return TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
-      case draco::DT_INT16:
-        return TINYGLTF_COMPONENT_TYPE_SHORT;
-      case draco::DT_UINT16:
-        return TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
-      case draco::DT_FLOAT32:
-        return TINYGLTF_COMPONENT_TYPE_FLOAT;
-      default:
-        return -1;
-    }
+    constexpr std::pair<draco::DataType, int> kTypes[] = {{draco::DT_INT8, TINYGLTF_COMPONENT_TYPE_BYTE},
+                                                          {draco::DT_UINT8, TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE},
+                                                          {draco::DT_INT16, TINYGLTF_COMPONENT_TYPE_SHORT},
+                                                          {draco::DT_UINT16, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT},
+                                                          {draco::DT_FLOAT32, TINYGLTF_COMPONENT_TYPE_FLOAT}};
+    const auto known = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const auto& of) { return of.first == type; });
+    return known == std::end(kTypes) ? -1 : known->second;
   }
 
   bool isNormalized(int accessor_idx) const {

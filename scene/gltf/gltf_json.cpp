@@ -120,22 +120,14 @@ constexpr std::string_view kOtherExtensions[] = {"KHR_materials_", "KHR_texture_
                                                  "KHR_xmp",        "OMI_"};
 
 bool isOf(Kind kind, const Json& value) {
-  switch (kind) {
-    case Kind::boolean:
-      return value.is_boolean();
-    case Kind::index:
-      return value.is_number_unsigned() && value.get<uint64_t>() < uint64_t{1} << 31;
-    case Kind::integer:
-      return value.is_number_unsigned() && value.get<uint64_t>() < uint64_t{1} << 53;
-    case Kind::number:
-      return value.is_number();
-    case Kind::string:
-      return value.is_string();
-    case Kind::object:
-      return value.is_object();
-    default:
-      return value.is_array();
-  }
+  const auto isBelow = [&](int bits) { return value.is_number_unsigned() && value.get<uint64_t>() < uint64_t{1} << bits; };
+  return kind == Kind::boolean   ? value.is_boolean()
+         : kind == Kind::index   ? isBelow(31)
+         : kind == Kind::integer ? isBelow(53)
+         : kind == Kind::number  ? value.is_number()
+         : kind == Kind::string  ? value.is_string()
+         : kind == Kind::object  ? value.is_object()
+                                 : value.is_array();
 }
 
 // An extension of an object's; null where it has none.

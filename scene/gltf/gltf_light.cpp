@@ -128,37 +128,6 @@ int digitsOf(double number) {
   return kManyDigits;
 }
 
-// "light 3", with its name where it has one.
-std::string lightPlace(size_t idx, const tinygltf::Value& light) {
-  std::string place = "light " + std::to_string(idx);
-  if (!light.IsObject() || !light.Has("name") || !light.Get("name").IsString()) return place;
-  return place + " (" + light.Get("name").Get<std::string>().substr(0, 60) + ")";
-}
-
-}  // namespace
-
-std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::Model& model, Oddities* odd) {
-  std::vector<GltfLight> lights;
-  const tinygltf::Value* list = memberOf(model.extensions, kExtension, "lights");
-  for (size_t i = 0; list != nullptr && i < list->ArrayLen(); ++i) {
-    const tinygltf::Value& light = list->Get(static_cast<int>(i));
-    lights.emplace_back();
-    lights.back().is_left_out =
-        !odd->attempt("left out", [&] { lights.back() = LightParser(path, lightPlace(i, light), light, odd).parse(); }) ||
-        lights.back().is_left_out;
-  }
-  return lights;
-}
-
-std::string lightGroupOf(const tinygltf::Value& extras) {
-  const bool says = extras.IsObject() && extras.Has(kLightGroupKey) && extras.Get(kLightGroupKey).IsString();
-  return says ? extras.Get(kLightGroupKey).Get<std::string>() : std::string();
-}
-
-bool isOfBlender(const tinygltf::Model& model) { return model.asset.generator.find(kBlender) != std::string::npos; }
-
-namespace {
-
 LightUnit unitOfBlender(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {
   using Kind = LightUnit::Kind;
   // the version decides, else the numbers, else what would be too faint (docs/theory/light.md, Units)
@@ -212,7 +181,34 @@ LightUnit unitOfOther(const std::string& generator) {
   return {Kind::unsure, "\"" + generator.substr(0, 60) + "\" may write others, for which there is --light-unit"};
 }
 
+// "light 3", with its name where it has one.
+std::string lightPlace(size_t idx, const tinygltf::Value& light) {
+  std::string place = "light " + std::to_string(idx);
+  if (!light.IsObject() || !light.Has("name") || !light.Get("name").IsString()) return place;
+  return place + " (" + light.Get("name").Get<std::string>().substr(0, 60) + ")";
+}
+
 }  // namespace
+
+std::vector<GltfLight> readGltfLights(const std::string& path, const tinygltf::Model& model, Oddities* odd) {
+  std::vector<GltfLight> lights;
+  const tinygltf::Value* list = memberOf(model.extensions, kExtension, "lights");
+  for (size_t i = 0; list != nullptr && i < list->ArrayLen(); ++i) {
+    const tinygltf::Value& light = list->Get(static_cast<int>(i));
+    lights.emplace_back();
+    lights.back().is_left_out =
+        !odd->attempt("left out", [&] { lights.back() = LightParser(path, lightPlace(i, light), light, odd).parse(); }) ||
+        lights.back().is_left_out;
+  }
+  return lights;
+}
+
+std::string lightGroupOf(const tinygltf::Value& extras) {
+  const bool says = extras.IsObject() && extras.Has(kLightGroupKey) && extras.Get(kLightGroupKey).IsString();
+  return says ? extras.Get(kLightGroupKey).Get<std::string>() : std::string();
+}
+
+bool isOfBlender(const tinygltf::Model& model) { return model.asset.generator.find(kBlender) != std::string::npos; }
 
 LightUnit unitOfLights(const tinygltf::Model& model, const std::vector<GltfLight>& lights) {
   return isOfBlender(model) ? unitOfBlender(model, lights) : unitOfOther(model.asset.generator);

@@ -155,20 +155,20 @@ class Piece {
     return 0.01 * centimetres;
   }
 
-  std::array<double, 9> rotation(std::string_view words) const {
-    std::array<double, 9> rows{};
+  glm::dmat3 rotation(std::string_view words) const {
+    constexpr size_t kNumbers = 9;
+    glm::dmat3 rows;
     size_t count = 0;
     for (size_t at = words.find_first_not_of(kBlank); at != std::string_view::npos; ++count) {
       const size_t end = std::min(words.find_first_of(kBlank, at), words.size());
-      if (count == rows.size()) fail("a modelRotation of nine numbers", "more");
-      rows[count] = number("modelRotation", words.substr(at, end - at));
+      if (count == kNumbers) fail("a modelRotation of nine numbers", "more");
+      rows[static_cast<int>(count) / 3][static_cast<int>(count) % 3] = number("modelRotation", words.substr(at, end - at));
       at = words.find_first_not_of(kBlank, end);
     }
-    if (count != rows.size()) fail("a modelRotation of nine numbers", std::to_string(count));
-    const auto row = [&](int i) { return glm::dvec3(rows[3 * i], rows[3 * i + 1], rows[3 * i + 2]); };
-    double deviation = std::abs(glm::dot(glm::cross(row(0), row(1)), row(2)) - 1.0);
+    if (count != kNumbers) fail("a modelRotation of nine numbers", std::to_string(count));
+    double deviation = std::abs(glm::dot(glm::cross(rows[0], rows[1]), rows[2]) - 1.0);
     for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k) deviation = std::max(deviation, std::abs(glm::dot(row(i), row(k)) - (i == k ? 1.0 : 0.0)));
+      for (int k = 0; k < 3; ++k) deviation = std::max(deviation, std::abs(glm::dot(rows[i], rows[k]) - (i == k ? 1.0 : 0.0)));
     }
     if (!(deviation < 0.02)) fail("a modelRotation that only turns", std::string(words));
     return rows;

@@ -4,7 +4,6 @@
 // format"). Only what a house needs is read.
 #pragma once
 
-#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,7 +19,7 @@ struct CatalogueEntry {
   double elevation_m = 0.0;          // of its lowest point above the floor, >= 0
   double top_m = -1.0;               // height of the face that other things stand on, above its lowest point; < 0: none
   // Turns the model upright before it is scaled, row by row; orthonormal and no mirror.
-  std::array<double, 9> rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  glm::dmat3 rotation{1.0};
 };
 
 // path      of the archive, for errors

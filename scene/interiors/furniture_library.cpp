@@ -25,13 +25,10 @@ using Cell = std::tuple<int64_t, int64_t, int64_t>;
 
 // Positions turned upright and stretched to the entry's box, which stands on y = 0 around the origin.
 std::vector<glm::dvec3> uprightPositions(const Scene& model, const CatalogueEntry& entry) {
-  const std::array<double, 9>& r = entry.rotation;
   std::vector<glm::dvec3> positions;
   glm::dvec3 low(1e30), high(-1e30);
   for (const glm::vec3& p : model.positions) {
-    const glm::dvec3 q(p);
-    positions.emplace_back(r[0] * q.x + r[1] * q.y + r[2] * q.z, r[3] * q.x + r[4] * q.y + r[5] * q.z,
-                           r[6] * q.x + r[7] * q.y + r[8] * q.z);
+    positions.push_back(glm::dvec3(p) * entry.rotation);
     low = glm::min(low, positions.back());
     high = glm::max(high, positions.back());
   }
