@@ -2,14 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "light/air.h"
 #include "render/camera.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"
@@ -17,7 +15,6 @@
 #include "render/picture/legend.h"
 #include "render/rendered_scene.h"
 #include "render/tone.h"
-#include "runtime_eval/numbers/random.h"
 #include "tool/error.h"
 #include "tool/output_path.h"
 #include "tool/provenance.h"
@@ -27,7 +24,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr uint64_t kBallStream = 0x62616c6c;
 constexpr double kDefaultFov = 60.0;  // degrees
 constexpr double kDegree = std::numbers::pi / 180.0;
 // CLI::Range lets through what is not a number.
@@ -96,42 +92,6 @@ Camera cameraOf(const RenderRequest& request, const BakeOptions& options, const 
   return chooseView(scene.transport(), fov_y, static_cast<double>(request.width) / request.height, options.seed);
 }
 
-// Whether one ball is seen before another.
-bool overlap(const glm::dvec3& eye_m, const Ball& a, const Ball& b) {
-  const glm::dvec3 to_a = a.centre_m - eye_m, to_b = b.centre_m - eye_m;
-  const double distance_a = glm::length(to_a), distance_b = glm::length(to_b);
-  const double between = std::acos(std::clamp(glm::dot(to_a, to_b) / (distance_a * distance_b), -1.0, 1.0));
-  return between < std::asin(std::min(1.0, a.radius_m / distance_a)) + std::asin(std::min(1.0, b.radius_m / distance_b));
-}
-
-// Balls in air within the camera's view, none nearer to a surface than its radius, none in front of another.
-std::vector<Ball> hangBalls(const RenderRequest& request, const BakeOptions& options, const RenderedScene& scene,
-                            const Camera& camera) {
-  constexpr int kDraws = 200;  // of a ball
-  const Bounds bounds = sceneBounds(scene.scene());
-  const double radius_m =
-      request.ball_radius_m > 0.0 ? request.ball_radius_m : std::min(0.15, 0.02 * glm::length(bounds.max - bounds.min));
-  const RayScene& rays = scene.transport().rays();
-  Random random(mixSeed(options.seed, kBallStream));
-  std::vector<Ball> balls;
-  for (int draw = 0; draw < kDraws * request.balls && static_cast<int>(balls.size()) < request.balls; ++draw) {
-    const double x = random.uniform(0.05, 0.95), y = random.uniform(0.05, 0.95), share = random.uniform(0.15, 0.95);
-    const glm::vec3 direction = camera.direction(x, y, static_cast<double>(request.width) / request.height);
-    const LightHit hit = rays.lightHit(glm::vec3(camera.eye_m), direction);
-    if (hit.kind != LightHit::Kind::surface) continue;
-    const Ball ball{camera.eye_m + share * hit.distance * glm::dvec3(direction), radius_m};
-    const auto touches = [&](const glm::vec3& way) {
-      return rays.isBlocked(glm::vec3(ball.centre_m), glm::vec3(ball.centre_m) + way * static_cast<float>(1.05 * radius_m));
-    };
-    const auto covers = [&](const Ball& other) { return overlap(camera.eye_m, ball, other); };
-    const bool is_free = std::none_of(balls.begin(), balls.end(), covers) && share * hit.distance > 8.0 * radius_m &&
-                         !touches({1, 0, 0}) && !touches({-1, 0, 0}) && !touches({0, 1, 0}) && !touches({0, -1, 0}) &&
-                         !touches({0, 0, 1}) && !touches({0, 0, -1}) && isInAir(rays, ball.centre_m);
-    if (is_free) balls.push_back(ball);
-  }
-  return balls;
-}
-
 Cut cutOf(const RenderRequest& request, const Scene& scene) {
   const Bounds bounds = boundsWithSky(scene);
   Cut cut{glm::dvec3(bounds.min), glm::dvec3(bounds.max)};
@@ -182,11 +142,9 @@ class Rendering {
     sight.samples_per_side = request_.samples;
     sight.offset_m = request_.offset_m;
     sight.thread_count = scene_.threads();
-    if (request_.balls > 0) sight.balls = hangBalls(request_, options_, scene_, camera);
     sights_ = sightsOf(scene_.transport(), camera, sight);
     const glm::dvec3 eye = origin_m + camera.eye_m, look = eye + glm::dvec3(camera.forward);
     said_["camera"] = {{"eye_m", numbers(eye)}, {"look_m", numbers(look)}, {"fov_degrees", camera.fov_y / kDegree}};
-    said_["balls"] = sight.balls.size();
     place_ = "from " + positionText(eye) + " towards " + positionText(look);
   }
 
@@ -323,12 +281,6 @@ void describe(RenderRequest& r, CLI::App& app) {
   app.add_option("--offset-m", r.offset_m,
                  "distance before a surface at which light is looked up, metres; half way where something is nearer")
       ->check(numberIn(0.0, 10.0))
-      ->capture_default_str();
-  app.add_option("--balls", r.balls, "number of grey balls in the air, each lit by a look-up at its centre")
-      ->check(CLI::Range(0, 10000))
-      ->capture_default_str();
-  app.add_option("--ball-radius-m", r.ball_radius_m, "radius of the balls, metres. 0: chosen by the scene's size")
-      ->check(numberIn(0.0, 1e3))
       ->capture_default_str();
 }
 

@@ -36,8 +36,6 @@ struct RenderRequest {
   std::vector<double> slice_y;    // world, metres: a cut at this height in place of a view
   int width = 640, height = 360, samples = 2;
   double offset_m = 0.02;
-  int balls = 0;
-  double ball_radius_m = 0.0;  // 0: by the scene's size
 };
 
 // The methods that are asked for: those of the panel, or the one.
