@@ -1,6 +1,6 @@
 // https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Khronos/KHR_draco_mesh_compression
 // The stream's beginning: https://google.github.io/draco/spec
-#include "scene/gltf/gltf_draco.h"
+#include "scene/gltf/gltf_packed.h"
 
 #include <algorithm>
 #include <array>

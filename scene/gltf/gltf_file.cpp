@@ -10,9 +10,8 @@
 
 #include "scene/archive/scene_file.h"
 #include "scene/gltf/gltf_accessor.h"
-#include "scene/gltf/gltf_draco.h"
 #include "scene/gltf/gltf_json.h"
-#include "scene/gltf/gltf_meshopt.h"
+#include "scene/gltf/gltf_packed.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 

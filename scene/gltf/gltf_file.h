@@ -11,8 +11,8 @@
 namespace nlg {
 
 // Reads the file and its external buffers; files of images are not opened, and none is decoded: those of data URIs
-// stand in Image::image as they are packed. What was packed is plain (gltf_meshopt.h,
-// gltf_draco.h). Checked: the container, the JSON's grammar, types and URIs, each buffer's length. Not checked: what the numbers
+// stand in Image::image as they are packed. What was packed is plain (gltf_packed.h).
+// Checked: the container, the JSON's grammar, types and URIs, each buffer's length. Not checked: what the numbers
 // refer to.
 //
 // bytes_left   of kMaxSceneBytes, for all that is read and unpacked

@@ -1,5 +1,5 @@
 // https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Khronos/KHR_meshopt_compression and Vendor/EXT_meshopt_compression
-#include "scene/gltf/gltf_meshopt.h"
+#include "scene/gltf/gltf_packed.h"
 
 #include <algorithm>
 #include <array>

@@ -29,7 +29,7 @@ struct GltfChoice {
 //            dropped and counted. Morph targets at the weights that the file gives them, skins where it has their joints.
 // Primitives Triangles, strips and fans, indexed with 8, 16 or 32 bits or not at all. Points and lines are skipped.
 // Accessors  Positions in floats, or in integers of 8 and 16 bits (KHR_mesh_quantization); any stride; sparse ones too. Buffer views
-//            packed by EXT_ or KHR_meshopt_compression (gltf_meshopt.h), primitives by KHR_draco_mesh_compression (gltf_draco.h).
+//            packed by EXT_ or KHR_meshopt_compression, primitives by KHR_draco_mesh_compression (gltf_packed.h).
 // Materials  Base colour, doubleSided, emission times KHR_materials_emissive_strength in cd/m², alpha and KHR_materials_transmission
 //            (transmissive.h), with their images: PNG, JPEG, WebP (image_decode.h), in the file, in buffers, or in its folder or
 //            below; and COLOR_0. An image that cannot be read is noted (gltf_looks.h).
