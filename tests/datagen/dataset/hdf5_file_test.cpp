@@ -63,17 +63,14 @@ std::vector<T> counted(size_t count) {
   return values;
 }
 
-TEST_F(Hdf5File, RoundTripsEveryElementType) {
+TEST_F(Hdf5File, RoundTripsEveryElementTypeAndChunking) {
   expectRoundTrip<uint8_t>({3, 5}, counted<uint8_t>(15));
   expectRoundTrip<uint32_t>({15}, counted<uint32_t>(15));
   expectRoundTrip<int32_t>({3}, {std::numeric_limits<int32_t>::min(), -1, std::numeric_limits<int32_t>::max()});
   expectRoundTrip<uint64_t>({2}, {0, std::numeric_limits<uint64_t>::max()});
   expectRoundTrip<float>({2, 1, 2}, {0.1f, -0.0f, std::numeric_limits<float>::infinity(), 1e-45f});
   expectRoundTrip<double>({1}, {0.1});
-}
-
-// 256 kB a chunk: shapes around it, one row beyond it, and a single column.
-TEST_F(Hdf5File, RoundTripsEveryChunking) {
+  // 256 kB a chunk: shapes around it, one row beyond it, and a single column
   expectRoundTrip<uint8_t>({33, 8192}, counted<uint8_t>(33 * 8192));
   expectRoundTrip<float>({3, 70000}, counted<float>(3 * 70000));
   expectRoundTrip<float>({65537}, counted<float>(65537));

@@ -202,15 +202,6 @@ TEST(WeightingBuilder, MirrorsAFunctionWithItsScene) {
   expectMirrored(terrainSheet(0.4f, Sides::one), glm::vec3(0), InSolid::by_eye);
 }
 
-TEST(WeightingBuilder, StopsAtAnInfiniteWall) {
-  const GeneratedFunction function = build(infiniteWall()).function;
-  for (size_t p = 0; p < function.phi.size(); ++p) {
-    const LocalPoint& at = points()[p];
-    ASSERT_EQ(function.phi[p], at[0] < 0.31f ? tent(at) : 0.0f) << "point " << p << " at x = " << at[0];
-    ASSERT_EQ(function.valid[p], at[0] < 0.31f || at[0] > 0.47f) << "point " << p << " at x = " << at[0];
-  }
-}
-
 TEST(WeightingBuilder, CreepsRoundTheEdgeOfAHalfWallAndDecays) {
   const GeneratedFunction none = build(halfWall(), {0, 0.1}).function, one = build(halfWall(), {1, 0.1}).function,
                           two = build(halfWall(), {2, 0.1}).function;

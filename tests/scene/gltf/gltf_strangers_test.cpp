@@ -7,7 +7,7 @@
 #include <tiny_gltf.h>
 
 #include "scene/gltf/gltf_light.h"
-#include "scene/gltf/gltf_meshopt.h"
+#include "scene/gltf/gltf_packed.h"
 #include "tool/error.h"
 
 namespace nlg {

@@ -28,27 +28,19 @@ Scene manyLights() {
   return scene;
 }
 
-TEST(LightGroups, AllLightIsOneUnlessAsked) {
-  Scene scene = manyLights();
-  groupLights("one", "", &scene);
-  EXPECT_TRUE(scene.light.groups.names.empty());
-  EXPECT_EQ(scene.light.groups.count(), 1u);
-}
-
-TEST(LightGroups, GoByKindAndByWhatTheAuthorSays) {
-  Scene scene = manyLights();
-  groupLights("kind", "", &scene);
-  const LightGroups& groups = scene.light.groups;
-  EXPECT_EQ(groups.names, (Names{"sky", "sun", "lamps", "fire", "emission"}));
-  EXPECT_EQ(groups.of_lamp, (std::vector<uint8_t>{2, 2, 3}));
-  EXPECT_EQ(groups.of_material[1], 4);
-}
-
-TEST(LightGroups, GoByNameWithoutBlendersNumbers) {
-  Scene scene = manyLights();
-  groupLights("name", "", &scene);
-  EXPECT_EQ(scene.light.groups.names, (Names{"sky", "sun", "Desk", "fire", "screen"}));
-  EXPECT_EQ(scene.light.groups.of_lamp, (std::vector<uint8_t>{2, 2, 3}));
+TEST(LightGroups, GoByKindOrByNameWithoutBlendersNumbersAndByWhatTheAuthorSays) {
+  const auto groupsBy = [](const char* what) {
+    Scene scene = manyLights();
+    groupLights(what, "", &scene);
+    return scene.light.groups;
+  };
+  const LightGroups one = groupsBy("one"), kind = groupsBy("kind"), name = groupsBy("name");
+  EXPECT_TRUE(one.names.empty());
+  EXPECT_EQ(one.count(), 1u);
+  EXPECT_EQ(kind.names, (Names{"sky", "sun", "lamps", "fire", "emission"}));
+  EXPECT_EQ(kind.of_material[1], 4);
+  EXPECT_EQ(name.names, (Names{"sky", "sun", "Desk", "fire", "screen"}));
+  for (const LightGroups& groups : {kind, name}) EXPECT_EQ(groups.of_lamp, (std::vector<uint8_t>{2, 2, 3}));
 }
 
 TEST(LightGroups, AreNamedByTheStateOfLight) {

@@ -76,20 +76,16 @@ TEST(LightOptions, ADarkSceneGetsTheDocumentedSkyAndSunAndSaysSo) {
   EXPECT_TRUE(hasLight(scene));
 }
 
+void addLamp(Scene& s) { s.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(1.0f), 0.1f}); }
+void addSun(Scene& s) { s.light.suns.push_back({{0, 1, 0}, glm::vec3(1.0f)}); }
+void addSky(Scene& s) { s.light.sky.ground.g = 0.1f; }
+void addBaked(Scene& s) { s.light.baked.triangle_page.resize(s.triangles.size()); }
+void addShine(Scene& s) { s.light.sky_faces.shine.push_back(glm::vec3(1.0f)); }
+void addSkyFace(Scene& s) { s.light.sky_faces.triangles.push_back({0, 1, 2}); }
+void addEmission(Scene& s) { s.materials[s.triangle_material[0]].emissive.b = 1.0f; }
+
 TEST(LightOptions, ASceneThatShinesStaysAsItIs) {
-  const std::function<void(Scene&)> lights[] = {
-      [](Scene& s) { s.materials[s.triangle_material[0]].emissive.b = 1.0f; },
-      [](Scene& s) { s.light.sky.ground.g = 0.1f; },
-      [](Scene& s) {
-        s.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(1.0f), 0.1f});
-      },
-      [](Scene& s) {
-        s.light.suns.push_back({{0, 1, 0}, glm::vec3(1.0f)});
-      },
-      [](Scene& s) { s.light.sky_faces.shine.push_back(glm::vec3(1.0f)); },
-      [](Scene& s) { s.light.baked.triangle_page.resize(s.triangles.size()); },
-  };
-  for (const auto& light : lights) {
+  for (void (*light)(Scene&) : {addEmission, addSky, addLamp, addSun, addShine, addBaked}) {
     Scene scene = darkScene();
     light(scene);
     const std::string before = sceneLightSha256(scene);
@@ -172,7 +168,7 @@ TEST(LightOptions, AnOpenSceneWithoutLightFromOutsideGetsDaylightUnlessASkyIsGiv
   const auto isOpen = [](const Scene&) { return true; };
   const auto isClosed = [](const Scene&) { return false; };
   Scene lamps = darkScene();
-  lamps.light.lamps.push_back({glm::vec3(0.0f), glm::vec3(1.0f), 0.1f});
+  addLamp(lamps);
   Scene scene = lamps;
   EXPECT_TRUE(applyLight(scene, {}, isClosed).empty());
   EXPECT_TRUE(applyLight(scene, {}).empty());
@@ -185,17 +181,7 @@ TEST(LightOptions, AnOpenSceneWithoutLightFromOutsideGetsDaylightUnlessASkyIsGiv
   Scene night = lamps;
   applyLight(night, {{"0"}, {}}, isOpen);
   EXPECT_FALSE(hasLightFromOutside(night)) << "who asks for a night gets it";
-  const std::function<void(Scene&)> outsides[] = {
-      [](Scene& s) { s.light.sky.ground.g = 0.1f; },
-      [](Scene& s) {
-        s.light.suns.push_back({{0, 1, 0}, glm::vec3(1.0f)});
-      },
-      [](Scene& s) {
-        s.light.sky_faces.triangles.push_back({0, 1, 2});
-      },
-      [](Scene& s) { s.light.baked.triangle_page.resize(s.triangles.size()); },
-  };
-  for (const auto& outside : outsides) {
+  for (void (*outside)(Scene&) : {addSky, addSun, addSkyFace, addBaked}) {
     Scene lit = lamps;
     outside(lit);
     EXPECT_TRUE(applyLight(lit, {}, isOpen).empty());
