@@ -108,17 +108,16 @@ void readOne(std::string_view bytes) {
 }
 
 Seeds seeds() {
-  const std::pair<const char*, Parts> files[] = {
-      {"square", Parts()},
-      {"lit", litSquare()},
-      {"posed", posedSquare()},
-      {"png", texturedSquare(png(2, 2, pixels(4, "\x10\x80\xf0\x40")))},
-      {"jpg", texturedSquare(jpeg(2, 10, 20, 30))},
-      {"webp", texturedSquare(webp(2, 2, pixels(4, "\x10\x80\xf0\x40")))},
-      {"meshopt", meshoptSquare()},
-      {"meshopt_sequence", meshoptSquare("INDICES")},
-      {"draco", dracoParts(dracoSquare(draco::MESH_EDGEBREAKER_ENCODING, draco::DT_FLOAT32, true))},
-      {"draco_sequential", dracoParts(dracoSquare(draco::MESH_SEQUENTIAL_ENCODING))}};
+  const std::pair<const char*, Parts> files[] = {{"square", Parts()},
+                                                 {"lit", litSquare()},
+                                                 {"posed", posedSquare()},
+                                                 {"png", texturedSquare(png(2, 2, pixels(4, "\x10\x80\xf0\x40")))},
+                                                 {"jpg", texturedSquare(jpeg(2, 10, 20, 30))},
+                                                 {"webp", texturedSquare(webp(2, 2, pixels(4, "\x10\x80\xf0\x40")))},
+                                                 {"meshopt", meshoptSquare()},
+                                                 {"meshopt_sequence", meshoptSquare("INDICES")},
+                                                 {"draco", dracoParts(dracoSquare(draco::MESH_EDGEBREAKER_ENCODING, true))},
+                                                 {"draco_sequential", dracoParts(dracoSquare(draco::MESH_SEQUENTIAL_ENCODING))}};
   Seeds seeds = {{"beside.gltf", Parts().json("square.bin")}};
   for (const auto& [name, parts] : files) {
     seeds.emplace_back(std::string(name) + ".gltf", parts.text());

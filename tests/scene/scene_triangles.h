@@ -1,6 +1,10 @@
 // Triangles of a scene in world coordinates, for tests that know where they must be.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <string>
+
 #include "scene/model/scene.h"
 
 namespace nlg {
@@ -13,6 +17,10 @@ inline glm::dvec3 corner(const Scene& scene, size_t triangle, int which) {
 inline glm::dvec3 normalOf(const Scene& scene, size_t triangle) {
   const glm::dvec3 a = corner(scene, triangle, 0);
   return glm::cross(corner(scene, triangle, 1) - a, corner(scene, triangle, 2) - a);
+}
+
+inline void expectNear(const glm::dvec3& got, const glm::dvec3& expected, const std::string& what, double most = 1e-6) {
+  EXPECT_LT(glm::length(got - expected), most) << what << ": " << got.x << " " << got.y << " " << got.z;
 }
 
 // What an object encloses; below 0 where its faces look inward.

@@ -53,27 +53,31 @@ inline Parts meshoptSquare(const std::string& index_mode = "TRIANGLES") {
   return parts;
 }
 
-using Corners = std::vector<glm::vec3>;
-using Faces = std::vector<std::array<uint32_t, 3>>;
-
-// A Draco stream; POSITION is attribute 0.
-inline std::string dracoStream(const Corners& corners, const Faces& faces, draco::MeshEncoderMethod method,
-                               draco::DataType type = draco::DT_FLOAT32, bool has_metadata = false) {
+// The square in a Draco stream; POSITION is attribute 0.
+//
+// has_looks   each corner has its x and y as its place on images, attribute 1, and as the red and green of its colour, attribute 2
+inline std::string dracoSquare(draco::MeshEncoderMethod method, bool has_metadata = false, bool has_looks = false) {
+  constexpr std::array<std::array<float, 3>, 4> kCorners = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  constexpr uint32_t kFaces[2][3] = {{0, 1, 2}, {0, 2, 3}};
   draco::TriangleSoupMeshBuilder builder;
-  builder.Start(static_cast<int>(faces.size()));
-  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, type);
-  for (size_t f = 0; f < faces.size(); ++f) {
-    const auto set = [&](const auto& values) {
-      builder.SetAttributeValuesForFace(position, draco::FaceIndex(static_cast<uint32_t>(f)), &values[0], &values[1], &values[2]);
-    };
-    std::array<glm::vec3, 3> floats;
-    std::array<glm::ivec3, 3> integers;
-    for (int k = 0; k < 3; ++k) floats[k] = corners[faces[f][k]], integers[k] = glm::ivec3(corners[faces[f][k]]);
-    if (type == draco::DT_FLOAT32) {
-      set(floats);
-    } else {
-      set(integers);
+  builder.Start(2);
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int place = has_looks ? builder.AddAttribute(draco::GeometryAttribute::TEX_COORD, 2, draco::DT_FLOAT32) : -1;
+  const int colour = has_looks ? builder.AddAttribute(draco::GeometryAttribute::COLOR, 4, draco::DT_UINT8) : -1;
+  for (uint32_t f = 0; f < 2; ++f) {
+    std::array<std::array<float, 3>, 3> at;
+    std::array<std::array<float, 2>, 3> places;
+    std::array<std::array<uint8_t, 4>, 3> colours;
+    for (size_t k = 0; k < 3; ++k) {
+      at[k] = kCorners[kFaces[f][k]];
+      places[k] = {at[k][0], at[k][1]};
+      colours[k] = {static_cast<uint8_t>(255 * at[k][0]), static_cast<uint8_t>(255 * at[k][1]), 51, 255};
     }
+    const auto set = [&](int attribute, const auto& of) {
+      builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(f), of[0].data(), of[1].data(), of[2].data());
+    };
+    set(position, at);
+    if (has_looks) set(place, places), set(colour, colours);
   }
   const std::unique_ptr<draco::Mesh> mesh = builder.Finalize();
   if (has_metadata) {
@@ -83,15 +87,10 @@ inline std::string dracoStream(const Corners& corners, const Faces& faces, draco
   }
   draco::Encoder encoder;
   encoder.SetEncodingMethod(method);
-  encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 14);
+  if (!has_looks) encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 14);
   draco::EncoderBuffer buffer;
   EXPECT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
   return {buffer.data(), buffer.size()};
-}
-
-inline std::string dracoSquare(draco::MeshEncoderMethod method, draco::DataType type = draco::DT_FLOAT32,
-                               bool has_metadata = false) {
-  return dracoStream({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, method, type, has_metadata);
 }
 
 // A file whose accessors have no buffer views: the stream alone holds the square.

@@ -118,8 +118,4 @@ inline double areaOf(const Scene& scene) {
   return area;
 }
 
-inline void expectNear(const glm::dvec3& got, const glm::dvec3& expected, const std::string& what) {
-  EXPECT_LT(glm::length(got - expected), 1e-6) << what << ": " << got.x << " " << got.y << " " << got.z;
-}
-
 }  // namespace nlg

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <array>
 
 #include "scene/model/surface_look.h"
 #include "tests/scene/gltf/gltf_packed_parts.h"
@@ -116,37 +115,8 @@ TEST_F(GltfTextures, PlacesAreThoseOfTheSetAndItsTransform) {
   }
 }
 
-// A square in a Draco stream, each corner with its x and y as its place and as the red and green of its colour.
-std::string placedDracoSquare() {
-  const std::array<std::array<float, 3>, 4> corners = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
-  draco::TriangleSoupMeshBuilder builder;
-  builder.Start(2);
-  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
-  const int place = builder.AddAttribute(draco::GeometryAttribute::TEX_COORD, 2, draco::DT_FLOAT32);
-  const int colour = builder.AddAttribute(draco::GeometryAttribute::COLOR, 4, draco::DT_UINT8);
-  const uint32_t faces[2][3] = {{0, 1, 2}, {0, 2, 3}};
-  for (uint32_t f = 0; f < 2; ++f) {
-    std::array<std::array<float, 2>, 3> places;
-    std::array<std::array<uint8_t, 4>, 3> colours;
-    for (size_t k = 0; k < 3; ++k) {
-      const auto& at = corners[faces[f][k]];
-      places[k] = {at[0], at[1]};
-      colours[k] = {static_cast<uint8_t>(255 * at[0]), static_cast<uint8_t>(255 * at[1]), 51, 255};
-    }
-    const auto set = [&](int attribute, const void* a, const void* b, const void* c) {
-      builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(f), a, b, c);
-    };
-    set(position, corners[faces[f][0]].data(), corners[faces[f][1]].data(), corners[faces[f][2]].data());
-    set(place, places[0].data(), places[1].data(), places[2].data());
-    set(colour, colours[0].data(), colours[1].data(), colours[2].data());
-  }
-  draco::EncoderBuffer buffer;
-  EXPECT_TRUE(draco::Encoder().EncodeMeshToBuffer(*builder.Finalize(), &buffer).ok());
-  return {buffer.data(), buffer.size()};
-}
-
 TEST_F(GltfTextures, DracoHoldsPlacesAndColours) {
-  Parts parts = dracoParts(placedDracoSquare());
+  Parts parts = dracoParts(dracoSquare(draco::MESH_EDGEBREAKER_ENCODING, false, true));
   parts.add(png(2, 1, kHalves));
   parts.accessors = replaced(parts.accessors, R"("type":"SCALAR"})",
                              R"("type":"SCALAR"},{"componentType":5126,"count":4,"type":"VEC2"},)"

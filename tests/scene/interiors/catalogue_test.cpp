@@ -6,6 +6,7 @@
 
 #include "scene/interiors/furniture_use.h"
 #include "tests/input_error.h"
+#include "tests/scene/scene_triangles.h"
 #include "tiny_library.h"
 
 namespace nlg {
@@ -23,9 +24,7 @@ TEST(Catalogue, GivesSizesInMetresOfWidthHeightAndDepth) {
   ASSERT_EQ(entries.size(), 1u);
   EXPECT_EQ(entries[0].name, "Chair");
   EXPECT_EQ(entries[0].model, "a/chair.obj");
-  EXPECT_DOUBLE_EQ(entries[0].size_m.x, 0.45);
-  EXPECT_DOUBLE_EQ(entries[0].size_m.y, 0.9);
-  EXPECT_DOUBLE_EQ(entries[0].size_m.z, 0.505);
+  expectNear(entries[0].size_m, {0.45, 0.9, 0.505}, "width, height and depth", 1e-12);
   EXPECT_DOUBLE_EQ(entries[0].elevation_m, 0.125);
   EXPECT_DOUBLE_EQ(entries[0].top_m, 0.9) << "what says nothing of it carries things on its top";
   EXPECT_LT(parseCatalogue("", std::string(kChair) + "dropOnTopElevation#7=-1\n")[0].top_m, 0.0);

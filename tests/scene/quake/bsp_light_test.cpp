@@ -157,10 +157,7 @@ TEST_F(BspLight, LampsGiveTheCodesThatTheCompilerGives) {
   const Scene& scene = level.scene;
   const std::vector<Lamp>& lamps = scene.light.lamps;
   ASSERT_EQ(lamps.size(), 3u);
-  const glm::dvec3 place = scene.origin_m + glm::dvec3(lamps[0].position);
-  EXPECT_NEAR(place.x, 100 * kUnit, 1e-4);
-  EXPECT_NEAR(place.y, 300 * kUnit, 1e-4);
-  EXPECT_NEAR(place.z, -200 * kUnit, 1e-4);
+  expectNear(scene.origin_m + glm::dvec3(lamps[0].position), kUnit * glm::dvec3(100, 300, -200), "the lamp's place", 1e-4);
   // 7500 * 200 / d² codes at d units: 150 at 100 units, which a lightmap holds as irradiance over pi
   const double distance_m = 100 * kUnit;
   const glm::vec3 light = lamps[0].intensity / static_cast<float>(distance_m * distance_m) / kPi;
@@ -200,9 +197,7 @@ TEST_F(BspLight, TheFirstEntityOfATargetsNameCounts) {
 TEST_F(BspLight, SunsShineFromWhereTheirScriptSays) {
   // 90 degrees from the file's x is its y, which is our -z; 30 degrees above the horizon
   const Sun sun = sunOf({{2.0, 1.0, 0.5}, 100.0, 90.0, 30.0, 2.0});
-  EXPECT_NEAR(sun.to_sun.x, 0.0f, 1e-6f);
-  EXPECT_NEAR(sun.to_sun.y, 0.5f, 1e-6f);
-  EXPECT_NEAR(sun.to_sun.z, -std::sqrt(0.75f), 1e-6f);
+  expectNear(glm::dvec3(sun.to_sun), {0.0, 0.5, -std::sqrt(0.75)}, "where the sun stands");
   EXPECT_NEAR(sun.irradiance.r / kPi, 100.0f * kOfCode, 1e-4f) << "100 codes on what faces it";
   EXPECT_NEAR(sun.irradiance.b / kPi, 25.0f * kOfCode, 1e-4f);
   EXPECT_NEAR(sun.angular_radius, 2.0f * kPi / 180.0f, 1e-6f);

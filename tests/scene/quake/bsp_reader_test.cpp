@@ -102,9 +102,7 @@ TEST_F(BspReader, PlayersBeginWhereTheirEntitiesStand) {
   EXPECT_EQ(first.name, "info_player_deathmatch 0");
   EXPECT_EQ(scene.viewpoints[1].name, "info_player_deathmatch 1");
   // eyes are 26 units above the origin; 90 degrees turn x into y, which is -z here
-  EXPECT_NEAR(first.position.x + scene.origin_m.x, 100 * kUnit, 1e-5);
-  EXPECT_NEAR(first.position.y + scene.origin_m.y, -4 * kUnit, 1e-5);
-  EXPECT_NEAR(first.position.z + scene.origin_m.z, -200 * kUnit, 1e-5);
+  expectNear(scene.origin_m + glm::dvec3(first.position), kUnit * glm::dvec3(100, -4, -200), "the player's eyes", 1e-5);
   EXPECT_NEAR(first.forward.z, -1.0f, 1e-6f);
   EXPECT_NEAR(scene.viewpoints[1].forward.x, 1.0f, 1e-6f);
   EXPECT_EQ(first.fov_y, 0.0f);
