@@ -1,32 +1,13 @@
 // Scenes made of a few faces, for tests that know what must come out.
 #pragma once
 
-#include <array>
 #include <initializer_list>
-#include <vector>
 
-#include "scene/model/scene.h"
+#include "tests/scene/built_scenes.h"
 
 namespace nlg {
 
 enum class Sides : uint32_t { one = 0, two = 1 };  // also the material's index
-
-// The sides of a box, wound outward: low and high of x, of y, of z.
-inline std::vector<std::array<glm::vec3, 4>> boxSides(const glm::vec3& low, const glm::vec3& high) {
-  std::vector<std::array<glm::vec3, 4>> sides;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    for (const bool is_far : {false, true}) {
-      glm::vec3 a = low;
-      a[axis] = is_far ? high[axis] : low[axis];
-      glm::vec3 b = a, c = a, d = a;
-      b[u] = c[u] = high[u];
-      c[v] = d[v] = high[v];
-      sides.push_back(is_far ? std::array{a, b, c, d} : std::array{a, d, c, b});
-    }
-  }
-  return sides;
-}
 
 class SceneOfFaces {
  public:

@@ -24,20 +24,15 @@ inline void addSheetWithWindow(Scene& scene, const glm::vec3& low, const glm::ve
 inline Scene windowedRoom(bool is_hollow) {
   Scene scene = sceneOfMaterial(is_hollow);
   const glm::vec3 low = kRoomLow, high = kRoomHigh, out_low = low - kWallM, out_high = high + kWallM;
-  const auto withoutFarSide = [&](void (*add)(Scene&, const glm::vec3&, const glm::vec3&), const glm::vec3& from,
-                                  const glm::vec3& to) {
-    const size_t first = scene.triangles.size();
-    add(scene, from, to);
-    for (size_t t = scene.triangles.size(); t-- > first;) {
-      const glm::uvec3& corners = scene.triangles[t];
-      if (scene.positions[corners.x].z != to.z || scene.positions[corners.y].z != to.z || scene.positions[corners.z].z != to.z)
-        continue;
-      scene.triangles.erase(scene.triangles.begin() + static_cast<ptrdiff_t>(t));
-      scene.triangle_material.pop_back();
+  const auto addAllButFarSide = [&](const glm::vec3& from, const glm::vec3& to, bool faces_in) {
+    const auto sides = boxSides(from, to);
+    for (size_t side = 0; side < 5; ++side) {
+      const auto& [a, b, c, d] = sides[side];
+      addQuad(scene, a, faces_in ? d - a : b - a, faces_in ? b - a : d - a);
     }
   };
-  withoutFarSide(addRoom, low, high);
-  withoutFarSide(addBox, out_low, out_high);
+  addAllButFarSide(low, high, true);
+  addAllButFarSide(out_low, out_high, false);
   addSheetWithWindow(scene, low, high, high.z, false);
   addSheetWithWindow(scene, out_low, out_high, out_high.z, true);
   const glm::vec3 side = kWindowHigh - kWindowLow, x(side.x, 0, 0), y(0, side.y, 0), z(0, 0, side.z);
