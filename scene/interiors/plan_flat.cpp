@@ -1,7 +1,6 @@
 // The plan "flat": a corridor with rooms on both sides and a living room across its end.
 #include <algorithm>
 
-#include "scene/interiors/fittings.h"
 #include "scene/interiors/furnisher.h"
 #include "scene/interiors/interiors.h"
 

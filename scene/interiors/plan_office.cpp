@@ -1,6 +1,5 @@
 // The plan "office": an open floor with columns and desks, small rooms along one wall, boxes of glass in its corners.
 
-#include "scene/interiors/fittings.h"
 #include "scene/interiors/furnisher.h"
 #include "scene/interiors/interiors.h"
 #include "scene/procedural/building.h"

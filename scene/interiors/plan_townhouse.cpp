@@ -1,7 +1,6 @@
 // The plan "townhouse": narrow, two storeys and an attic under slopes; straight flights above each other along one wall.
 #include <algorithm>
 
-#include "scene/interiors/fittings.h"
 #include "scene/interiors/furnisher.h"
 #include "scene/interiors/interiors.h"
 

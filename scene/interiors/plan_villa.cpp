@@ -1,7 +1,6 @@
 // The plan "villa": a hall of double height between two rows of columns with arches, galleries above the aisles, wings of two
 // storeys at both ends, a garden with trees before it.
 
-#include "scene/interiors/fittings.h"
 #include "scene/interiors/furnisher.h"
 #include "scene/interiors/interiors.h"
 #include "scene/procedural/building.h"
