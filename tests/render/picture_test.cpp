@@ -4,11 +4,9 @@
 #include "render/camera.h"
 #include "render/denoise.h"
 #include "render/lit_views.h"
-#include "render/panel.h"
 #include "render/picture/legend.h"
 #include "render/tone.h"
 #include "tests/render/rendered.h"
-#include "tool/error.h"
 
 namespace nlg {
 namespace {

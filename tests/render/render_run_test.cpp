@@ -4,7 +4,6 @@
 #include <png.h>
 
 #include <filesystem>
-#include <functional>
 
 #include "tests/input_error.h"
 #include "tests/temporary_folder.h"
@@ -35,16 +34,6 @@ class RenderRun : public testing::Test {
     BakeOptions o;
     o.threads = threads;
     return o;
-  }
-
-  // What the tool says when it refuses.
-  template <class Error>
-  std::string refusal(const std::function<void(RenderRequest&)>& change) const {
-    RenderRequest r = request("refused.png");
-    change(r);
-    const std::string error = errorOfCall<Error>([&] { renderScene(r, options()); });
-    EXPECT_FALSE(std::filesystem::exists(r.out)) << error;
-    return error;
   }
 
   const TemporaryFolder folder_;

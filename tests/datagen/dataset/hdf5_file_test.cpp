@@ -1,7 +1,6 @@
 #include "datagen/dataset/hdf5_file.h"
 
 #include <gtest/gtest.h>
-#include <hdf5.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -39,17 +38,6 @@ class Hdf5File : public testing::Test {
   template <class Read>
   std::string refusal(const Read& read) const {
     return inputErrorOf([&] { read(Hdf5Reader(path_)); });
-  }
-
-  // A file as a stranger would make it: HDF5's own calls, with the newest bookkeeping.
-  template <class Fill>
-  void writeStrange(const Fill& fill) const {
-    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
-    const hid_t file = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
-    fill(file);
-    H5Fclose(file);
-    H5Pclose(access);
   }
 
   const TemporaryFolder folder_;

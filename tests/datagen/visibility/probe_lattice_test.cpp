@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "datagen/visibility/cavity.h"
 #include "datagen/visibility/segment_kernel.h"
 #include "tests/datagen/named_scenes.h"
 #include "tests/runtime_eval/each_target.h"

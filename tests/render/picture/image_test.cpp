@@ -5,7 +5,6 @@
 
 #include "tests/temporary_folder.h"
 #include "tool/atomic_file.h"
-#include "tool/error.h"
 
 namespace nlg {
 namespace {

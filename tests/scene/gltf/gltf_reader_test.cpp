@@ -4,12 +4,10 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "scene/gltf/gltf_light.h"
-#include "scene/gltf/gltf_mesh.h"
 #include "scene/lights/light_groups.h"
 #include "tool/error.h"
 

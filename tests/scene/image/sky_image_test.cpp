@@ -13,7 +13,6 @@
 #include "scene/lights/light_options.h"
 #include "scene/model/scene_light.h"
 #include "tests/datagen/hand_built_scenes.h"
-#include "tests/input_error.h"
 #include "tests/temporary_folder.h"
 #include "tool/error.h"
 
@@ -143,9 +142,6 @@ std::string oldRow() {
 
 class SkyFiles : public testing::Test {
  protected:
-  std::string errorOf(const std::string& bytes, const std::string& name = "hostile.hdr") const {
-    return inputErrorOf([&] { readSkyFile(folder_.write(name, bytes), 0.0); });
-  }
   TemporaryFolder folder_;
 };
 
