@@ -14,6 +14,12 @@ Scene roomOf(float w, float h, float d, bool double_sided = false) {
   return scene;
 }
 
+Scene openGround() {
+  Scene scene = sceneOfMaterial(false);
+  addQuad(scene, {0, 0, 0}, {0, 0, 10}, {10, 0, 0});
+  return scene;
+}
+
 double topOf(const Scene& scene) {
   const auto reach = reachBeyondBounds(scene, 0.1);
   return reach ? reach->high_m.y : sceneBounds(scene).max.y;
@@ -28,20 +34,12 @@ TEST(FloorSurvey, MeasuresTheCeilingsOfRooms) {
     EXPECT_EQ(floor.depth_m, 0.0f);
   }
   EXPECT_NEAR(medianCeiling(floors).value(), 3.0f, 1e-5f);
-}
-
-TEST(FloorSurvey, FindsNoCeilingOverAnOpenGround) {
-  Scene scene = sceneOfMaterial(false);
-  addQuad(scene, {0, 0, 0}, {0, 0, 10}, {10, 0, 0});
-  EXPECT_FALSE(medianCeiling(surveyFloors(scene)));
+  EXPECT_FALSE(medianCeiling(surveyFloors(openGround()))) << "no ceiling";
   EXPECT_TRUE(surveyFloors(sceneOfMaterial(false)).empty());
 }
 
-TEST(ReachBeyondBounds, IsNoneForARoomThatFacesIn) { EXPECT_FALSE(reachBeyondBounds(roomOf(5, 3, 8), 0.1)); }
-
 TEST(ReachBeyondBounds, GivesAGroundHeadroomAndHoldsItsLamps) {
-  Scene scene = sceneOfMaterial(false);
-  addQuad(scene, {0, 0, 0}, {0, 0, 10}, {10, 0, 0});
+  Scene scene = openGround();
   EXPECT_NEAR(topOf(scene), 2.5, 1e-5);
   addBox(scene, {4, 0, 4}, {6, 0.9f, 6});
   EXPECT_NEAR(topOf(scene), 3.4, 1e-5) << "on the box stands a figure, too";
@@ -54,7 +52,8 @@ TEST(ReachBeyondBounds, GivesAGroundHeadroomAndHoldsItsLamps) {
   EXPECT_NEAR(topOf(scene), 3.4, 1e-5) << "a lamp in the place of a sun";
 }
 
-TEST(ReachBeyondBounds, GivesRoofsTheMarginAlone) {
+TEST(ReachBeyondBounds, GivesRoofsTheMarginAloneAndNothingToARoomThatFacesIn) {
+  EXPECT_FALSE(reachBeyondBounds(roomOf(5, 3, 8), 0.1));
   Scene house = roomOf(5, 2.5f, 8);
   addBox(house, {0, 2.5f, 0}, {5, 2.7f, 8});
   EXPECT_NEAR(topOf(house), 2.8, 1e-5) << "a slab over a room";

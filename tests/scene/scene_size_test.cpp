@@ -41,7 +41,7 @@ TEST(SceneSize, BoundsWhatCountsAsACavity) {
       << "a room is wider than four cavities";
 }
 
-TEST(SceneSize, SuggestsTheUnitOfWhatIsTooLarge) {
+TEST(SceneSize, SuggestsTheUnitOfWhatIsTooLargeOrTooSmall) {
   EXPECT_EQ(
       noteOf({500, 300, 800}),
       "at 1 m a unit it is 500 x 300 x 800 m, a size that few levels have; if it was made in centimetres, --unit 0.01 makes "
@@ -50,19 +50,13 @@ TEST(SceneSize, SuggestsTheUnitOfWhatIsTooLarge) {
             std::string::npos)
       << noteOf({20000, 20000, 8000});
   EXPECT_NE(noteOf({6000, 3, 100}).find("--unit 0.01 makes it 60 x 0.03 x 1 m"), std::string::npos) << noteOf({6000, 3, 100});
-}
-
-// In centimetres its rooms would be as high as a nave.
-TEST(SceneSize, SuggestsTheUnitWithRoomsOfUsualHeight) {
+  EXPECT_EQ(noteOf({0.2f, 0.1f, 0.3f}),
+            "at 1 m a unit it is 0.2 x 0.1 x 0.3 m, a size that few levels have; --unit 100 makes it 20 x 10 x 30 m");
+  // in centimetres its rooms would be as high as a nave
   Scene house = loadScene("house:3").scene;
   for (glm::vec3& position : house.positions) position *= 1000.0f;
   EXPECT_NE(sizeNote(house, "house.glb", 1.0).find("in millimetres, --unit 0.001"), std::string::npos)
       << sizeNote(house, "house.glb", 1.0);
-}
-
-TEST(SceneSize, SuggestsTheUnitOfWhatIsTooSmall) {
-  EXPECT_EQ(noteOf({0.2f, 0.1f, 0.3f}),
-            "at 1 m a unit it is 0.2 x 0.1 x 0.3 m, a size that few levels have; --unit 100 makes it 20 x 10 x 30 m");
 }
 
 TEST(SceneSize, RefusesWhatIsNoLevel) {

@@ -212,7 +212,7 @@ TEST(ProbePlacement, HasProbesOnBothSidesOfAFlatSheet) {
   }
 }
 
-TEST(ProbePlacement, OfAnEmptySceneIsEmptyUnlessAnExtentIsGiven) {
+TEST(ProbePlacement, TakesScenesOfAnySizeAndPlaceAndEmptyOnesWithAnExtent) {
   EXPECT_EQ(placeProbes(Scene{}, {}, 1).probeCount(), 0u);
   ProbePlacementOptions options;
   options.extent = ExtentBox{glm::dvec3(0), glm::dvec3(1)};
@@ -220,10 +220,6 @@ TEST(ProbePlacement, OfAnEmptySceneIsEmptyUnlessAnExtentIsGiven) {
   ProbesAround around;
   ASSERT_TRUE(tree.lookUp({0.5, 0.5, 0.5}, &around));
   EXPECT_EQ(around.cell.side, kRootSide);
-}
-
-TEST(ProbePlacement, TakesScenesOfAnySizeAndPlace) {
-  ProbesAround around;
   const ProbeTree small = placeProbes(boxScene(glm::vec3(-5e-4f), glm::vec3(5e-4f)), {}, 1);
   EXPECT_TRUE(small.lookUp({0, 0, 0}, &around));
   EXPECT_LE(small.probeCount(), 125u);
@@ -239,7 +235,6 @@ TEST(ProbePlacement, TakesScenesOfAnySizeAndPlace) {
   const ProbeTree here = placeProbes(scene, {}, 1);
   scene.origin_m = {1e5, -1e5, 1e5};
   EXPECT_EQ(placeProbes(scene, {}, 1).frame().first_m, here.frame().first_m);
-  ProbePlacementOptions options;
   options.extent = ExtentBox{scene.origin_m - 2.0, scene.origin_m + 2.0};
   const ProbeTree there = placeProbes(scene, options, 1);
   EXPECT_EQ(there.frame().first_m, here.frame().first_m);

@@ -98,15 +98,6 @@ TEST(ImageDecode, JpegsOfOneScanAndOfManyAreTheSameColour) {
   }
 }
 
-TEST(ImageDecode, TargasStandAsTheirHeadersSay) {
-  // two rows of one grey pixel each, from the bottom and from the top
-  std::string upwards = targa(3, 1, 2, 8, "\x0a\x14"), downwards = upwards;
-  downwards[17] = 0x20;
-  EXPECT_EQ(decoded(upwards).pixels[0], 0x14);
-  EXPECT_EQ(decoded(downwards).pixels[0], 0x0a);
-  EXPECT_EQ(pixelsOf(decoded(targa(10, 2, 1, 32, "\x81\x01\x02\x03\x04"))), pixels(2, "\x03\x02\x01\x04"));
-}
-
 // Two entries, the first of which is number 1: red and half green; of 2 x 2 pixels.
 std::string mappedTarga(int kind, const std::string& pixels) {
   std::string bytes = targa(kind, 2, 2, 8, std::string("note\0\0\xff\xff\0\x80\0\x80", 12) + pixels);
@@ -129,6 +120,12 @@ TEST(ImageDecode, TargasOfEveryKind) {
   EXPECT_EQ(pixelsOf(decoded(targa(10, 2, 1, 16, std::string("\x81\x00\x7c", 3)))), red + red);
   EXPECT_EQ(pixelsOf(decoded(targa(3, 1, 1, 16, "\x30\x40"))), "\x30\x30\x30\x40");
   EXPECT_EQ(pixelsOf(decoded(targa(11, 2, 1, 8, "\x81\x30"))), pixels(2, "\x30\x30\x30\xff"));
+  EXPECT_EQ(pixelsOf(decoded(targa(10, 2, 1, 32, "\x81\x01\x02\x03\x04"))), pixels(2, "\x03\x02\x01\x04"));
+  // two rows of one grey pixel each, from the bottom and from the top
+  std::string upwards = targa(3, 1, 2, 8, "\x0a\x14"), downwards = upwards;
+  downwards[17] = 0x20;
+  EXPECT_EQ(decoded(upwards).pixels[0], 0x14);
+  EXPECT_EQ(decoded(downwards).pixels[0], 0x0a);
 }
 
 // Adobe's programs store ink upside down, whether plain or as YCCK; others as it is.
