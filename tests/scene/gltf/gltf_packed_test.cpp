@@ -13,6 +13,14 @@ void expectTheSquare(const Scene& scene, const std::string& what) {
   expectNear(normalOf(scene, 0), {0, 0, 1}, what + ": normal");
 }
 
+// Packed positions behind the indices of the square.
+void packVertices(const std::string& packed, const std::string& view, const std::string& members, Parts* parts) {
+  parts->bin = kSquare.substr(48) + packed;
+  parts->views = "[{" + view + R"(,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteOffset":12,"byteLength":)" +
+                 std::to_string(packed.size()) + R"(,"count":4,"mode":"ATTRIBUTES",)" + members +
+                 R"(}}},{"buffer":0,"byteLength":12}])";
+}
+
 TEST_F(GltfPacked, MeshoptIsReadFromTextAndBinary) {
   for (const char* mode : {"TRIANGLES", "INDICES"}) {
     const Parts parts = meshoptSquare(mode);
@@ -30,11 +38,7 @@ TEST_F(GltfPacked, MeshoptFiltersAreUndone) {
   const std::string vertices = bytesOf<uint32_t>({zero, zero, zero, one, zero, zero, one, one, zero, zero, one, zero});
   const std::string packed = packedVertices(vertices, 12);
   Parts parts;
-  parts.bin = std::string(kSquare.substr(48)) + packed;
-  parts.views =
-      R"([{"buffer":0,"byteLength":48,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteOffset":12,"byteLength":)" +
-      std::to_string(packed.size()) +
-      R"(,"byteStride":12,"count":4,"mode":"ATTRIBUTES","filter":"EXPONENTIAL"}}},{"buffer":0,"byteLength":12}])";
+  packVertices(packed, R"("buffer":0,"byteLength":48)", R"("byteStride":12,"filter":"EXPONENTIAL")", &parts);
   expectTheSquare(read(parts), "exponents");
 }
 
@@ -42,10 +46,7 @@ TEST_F(GltfPacked, MeshoptOfQuantizedPositionsIsRead) {
   Parts parts = meshoptSquare();
   const std::string vertices = bytesOf<uint16_t>({0, 0, 0, 0, 65535, 0, 0, 0, 65535, 65535, 0, 0, 0, 65535, 0, 0});
   const std::string packed = packedVertices(vertices, 8);
-  parts.bin = kSquare.substr(48) + packed;
-  parts.views =
-      R"([{"buffer":1,"byteStride":8,"byteLength":32,"extensions":{"EXT_meshopt_compression":{"buffer":0,"byteOffset":12,"byteLength":)" +
-      std::to_string(packed.size()) + R"(,"byteStride":8,"count":4,"mode":"ATTRIBUTES"}}},{"buffer":0,"byteLength":12}])";
+  packVertices(packed, R"("buffer":1,"byteStride":8,"byteLength":32)", R"("byteStride":8)", &parts);
   parts.accessors = replaced(parts.accessors, "5126", R"(5123,"normalized":true)");
   parts.more = R"(,"extensionsRequired":["KHR_mesh_quantization","EXT_meshopt_compression"],)"
                R"("extensionsUsed":["KHR_mesh_quantization","EXT_meshopt_compression"])";

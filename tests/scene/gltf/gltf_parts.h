@@ -47,6 +47,15 @@ inline std::string replaced(std::string text, const std::string& from, const std
 // A unit square in the plane z = 0, front towards +z: four positions, then the indices 0 1 2 0 2 3 as 16 bits.
 inline const std::string kSquare = bytesOf<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) + bytesOf<uint16_t>({0, 1, 2, 0, 2, 3});
 
+// A .glb of these two chunks.
+inline std::string glbOf(std::string json, std::string payload) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  payload.resize((payload.size() + 3) / 4 * 4, '\0');
+  const auto word = [](size_t value) { return bytesOf<uint32_t>({static_cast<uint32_t>(value)}); };
+  return "glTF" + word(2) + word(28 + json.size() + payload.size()) + word(json.size()) + "JSON" + json + word(payload.size()) +
+         std::string("BIN\0", 4) + payload;
+}
+
 // The parts of a file with one mesh; tests replace one of them.
 struct Parts {
   std::string bin = kSquare;
@@ -77,15 +86,7 @@ struct Parts {
            primitives + R"(}],"nodes":)" + nodes + R"(,"scenes":)" + scenes + more + "}";
   }
   std::string text() const { return json("data:application/octet-stream;base64," + base64(bin)); }
-  std::string binary() const {
-    std::string chunk = json("");
-    chunk.resize((chunk.size() + 3) / 4 * 4, ' ');
-    std::string payload = bin;
-    payload.resize((payload.size() + 3) / 4 * 4, '\0');
-    const auto word = [](size_t value) { return bytesOf<uint32_t>({static_cast<uint32_t>(value)}); };
-    return "glTF" + word(2) + word(28 + chunk.size() + payload.size()) + word(chunk.size()) + "JSON" + chunk +
-           word(payload.size()) + std::string("BIN\0", 4) + payload;
-  }
+  std::string binary() const { return glbOf(json(""), bin); }
 };
 
 class GltfFiles : public testing::Test {

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-
 #include "scene/model/surface_look.h"
 #include "tests/scene/gltf/gltf_packed_parts.h"
 #include "tests/scene/gltf/gltf_parts.h"
@@ -154,15 +153,13 @@ TEST_F(GltfTextures, PlacesThatAreMissingAreTheCornerAndNoted) {
   EXPECT_TRUE(hasNote(read, "1 primitives have an image, and not all of their places"));
 }
 
-struct UnreadCase {
-  const char* name;
-  std::string from, to;  // in the root's members
-  std::string note;
-};
-
 TEST_F(GltfTextures, WhatCannotBeReadIsGreyAndDarkAndNoted) {
   const std::string image = R"({"bufferView":4,"mimeType":"image/png","name":"picture"})";
-  const std::vector<UnreadCase> cases = {
+  const struct {
+    const char* name;
+    std::string from, to;  // in the root's members
+    std::string note;
+  } cases[] = {
       {"no image", "", "", "\"picture\", which is of no kind that is read"},
       {"missing", image, R"({"uri":"missing.png"})", "\"missing.png\", which is not there"},
       {"elsewhere", image, R"({"uri":"../secret.png"})", "\"../secret.png\", which lies outside of the scene's folder"},
@@ -175,7 +172,7 @@ TEST_F(GltfTextures, WhatCannotBeReadIsGreyAndDarkAndNoted) {
   write("secret.bin", "");
   std::ofstream(folder_ / "secret.png") << "secret";
   fs::create_symlink(folder_ / "secret.png", folder_ / "level/link.png");
-  for (const UnreadCase& one : cases) {
+  for (const auto& one : cases) {
     SCOPED_TRACE(one.name);
     Parts parts = texturedSquare(R"({"emissiveFactor":[1,1,1],"emissiveTexture":{"index":0},)"
                                  R"("pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0,1],"baseColorTexture":{"index":0}}})",
@@ -214,14 +211,6 @@ TEST_F(GltfTextures, VertexColoursTimesBaseColour) {
 
 // --- alpha
 
-struct TransmissiveCase {
-  const char* name;
-  std::string material;
-  std::string rgba;  // of an image of four columns
-  Transmissive transmissive;
-  double stops;  // the share of light
-};
-
 TEST_F(GltfTextures, AlphaAndTransmissionMakeTransmissiveSurfaces) {
   // opacities of 64, 127, 128 and 255
   const std::string white("\xff\xff\xff", 3);
@@ -234,7 +223,12 @@ TEST_F(GltfTextures, AlphaAndTransmissionMakeTransmissiveSurfaces) {
     return R"("extensions":{"KHR_materials_transmission":{)" + members + "}}";
   };
   const std::string twice_as_strict = R"("pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.5],"baseColorTexture":{"index":0}})";
-  const std::vector<TransmissiveCase> cases = {
+  const struct {
+    const char* name;
+    std::string material, rgba;  // of an image of four columns
+    Transmissive transmissive;
+    double stops;  // the share of light
+  } cases[] = {
       {"opaque", "{" + textured + "}", rgba, Transmissive::none, 1.0},
       {"cut", R"({"alphaMode":"MASK",)" + textured + "}", rgba, Transmissive::dense, 0.5},
       {"cut high", R"({"alphaMode":"MASK","alphaCutoff":0.9,)" + textured + "}", rgba, Transmissive::thin, 0.25},
@@ -250,7 +244,7 @@ TEST_F(GltfTextures, AlphaAndTransmissionMakeTransmissiveSurfaces) {
       {"glass in part", "{" + transmission(R"("transmissionFactor":0.9,"transmissionTexture":{"index":0})") + "}",
        pixels(2, std::string("\0\0\0\xff", 4)) + pixels(2, "\xff\xff\xff\xff"), Transmissive::dense, 0.55},
       {"no glass", "{" + transmission(R"("transmissionFactor":0)") + "}", rgba, Transmissive::none, 1.0}};
-  for (const TransmissiveCase& one : cases) {
+  for (const auto& one : cases) {
     SCOPED_TRACE(one.name);
     const GltfLevel read = level(texturedSquare(one.material, png(4, 1, one.rgba)));
     const Material& material = read.scene.materials.at(0);

@@ -328,18 +328,21 @@ TEST_F(ObjReader, VerticesHaveColours) {
   const Scene scene = read("mtllib looks.mtl\n" + corners + "f 1 2 3\nf 4 5 6\nusemtl lamp\nf 1 2 3\nf 4 5 6\n").scene;
   const glm::vec3 expected[] = {{0.6f, 0.05f, 0.2f}, glm::vec3(0.5f), {0.6f, 0.025f, 0.2f}, {1.0f, 0.5f, 1.0f}};
   for (uint32_t t = 0; t < 4; ++t) EXPECT_LT(glm::length(baseColourAt(scene, t, 0.3f, 0.3f) - expected[t]), 1e-6f) << t;
-  const ObjLevel bytes = read("v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\nf 1 2 3\n");
-  EXPECT_LT(glm::length(baseColourAt(bytes.scene, 0, 0.3f, 0.3f) - glm::vec3(1.0f, 0.2f, 0.0f)), 1e-6f);
-  EXPECT_EQ(bytes.notes.at(0), "colours of vertices: taken as of 0 to 255");
-  // one number too large, or below 0, is no sign of codes
-  const ObjLevel one = read("v 0 0 0 .5 .2 0\nv 1 0 0 .5 .2 0\nv 0 1 0 300 .2 -7\nf 1 2 3\n");
-  EXPECT_LT(glm::length(baseColourAt(one.scene, 0, 0.0f, 0.0f) - glm::vec3(0.5f, 0.2f, 0.0f)), 1e-6f);
-  EXPECT_EQ(one.notes.at(0), "colours of vertices: 2 numbers outside of 0 to 1 are cut");
-  const ObjLevel cut = read("v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 300 51 -7\nf 1 2 3\n");
-  EXPECT_LT(glm::length(baseColourAt(cut.scene, 0, 0.3f, 0.3f) - glm::vec3(1.0f, 0.2f, 0.0f)), 1e-6f);
-  EXPECT_EQ(cut.notes.at(1), "colours of vertices: 2 numbers outside of 0 to 255 are cut");
-  const ObjLevel shorts = read("v 0 0 0 65535 13107 0\nv 1 0 0 65535 13107 0\nv 0 1 0 65535 13107 0\nf 1 2 3\n");
-  EXPECT_LT(glm::length(baseColourAt(shorts.scene, 0, 0.3f, 0.3f) - glm::vec3(1.0f, 0.2f, 0.0f)), 1e-6f);
+  const struct {
+    const char *first, *last;  // colours of two vertices, and of the third
+    glm::vec3 colour;          // of the first
+    std::vector<std::string> notes;
+  } cases[] = {{"255 51 0", "255 51 0", {1.0f, 0.2f, 0.0f}, {"taken as of 0 to 255"}},
+               // one number too large, or below 0, is no sign of codes
+               {".5 .2 0", "300 .2 -7", {0.5f, 0.2f, 0.0f}, {"2 numbers outside of 0 to 1 are cut"}},
+               {"255 51 0", "300 51 -7", {1.0f, 0.2f, 0.0f}, {"taken as of 0 to 255", "2 numbers outside of 0 to 255 are cut"}},
+               {"65535 13107 0", "65535 13107 0", {1.0f, 0.2f, 0.0f}, {"taken as of 0 to 65535"}}};
+  for (const auto& one : cases) {
+    const std::string first = one.first;
+    const ObjLevel level = read("v 0 0 0 " + first + "\nv 1 0 0 " + first + "\nv 0 1 0 " + one.last + "\nf 1 2 3\n");
+    EXPECT_LT(glm::length(baseColourAt(level.scene, 0, 0.0f, 0.0f) - one.colour), 1e-6f) << first;
+    for (size_t i = 0; i < one.notes.size(); ++i) EXPECT_EQ(level.notes.at(i), "colours of vertices: " + one.notes[i]);
+  }
 }
 
 TEST_F(ObjReader, ReadsColoursAndImagesInAllTheirForms) {
