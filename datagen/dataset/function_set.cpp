@@ -98,8 +98,8 @@ KnownFunctionSearch::KnownFunctionSearch(const DuplicateRule& rule, const Functi
   for (uint64_t id = 0; id < count * kImages; ++id) index_.add(image(id));
 }
 
-// The held-out functions are the indexed ones, since they are the fewer: id = 8 function + mirror. Whole octants change places in a
-// mirror image; it is good until the next call.
+// The held-out functions are the indexed ones, since they are the fewer: id = 8 function + mirror. Whole octants change places in
+// a mirror image; it is good until the next call.
 StoredFunction KnownFunctionSearch::image(uint64_t id) {
   const StoredFunction function = functionAt(held_out_, id / kImages);
   const size_t mirror = id % kImages, point_count = static_cast<size_t>(held_out_.point_count);

@@ -59,7 +59,7 @@ inline constexpr const char* kCountOutside = "count_outside";
 
 // The counts of a shard, listed once, as function_rows.h lists its arrays.
 //
-// Calls visit(attribute name, field of each of the counts) for every count, so that writing and reading cannot list different ones.
+// Calls visit(attribute name, field of each of the counts) for every count: writing and reading cannot list different ones.
 template <class Visit, class... Counts>
 void forEachCount(const Visit& visit, Counts&... counts) {
   visit("count_grid_probes", counts.grid_probes...);

@@ -157,7 +157,7 @@ class Piece {
 
   glm::dmat3 rotation(std::string_view words) const {
     constexpr size_t kNumbers = 9;
-    glm::dmat3 rows;
+    glm::dmat3 rows(0.0);
     size_t count = 0;
     for (size_t at = words.find_first_not_of(kBlank); at != std::string_view::npos; ++count) {
       const size_t end = std::min(words.find_first_of(kBlank, at), words.size());

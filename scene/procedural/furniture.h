@@ -7,7 +7,7 @@
 
 namespace nlg {
 
-// The placement is the middle of the foot, local +z the front. size_m: along x, y and z; beds and sofas have heights of their own.
+// The placement is the middle of the foot, local +z the front. size_m: along x, y and z; beds and sofas have their own heights.
 void addTable(Level& level, const Placement& placement, const glm::dvec3& size_m);
 void addBed(Level& level, const Placement& placement, const glm::dvec3& size_m);
 void addSofa(Level& level, const Placement& placement, const glm::dvec3& size_m);

@@ -14,8 +14,8 @@ constexpr size_t kMaxShaders = size_t{1} << 16;
 constexpr size_t kMaxTextures = 8;
 constexpr size_t kMaxSuns = 8;
 
-// What a surfaceparm of a script sets, which is what the game's compiler stores, and why such faces are no geometry: of a face with
-// several of these flags the first line says.
+// What a surfaceparm of a script sets, which is what the game's compiler stores, and why such faces are no geometry: of a face
+// with several of these flags the first line says.
 struct SurfaceParm {
   std::string_view name;
   uint32_t surface_flags, content_flags;

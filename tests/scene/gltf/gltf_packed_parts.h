@@ -55,7 +55,7 @@ inline Parts meshoptSquare(const std::string& index_mode = "TRIANGLES") {
 
 // The square in a Draco stream; POSITION is attribute 0.
 //
-// has_looks   each corner has its x and y as its place on images, attribute 1, and as the red and green of its colour, attribute 2
+// has_looks   each corner has its x and y as its place on images, attribute 1, and as red and green of its colour, attribute 2
 inline std::string dracoSquare(draco::MeshEncoderMethod method, bool has_metadata = false, bool has_looks = false) {
   constexpr std::array<std::array<float, 3>, 4> kCorners = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
   constexpr uint32_t kFaces[2][3] = {{0, 1, 2}, {0, 2, 3}};
