@@ -2,7 +2,7 @@
 //
 // The eight probes of a cell sample it at the same 1024 points: the pattern's first octant, seen from the cell's low corner
 // (nlg/support.h). Continued from cell to cell they are one periodic pattern. A link joins a point and one of its 32 nearest, over borders
-// of cells, too; what lies between two points is asked once, whichever probes read it.
+// of cells, too; what lies between two points is asked once, whichever probes read it. Test points have links of their own.
 #pragma once
 
 #include <array>
@@ -73,5 +73,27 @@ const CellLinks& cellLinks();
 
 // Where a cell's point lies, in spacings from the cell's low corner: exact.
 const LocalPoint& cellPoint(size_t point);
+
+// --- further points of a support, which read from its support points and from which none of them reads: test points
+
+inline constexpr int kMaxTestPointCount = 65536 - kSupportPointCount;
+
+// The 32 support points nearest to any place, nearest first: the links that a further point there has.
+struct NearestPoints {
+  std::array<uint32_t, kLinkCount> point;
+  std::array<float, kLinkCount> distance;  // local units
+};
+NearestPoints nearestSupportPoints(const LocalPoint& place);
+
+struct TestLinks {
+  std::vector<LocalPoint> points;  // U, local coordinates
+  std::vector<NearestPoints> nearest;
+  PointPackets point_packets;  // none without points, and …
+  LinkPackets link_packets;
+  std::vector<uint32_t> place;  // U x 32: of each link in link_packets
+};
+
+// points   at most kMaxTestPointCount
+TestLinks makeTestLinks(const std::vector<LocalPoint>& points);
 
 }  // namespace nlg

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "datagen/visibility/cell_links.h"
 #include "datagen/visibility/probe_lattice.h"
-#include "datagen/visibility/test_links.h"
 #include "tool/command/options.h"
 
 namespace nlg {
