@@ -65,7 +65,7 @@ void drawFrame(Image& image, int x, int y, int width, int height, Colour colour)
 // width_px   of the stroke; ends are round: a line without length is a disc
 void drawLine(Image& image, const glm::dvec2& a, const glm::dvec2& b, double width_px, Colour colour);
 
-// UTF-8 text in the font of image.h; (x, y) is its upper left corner.
+// UTF-8 text in the font above; (x, y) is its upper left corner.
 // scale   >= 1; enlarges by whole pixels, and above 1 thickens the strokes by one pixel
 void drawText(Image& image, int x, int y, const std::string& text, Colour colour, int scale = 1);
 int textWidth(const std::string& text, int scale = 1);

@@ -11,7 +11,6 @@
 
 namespace nlg {
 
-// A room that is being furnished: its floor, its openings, and what of it is taken.
 // clang-format off
 enum class HomeUse {
   living, dining, kitchen, bedroom, child, bath, toilet, study, hall, store, attic,
@@ -35,6 +34,7 @@ struct RoomOpening {
   double low = 0.0, high = 0.0;
 };
 
+// A room that is being furnished: its floor, its openings, and what of it is taken.
 struct HomeRoom {
   HomeUse use = HomeUse::living;
   Rect floor;  // between the walls' faces
