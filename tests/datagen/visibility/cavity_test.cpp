@@ -67,7 +67,9 @@ TEST(Cavity, IsADuctUntilOneEndIsOpen) {
   std::rotate(sides.begin(), sides.begin() + 2, sides.end());
   Scene duct = sheets();
   for (size_t side = 0; side < 6; ++side) {
-    if (side == 5) EXPECT_LE(inCavity(duct, glm::dvec3(0), {4, 0.3, 0.3}), kFew);
+    if (side == 5) {
+      EXPECT_LE(inCavity(duct, glm::dvec3(0), {4, 0.3, 0.3}), kFew);
+    }
     const auto& [a, b, c, d] = sides[side];
     addQuad(duct, a, b - a, d - a);
   }

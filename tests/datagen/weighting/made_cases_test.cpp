@@ -172,7 +172,7 @@ TEST(MadeCases, ALampShadeTakesNoAirAroundIt) {
     const auto z = static_cast<float>(-side / 2), Z = static_cast<float>(side / 2);
     const float low = -0.17f, high = 0.13f;
     const auto sides = boxSides({x, low, z}, {X, high, Z});
-    for (const size_t side : {0, 1, 4, 5}) faces.addQuad(sides[side][0], sides[side][1], sides[side][2], sides[side][3]);
+    for (const size_t i : {0, 1, 4, 5}) faces.addQuad(sides[i][0], sides[i][1], sides[i][2], sides[i][3]);
     const Scene scene = faces.finish();
     const RayScene rays(scene);
     const GeneratedFunction function = functionAtOrigin(scene);
