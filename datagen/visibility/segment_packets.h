@@ -1,4 +1,4 @@
-// Segments and points that never change from probe to probe, packed as the segment tests read them, and the tree over their packets.
+// Segments and points that never change from probe to probe, packed as the segment tests read them, and the trees over packets.
 #pragma once
 
 #include <array>
