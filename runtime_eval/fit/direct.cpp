@@ -14,37 +14,29 @@ int directAdamSteps(const Representation& representation, const DirectOptions& o
   return static_cast<int>(points / std::min(pointOrder(representation).minibatch_places, kSupportPointCount));
 }
 
-DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
-                       const DirectOptions& options, NormalEquationsKernel* kernel) {
+FitResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
+                    const DirectOptions& options, NormalEquationsKernel* kernel) {
   // every start is polished by a long LM, so that "direct" stands for a minimum and not for Adam's budget
   const LevenbergMarquardtOptions polish = longLevenbergMarquardt(representation, options.levenberg_iterations);
   const int adam_steps = directAdamSteps(representation, options);
-  DirectResult result;
+  FitResult best = fitLevenbergMarquardt(representation, function, theta0, polish, kernel);
   const auto consider = [&](const FitResult& candidate) {
     // also when the best so far is not finite, which a theta0 of NaN would make it
-    if (candidate.rmse < result.best.rmse || !std::isfinite(result.best.rmse)) result.best = candidate;
+    if (candidate.rmse < best.rmse || !std::isfinite(best.rmse)) best = candidate;
   };
   const auto polished = [&](const FitResult& fit) {
     return fitLevenbergMarquardt(representation, function, fit.theta, polish, kernel);
   };
-  result.levenberg_from_theta0 = fitLevenbergMarquardt(representation, function, theta0, polish, kernel);
-  result.adam_from_theta0 = fitAdam(representation, function, theta0, refinementAdam(representation, adam_steps));
-  result.best = result.levenberg_from_theta0;
-  consider(polished(result.adam_from_theta0));
+  consider(polished(fitAdam(representation, function, theta0, refinementAdam(representation, adam_steps))));
   // a converged coarse field continues on more nodes from the error it had reached (docs/theory/representations.md §8)
   if (representation.isField()) consider(fitNested(representation, function, options.levenberg_iterations, kernel));
-  // the best after each restart shows whether more of them would still gain
-  result.best_by_restarts.push_back(result.best.rmse);
   for (int restart = 0; restart < options.restarts; ++restart) {
     // Adam finds a basin, LM its bottom; for codes LM from the start itself is tried as well
     const Theta start = randomTheta(representation, mixSeed(options.seed, restart));
-    const FitResult fit = fitAdam(representation, function, start, randomStartAdam(representation, adam_steps));
-    if (restart == 0) result.adam_from_random = fit;
-    consider(polished(fit));
+    consider(polished(fitAdam(representation, function, start, randomStartAdam(representation, adam_steps))));
     if (representation.isCode()) consider(fitLevenbergMarquardt(representation, function, start, polish, kernel));
-    result.best_by_restarts.push_back(result.best.rmse);
   }
-  return result;
+  return best;
 }
 
 namespace {

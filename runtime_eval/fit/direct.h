@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "runtime_eval/fit/adam.h"
 #include "runtime_eval/fit/levenberg_marquardt.h"
@@ -16,22 +15,13 @@ struct DirectOptions {
   uint64_t seed = 1;
 };
 
-// The candidates that direct optimisation chose from, each named; best is the lowest.
-struct DirectResult {
-  FitResult best;
-  FitResult adam_from_theta0;  // long Adam alone
-  FitResult levenberg_from_theta0;
-  FitResult adam_from_random;            // the first random start, Adam alone: what a fixed budget from scratch reaches
-  std::vector<double> best_by_restarts;  // RMSE of the best before any random start, after the first, … after the last
-};
-
 // Adam's steps of every start: a field's step reads all points, so that it takes fewer of them for the same work.
 int directAdamSteps(const Representation& representation, const DirectOptions& options);
 
 // Best of: Adam from theta0, then LM; LM from theta0; Adam from each random start, then LM; for product fields also fitNested, for codes LM
 // from each random start. LM is longLevenbergMarquardt.
-DirectResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
-                       const DirectOptions& options, NormalEquationsKernel* kernel);
+FitResult fitDirect(const Representation& representation, const WeightingFunction& function, const Theta& theta0,
+                    const DirectOptions& options, NormalEquationsKernel* kernel);
 
 // A product field from coarse to fine: LM on 3³ nodes from the tent, then on grids that hold the nodes of the one before (3, 5, 9
 // or 3, 7), each from the field that stands. Ends far lower than a fit of all nodes at once.

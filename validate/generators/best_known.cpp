@@ -36,7 +36,7 @@ std::array<FitResult, kLongFitCount> fitLong(const Generator& generator, const W
   const Representation& representation = generator.representation();
   const Theta theta0(generator.theta0(), generator.theta0() + representation.thetaCount());
   const LevenbergMarquardtOptions polish = longLevenbergMarquardt(representation, options.levenberg_iterations);
-  const FitResult direct = timedFit([&] { return fitDirect(representation, function, theta0, options, kernel).best; });
+  const FitResult direct = timedFit([&] { return fitDirect(representation, function, theta0, options, kernel); });
   // from the generator's theta, by both optimisers: a direct fit may miss the minimum beside it
   const auto adamPolicy = [&] {
     const FitResult adam =
