@@ -46,14 +46,8 @@ struct ProbeWeights {
 //              weight: in solid, and at few points in air
 bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights);
 
-// Computes the weights of bare tents instead of functions, for all probes but those of kNoWeight. They leak through walls: for
-// callers that need light where lookUpWeights gives a count of 0.
-// returns   as lookUpWeights; the count is 0 if all probes around are without weight, or the position is at one of these
-bool lookUpTents(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights);
-
-// The same two, for probes that ProbeTree::lookUp has found.
+// The same, for probes that ProbeTree::lookUp has found.
 void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights);
-void tentsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights);
 
 // Scales weights to sum to the certainty. They are then the shares of the blend.
 // returns   false, with *weights unchanged, if the count is 0

@@ -125,17 +125,6 @@ int lowNode(int resolution, const NodePlace& place) {
   return place.node[0] + resolution * (place.node[1] + resolution * place.node[2]);
 }
 
-// sigmoid(L) in the cell whose low corner is `low`.
-template <class Node>
-float sigmoidOf(const NodePlace& place, float step, const Node* low, int to_y, int to_z) {
-  const auto between = [](float near, float far, float share) { return near + share * (far - near); };
-  const auto row = [&](int offset) {
-    return between(static_cast<float>(low[offset]), static_cast<float>(low[offset + 1]), place.share[0]);
-  };
-  const float near = between(row(0), row(to_y), place.share[1]), far = between(row(to_z), row(to_z + to_y), place.share[1]);
-  return logistic(step * between(near, far, place.share[2]));
-}
-
 }  // namespace
 
 std::string whatIsWrong(const DictionaryData& data) {
@@ -219,17 +208,16 @@ float packBrick(const Dictionary& dictionary, const float* z, int8_t* brick) {
   return step;
 }
 
-float evaluateBrick(int resolution, const LocalPoint& point, float step, const int8_t* brick) {
-  const NodePlace place = placeAmongNodes(resolution, point);
-  return sigmoidOf(place, step, brick + lowNode(resolution, place), resolution, resolution * resolution);
-}
-
 float evaluateCode(const Dictionary& dictionary, const LocalPoint& point, const float* z) {
   alignas(64) float logits[kMaxBrickStride];
   roundedLogits(dictionary, z, logits);
   const int r = dictionary.resolution();
   const NodePlace place = placeAmongNodes(r, point);
-  return sigmoidOf(place, 1.0f, logits + lowNode(r, place), r, r * r);
+  const float* low = logits + lowNode(r, place);
+  const auto between = [](float near, float far, float share) { return near + share * (far - near); };
+  const auto row = [&](int offset) { return between(low[offset], low[offset + 1], place.share[0]); };
+  const float near = between(row(0), row(r), place.share[1]), far = between(row(r * r), row(r * (r + 1)), place.share[1]);
+  return logistic(between(near, far, place.share[2]));
 }
 
 double evaluateCodeReference(const Dictionary& dictionary, const LocalPoint& point, const double* z) {

@@ -114,11 +114,7 @@ void roundedLogits(const Dictionary& dictionary, const float* z, float* logits);
 // returns   the step
 float packBrick(const Dictionary& dictionary, const float* z, int8_t* brick);
 
-// sigmoid(L) at a point, which is limited to the cube.
-// brick   r³ steps
-float evaluateBrick(int resolution, const LocalPoint& point, float step, const int8_t* brick);
-
-// The same of a code whose brick is nowhere: made for this one point.
+// sigmoid(L) at a point, which is limited to the cube, of a code whose brick is nowhere: made for this one point.
 float evaluateCode(const Dictionary& dictionary, const LocalPoint& point, const float* z);
 
 // tent * sigmoid(L) in double, straight from the formulas: what the vector code is tested against.
@@ -150,7 +146,7 @@ inline constexpr size_t kMaxQuads = quadCount(kMaxBrickResolution);
 // quads   quadCount(resolution) words
 void packQuads(int resolution, const int8_t* brick, uint32_t* quads);
 
-// sigmoid(L) at a point, which is limited to the cube: what evaluateBrick says of the brick that was packed.
+// sigmoid(L) at a point, which is limited to the cube.
 float evaluateQuads(int resolution, const LocalPoint& point, float step, const uint32_t* quads);
 
 }  // namespace nlg

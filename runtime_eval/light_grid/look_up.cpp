@@ -5,18 +5,6 @@
 #include <algorithm>
 
 namespace nlg {
-namespace {
-
-// False where the weight counts as none.
-bool addWeight(uint32_t probe, float weight, ProbeWeights* weights) {
-  if (!(weight >= kLeastWeight)) return false;
-  weights->probe[weights->count] = probe;
-  weights->weight[weights->count++] = weight;
-  return true;
-}
-
-}  // namespace
-
 void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
   constexpr float kStretch = 1.0f / (1.0f - kResidue);
   static_assert((1.0f - kResidue) * kStretch == 1.0f, "bare tents would not keep all");
@@ -37,7 +25,9 @@ void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeigh
     // w = t ρ (v - r) / (1 - r) (docs/theory/probes.md)
     const float above = share - kResidue;
     const float weight = bare * corner.tent_ratio * (above * kStretch);
-    if (!addWeight(corner.probe, weight, weights)) continue;
+    if (!(weight >= kLeastWeight)) continue;
+    weights->probe[weights->count] = corner.probe;
+    weights->weight[weights->count++] = weight;
     sum += weight;
     believed += weight * above;
   }
@@ -45,26 +35,10 @@ void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeigh
   weights->certainty = sum > 0.0f ? std::min(1.0f, believed / (kResidue * sum)) : 0.0f;
 }
 
-void tentsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
-  weights->count = 0;
-  weights->certainty = 1.0f;
-  for (const ProbeAround& corner : around.corners) {
-    if (grid.probe_function[corner.probe] == kNoWeight) continue;
-    addWeight(corner.probe, tent(corner.local) * corner.tent_ratio, weights);
-  }
-}
-
 bool lookUpWeights(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights) {
   ProbesAround around;
   if (!grid.tree.lookUp(position_m, &around)) return false;
   weightsAround(grid, around, weights);
-  return true;
-}
-
-bool lookUpTents(const LightGrid& grid, const PositionM& position_m, ProbeWeights* weights) {
-  ProbesAround around;
-  if (!grid.tree.lookUp(position_m, &around)) return false;
-  tentsAround(grid, around, weights);
   return true;
 }
 

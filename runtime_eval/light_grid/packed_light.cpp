@@ -472,17 +472,16 @@ FileResult checkPacked(const PackedLight& packed, size_t probe_count) {
   return {};
 }
 
-// Unpacks the records of light that is checked, one after another: into kShFloats zeros each, which placeOf gives.
-template <class PlaceOf>
-void unpackRecords(const PackedLight& packed, size_t count, const PlaceOf& placeOf) {
+// Unpacks the records of light that is checked, of probes with weight alone, group after group: into zeros.
+void unpackRecords(const PackedLight& packed, const std::vector<uint32_t>& weighted, std::vector<std::vector<float>>* groups) {
   const std::vector<LightField> fields = lightFields(packed);
   const auto words = static_cast<size_t>(lightWords(packed));
   std::vector<Numbers> axes(packed.axes.size());
   for (size_t k = 0; k < axes.size(); ++k)
     std::transform(packed.axes[k].direction.begin(), packed.axes[k].direction.end(), axes[k].begin(),
                    [](uint16_t bits) { return floatFromHalf({bits}); });
-  for (size_t i = 0; i < (words > 0 ? count : 0); ++i) {
-    float* const light = placeOf(i);
+  for (size_t i = 0; i < (words > 0 ? weighted.size() * groups->size() : 0); ++i) {
+    float* const light = &(*groups)[i / weighted.size()][size_t{weighted[i % weighted.size()]} * kShFloats];
     const uint32_t* record = &packed.records[i * words];
     const uint32_t s = lightNumber(record, fields[0]);
     if (s == 0) continue;
@@ -535,18 +534,8 @@ LightPacking packLight(const std::vector<float>& light, double max_error, Packed
   return LightPacker(light, max_error).pack(packed);
 }
 
-FileResult unpackLight(const PackedLight& packed, size_t probe_count, std::vector<float>* light) {
-  light->clear();
-  FileResult result = checkPacked(packed, probe_count);
-  if (!result.ok()) return result;
-  light->resize(probe_count * kShFloats);
-  unpackRecords(packed, probe_count, [&](size_t probe) { return &(*light)[probe * kShFloats]; });
-  return {};
-}
-
 FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, size_t group_count,
                            std::vector<std::vector<float>>* light) {
-  // records are of probes with weight alone, group after group
   std::vector<uint32_t> weighted;
   for (uint32_t probe = 0; probe < probe_function.size(); ++probe) {
     if (probe_function[probe] != kNoWeight) weighted.push_back(probe);
@@ -556,9 +545,7 @@ FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t
   if (!result.ok()) return result;
   light->resize(group_count);
   for (std::vector<float>& of_group : *light) of_group.resize(probe_function.size() * kShFloats);
-  unpackRecords(packed, weighted.size() * group_count, [&](size_t record) {
-    return &(*light)[record / weighted.size()][size_t{weighted[record % weighted.size()]} * kShFloats];
-  });
+  unpackRecords(packed, weighted, light);
   return {};
 }
 

@@ -59,10 +59,12 @@ struct LightPacking {
 // max_error  kLeastLightError … kMostLightError
 LightPacking packLight(const std::vector<float>& light, double max_error, PackedLight* packed);
 
-// What a file held, checked: sizes against probe_count, numbers finite and in range. The same floats on every machine.
+// What a file held, checked: sizes against the probes, numbers finite and in range. The same floats on every machine.
+// light     of each group, by probe: 0 without weight
 // returns   ok; tensor_unexpected (a size), value_not_finite or value_out_of_range, with one line that says where; *light is
 //           empty then
-FileResult unpackLight(const PackedLight& packed, size_t probe_count, std::vector<float>* light);
+FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, size_t group_count,
+                           std::vector<std::vector<float>>* light);
 
 inline constexpr float kMaxEngineLight = 32768.0f;  // of |light| that half floats of engines hold: irradiance over pi fits, too
 
@@ -70,7 +72,7 @@ inline constexpr float kMaxEngineLight = 32768.0f;  // of |light| that half floa
 double intensityThatFits(double largest);
 
 // Light, of each group and mixed by startingColours, becomes what packed_light holds of it.
-// returns   as unpackLight; or what checkLight says of it
+// returns   as unpackGridLight; or what checkLight says of it
 FileResult takePackedLight(LightGrid* grid);
 // Light becomes what a file holds of it: packed_light, with an error that packed_light.h speaks of, and 0 at probes without weight.
 LightPacking roundGridLight(double max_error, LightGrid* grid);
@@ -78,9 +80,5 @@ LightPacking roundGridLight(double max_error, LightGrid* grid);
 bool holdsPackedLight(const LightGrid& grid);
 // packed_light where the grid holds it, and light packed anew otherwise: what files and shaders take.
 PackedLight packedLightOf(const LightGrid& grid, double max_error);
-// As packed_light has it, of each group, by probe: 0 without weight.
-// returns   as unpackLight
-FileResult unpackGridLight(const PackedLight& packed, const std::vector<uint32_t>& probe_function, size_t group_count,
-                           std::vector<std::vector<float>>* light);
 
 }  // namespace nlg

@@ -94,10 +94,12 @@ TEST(Brick, GivesTheSameBitsAsItsCode) {
   for (const int resolution : kResolutions) {
     const Case made = makeCase(resolution, 32, 6);
     std::vector<int8_t> brick(static_cast<size_t>(made.dictionary->nodeCount()));
+    std::vector<uint32_t> quads(quadCount(resolution));
     const float step = packBrick(*made.dictionary, made.z.data(), brick.data());
+    packQuads(resolution, brick.data(), quads.data());
     for (const LocalPoint& point : testPoints(300)) {
       // a step is a power of two: whether it is a factor of the nodes or of their blend changes no bit
-      ASSERT_EQ(evaluateBrick(resolution, point, step, brick.data()), evaluateCode(*made.dictionary, point, made.z.data()));
+      ASSERT_EQ(evaluateQuads(resolution, point, step, quads.data()), evaluateCode(*made.dictionary, point, made.z.data()));
     }
   }
 }
@@ -164,11 +166,13 @@ TEST(Code, StaysBetween0AndTheTentWhateverTheCode) {
   const Theta z(16, 20.0f);
   for (const float bad : {NAN, INFINITY, -INFINITY}) {
     std::vector<int8_t> brick(9 * 9 * 9);
+    std::vector<uint32_t> quads(quadCount(9));
     const float step = packBrick(*dictionary, z.data(), brick.data());
+    packQuads(9, brick.data(), quads.data());
     for (int axis = 0; axis < 3; ++axis) {
       LocalPoint point = {0.1f, 0.2f, 0.3f};
       point[static_cast<size_t>(axis)] = bad;
-      const float value = evaluateBrick(9, point, step, brick.data());
+      const float value = evaluateQuads(9, point, step, quads.data());
       EXPECT_TRUE(std::isnan(bad) ? std::isnan(value) : value >= 0.0f && value <= 1.0f) << bad;
     }
   }

@@ -35,10 +35,10 @@ std::vector<float> lampLight(uint64_t seed) {
 }
 
 std::vector<float> unpacked(const PackedLight& packed, size_t probes = kProbes) {
-  std::vector<float> light;
-  const FileResult result = unpackLight(packed, probes, &light);
+  std::vector<std::vector<float>> light;
+  const FileResult result = unpackGridLight(packed, std::vector<uint32_t>(probes, kFreeSpace), 1, &light);
   EXPECT_TRUE(result.ok()) << result.detail;
-  return light;
+  return light.at(0);
 }
 
 // Of irradiance from everywhere, by sums over directions: what the header says of errors, in another way.
