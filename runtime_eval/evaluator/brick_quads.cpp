@@ -20,7 +20,7 @@ void packQuads(int resolution, const int8_t* brick, uint32_t* quads) {
 
 float evaluateQuads(int resolution, const LocalPoint& point, float step, const uint32_t* quads) {
   const int r = resolution;
-  const NodePlace place = placeAmongNodes(r, point);
+  const NodePlace<float> place = placeAmongNodes(r, point);
   const auto between = [](float near, float far, float at) { return near + at * (far - near); };
   const uint32_t* low = quads + place.node[0] + r * (place.node[1] + (r - 1) * place.node[2]);
   float along_x[4];

@@ -121,10 +121,6 @@ HWY_EXPORT(evaluatePointLogits);
 
 constexpr int kMostExponent = 24;  // of either sign
 
-int lowNode(int resolution, const NodePlace& place) {
-  return place.node[0] + resolution * (place.node[1] + resolution * place.node[2]);
-}
-
 }  // namespace
 
 std::string whatIsWrong(const DictionaryData& data) {
@@ -158,7 +154,6 @@ const Dictionary::FitTables& Dictionary::fitTables() const {
   std::call_once(made_, [&] {
     const PointOrder& order = cellOrder(resolution());
     const auto K = static_cast<size_t>(codeCount());
-    const int r = resolution();
     // docs/theory/representations.md §9: b(x) by place, the rows of fits; and the sum of tent² b b^T, their damping under kappa
     fit_tables_.at_places.assign(static_cast<size_t>(order.placeCount()) * K, 0.0f);
     fit_tables_.tent_squares.assign(K * K, 0.0f);
@@ -166,13 +161,10 @@ const Dictionary::FitTables& Dictionary::fitTables() const {
       // a place without a point only fills up a vector
       if (order.pattern_index[p] < 0) continue;
       float* values = &fit_tables_.at_places[static_cast<size_t>(p) * K];
-      const NodePlace place = placeAmongNodes(r, {order.points.x[p], order.points.y[p], order.points.z[p]});
-      for (int corner = 0; corner < 8; ++corner) {
-        float weight = 1.0f;
-        for (int axis = 0; axis < 3; ++axis) weight *= corner >> axis & 1 ? place.share[axis] : 1.0f - place.share[axis];
-        const int node = lowNode(r, place) + (corner & 1) + r * ((corner >> 1 & 1) + r * (corner >> 2));
+      const LocalPoint point = {order.points.x[p], order.points.y[p], order.points.z[p]};
+      forEachNode(placeAmongNodes(resolution(), point), resolution(), [&](int node, float weight) {
         for (size_t k = 0; k < K; ++k) values[k] += weight * rows_[k * node_stride_ + static_cast<size_t>(node)];
-      }
+      });
       const float tent_square = order.points.tent[p] * order.points.tent[p];
       for (size_t i = 0; i < K; ++i) {
         for (size_t k = 0; k < K; ++k) fit_tables_.tent_squares[i * K + k] += tent_square * values[i] * values[k];
@@ -212,23 +204,15 @@ float evaluateCode(const Dictionary& dictionary, const LocalPoint& point, const 
   alignas(64) float logits[kMaxBrickStride];
   roundedLogits(dictionary, z, logits);
   const int r = dictionary.resolution();
-  const NodePlace place = placeAmongNodes(r, point);
-  const float* low = logits + lowNode(r, place);
-  const auto between = [](float near, float far, float share) { return near + share * (far - near); };
-  const auto row = [&](int offset) { return between(low[offset], low[offset + 1], place.share[0]); };
-  const float near = between(row(0), row(r), place.share[1]), far = between(row(r * r), row(r * (r + 1)), place.share[1]);
-  return logistic(between(near, far, place.share[2]));
+  const auto [node, share] = placeAmongNodes(r, point);
+  const float* low = logits + node[0] + r * (node[1] + r * node[2]);
+  const auto between = [](float near, float far, float way) { return near + way * (far - near); };
+  const auto row = [&, along = share[0]](int offset) { return between(low[offset], low[offset + 1], along); };
+  const float near = between(row(0), row(r), share[1]), far = between(row(r * r), row(r * (r + 1)), share[1]);
+  return logistic(between(near, far, share[2]));
 }
 
 double evaluateCodeReference(const Dictionary& dictionary, const LocalPoint& point, const double* z) {
-  const int r = dictionary.resolution();
-  int node[3];
-  double share[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const double position = std::clamp((static_cast<double>(point[axis]) + 1.0) * 0.5, 0.0, 1.0) * (r - 1);
-    node[axis] = std::min(static_cast<int>(position), r - 2);
-    share[axis] = position - node[axis];
-  }
   // unrounded logits of all nodes: the largest decides the step of all
   std::vector<double> logits;
   double largest = 0.0, logit = 0.0;
@@ -241,16 +225,8 @@ double evaluateCodeReference(const Dictionary& dictionary, const LocalPoint& poi
   // the least power of two whose 127 steps hold the largest logit (docs/theory/representations.md §9)
   double step = std::ldexp(1.0, kLeastStepExponent);
   while (largest > kMostLogitSteps * step) step *= 2.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1.0;
-    int index = 0;
-    for (int axis = 2; axis >= 0; --axis) {
-      const int high = corner >> axis & 1;
-      weight *= high ? share[axis] : 1.0 - share[axis];
-      index = index * r + node[axis] + high;
-    }
-    logit += weight * step * std::nearbyint(logits[index] / step);
-  }
+  forEachNode(placeAmongNodes<double>(dictionary.resolution(), point), dictionary.resolution(),
+              [&](int node, double weight) { logit += weight * step * std::nearbyint(logits[node] / step); });
   return tent(point) * logistic(logit);
 }
 

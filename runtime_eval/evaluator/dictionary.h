@@ -24,20 +24,37 @@
 namespace nlg {
 
 // The cell of r³ nodes over [-1, 1]³, of a product field or a brick, that holds a point, and the point's share of the way through it.
+template <class Real>
 struct NodePlace {
   int node[3];  // at the cell's low corner, 0 … r - 2
-  float share[3];
+  Real share[3];
 };
 
 // The point is limited to the cube; what is no number lies in the first cell.
-inline NodePlace placeAmongNodes(int resolution, const LocalPoint& point) {
-  NodePlace place;
+template <class Real = float>
+NodePlace<Real> placeAmongNodes(int resolution, const LocalPoint& point) {
+  NodePlace<Real> place;
   for (int axis = 0; axis < 3; ++axis) {
-    const float position = std::clamp((point[axis] + 1.0f) * 0.5f, 0.0f, 1.0f) * static_cast<float>(resolution - 1);
-    place.node[axis] = position > 0.0f ? std::min(static_cast<int>(position), resolution - 2) : 0;
-    place.share[axis] = position - static_cast<float>(place.node[axis]);
+    const Real position = std::clamp((Real{point[axis]} + 1) * Real{0.5f}, Real{0}, Real{1}) * static_cast<Real>(resolution - 1);
+    place.node[axis] = position > 0 ? std::min(static_cast<int>(position), resolution - 2) : 0;
+    place.share[axis] = position - static_cast<Real>(place.node[axis]);
   }
   return place;
+}
+
+// Calls visit(node, weight) for the eight nodes of the cell, x fastest, with their trilinear weights.
+template <class Real, class Visit>
+void forEachNode(const NodePlace<Real>& place, int resolution, const Visit& visit) {
+  for (int corner = 0; corner < 8; ++corner) {
+    Real weight = 1;
+    int node = 0, stride = 1;
+    for (int axis = 0; axis < 3; ++axis, stride *= resolution) {
+      const int high = corner >> axis & 1;
+      weight *= high ? place.share[axis] : 1 - place.share[axis];
+      node += (place.node[axis] + high) * stride;
+    }
+    visit(node, weight);
+  }
 }
 
 inline constexpr int kMaxCodeCount = 128;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime_eval/evaluator/dictionary.h"
 #include "runtime_eval/numbers/logistic.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -123,25 +124,11 @@ void resampleField(int from, const float* theta, int to, float* result) {
 }
 
 double evaluateFieldReference(int resolution, const LocalPoint& point, const double* theta) {
-  int node[3];
-  double share[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    const double position = std::clamp((static_cast<double>(point[axis]) + 1.0) * 0.5, 0.0, 1.0) * (resolution - 1);
-    node[axis] = std::min(static_cast<int>(position), resolution - 2);
-    share[axis] = position - node[axis];
-  }
   double a = 0.0, b = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1.0;
-    int index = 0, stride = 1;
-    for (int axis = 0; axis < 3; ++axis, stride *= resolution) {
-      const int high = corner >> axis & 1;
-      weight *= high ? share[axis] : 1.0 - share[axis];
-      index += (node[axis] + high) * stride;
-    }
-    a += weight * theta[2 * index];
-    b += weight * theta[2 * index + 1];
-  }
+  forEachNode(placeAmongNodes<double>(resolution, point), resolution, [&](int node, double weight) {
+    a += weight * theta[2 * node];
+    b += weight * theta[2 * node + 1];
+  });
   return std::clamp(a, 0.0, 1.0) * logistic(b);
 }
 
