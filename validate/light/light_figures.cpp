@@ -16,7 +16,6 @@ double channelMean(const glm::vec3& rgb) { return (double{rgb.r} + rgb.g + rgb.b
 double squares(const glm::vec3& rgb) { return (double{rgb.r} * rgb.r + double{rgb.g} * rgb.g + double{rgb.b} * rgb.b) / 3.0; }
 double absolutes(const glm::vec3& rgb) { return double{std::fabs(rgb.r)} + std::fabs(rgb.g) + std::fabs(rgb.b); }
 double quotient(double a, double b) { return b > 0.0 ? a / b : 0.0; }
-double energyOf(double answer, double truth) { return truth > 0.0 ? answer / truth : 1.0; }
 
 // Steps of walks measure changes; places nearer than 5 cm and those at edges are figures of their own.
 bool isCounted(const LightPlace& place) {
@@ -24,39 +23,14 @@ bool isCounted(const LightPlace& place) {
   return place.group == PlaceGroup::air || (is_before && place.surface_class >= kFirstFarClass);
 }
 
-class GroupSum {
- public:
-  // truth_mean   of the level
-  explicit GroupSum(double truth_mean) : black_(kBlackShare * truth_mean) {}
+// What a method answered, beside truth.
+struct Measured {
+  const LightPlaces& places;
+  const LightTruth& truth;
+  const std::vector<LightAnswer>& answers;  // by place
 
-  void add(const glm::vec3& truth, const LightAnswer& answer, double weight) {
-    ++figures_.places;
-    weight_ += weight;
-    error_ += weight * squares(answer.irradiance - truth);
-    truth_ += weight * squares(truth);
-    given_mean_ += weight * channelMean(answer.irradiance);
-    truth_mean_ += weight * channelMean(truth);
-    // what is below a hundredth of the level's mean is black to an eye: no share of it is an error
-    const double sum = std::max(absolutes(answer.irradiance) + absolutes(truth), black_);
-    smape_ += weight * quotient(absolutes(answer.irradiance - truth), sum);
-    unlit_ += weight * (answer.reach == Reach::unlit);
-    outside_ += weight * (answer.reach == Reach::outside);
-  }
-
-  GroupFigures figures() {
-    figures_.rmse = std::sqrt(quotient(error_, truth_));
-    figures_.energy = energyOf(given_mean_, truth_mean_);
-    figures_.smape = quotient(smape_, weight_);
-    figures_.unlit = quotient(unlit_, weight_);
-    figures_.outside = quotient(outside_, weight_);
-    return figures_;
-  }
-
- private:
-  const double black_;
-  GroupFigures figures_;
-  double weight_ = 0.0, error_ = 0.0, truth_ = 0.0, smape_ = 0.0, unlit_ = 0.0, outside_ = 0.0;
-  double given_mean_ = 0.0, truth_mean_ = 0.0;
+  const glm::vec3& expected(size_t i) const { return truth.at[i].irradiance; }
+  const glm::vec3& answered(size_t i) const { return answers[i].irradiance; }
 };
 
 // Sums by room. Places in no room have none.
@@ -78,75 +52,93 @@ class RoomSums {
   std::vector<double> weight_, sum_;
 };
 
-// weight   of a place in the group; 0: not in it
-template <class Weight>
-void balance(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers, Weight weight,
-             GroupFigures* figures) {
-  RoomSums light(places), errors(places);
-  for (size_t i = 0; i < places.places.size(); ++i) {
-    const LightPlace& place = places.places[i];
-    if (!(weight(place) > 0.0)) continue;
-    light.add(place, channelMean(truth.at[i].irradiance), weight(place));
+// weightOf   a place's weight in the group; 0: not in it
+template <class WeightOf>
+GroupFigures groupFigures(const Measured& of, const WeightOf& weightOf) {
+  const std::vector<LightPlace>& places = of.places.places;
+  const double black = kBlackShare * of.truth.mean;
+  GroupFigures figures;
+  RoomSums room_light(of.places), room_errors(of.places);
+  double weights = 0.0, error = 0.0, light = 0.0, answered = 0.0, expected = 0.0;
+  for (size_t i = 0; i < places.size(); ++i) {
+    const double weight = weightOf(places[i]);
+    if (!(weight > 0.0)) continue;
+    const glm::vec3 &truth = of.expected(i), &answer = of.answered(i);
+    ++figures.places;
+    weights += weight;
+    error += weight * squares(answer - truth);
+    light += weight * squares(truth);
+    answered += weight * channelMean(answer);
+    expected += weight * channelMean(truth);
+    // what is below a hundredth of the level's mean is black to an eye: no share of it is an error
+    const double sum = std::max(absolutes(answer) + absolutes(truth), black);
+    figures.smape += weight * quotient(absolutes(answer - truth), sum);
+    figures.unlit += weight * (of.answers[i].reach == Reach::unlit);
+    figures.outside += weight * (of.answers[i].reach == Reach::outside);
+    room_light.add(places[i], channelMean(truth), weight);
   }
-  for (size_t i = 0; i < places.places.size(); ++i) {
-    const LightPlace& place = places.places[i];
-    if (!(weight(place) > 0.0) || !light.says(place.room)) continue;
-    const double own = std::max(channelMean(truth.at[i].irradiance), light.mean(place.room));
-    const double scale = std::max(own, kBlackShare * truth.mean);
-    errors.add(place, quotient(squares(answers[i].irradiance - truth.at[i].irradiance), scale * scale), weight(place));
+  figures.rmse = std::sqrt(quotient(error, light));
+  if (expected > 0.0) figures.energy = answered / expected;
+  for (double* share : {&figures.smape, &figures.unlit, &figures.outside}) *share = quotient(*share, weights);
+  // the same by room: every room weighs alike
+  for (size_t i = 0; i < places.size(); ++i) {
+    const double weight = weightOf(places[i]);
+    if (!(weight > 0.0) || !room_light.says(places[i].room)) continue;
+    const double own = std::max(channelMean(of.expected(i)), room_light.mean(places[i].room)), scale = std::max(own, black);
+    room_errors.add(places[i], quotient(squares(of.answered(i) - of.expected(i)), scale * scale), weight);
   }
-  for (uint32_t room = 0; room < places.room_count; ++room) {
-    if (!errors.says(room)) continue;
-    ++figures->rooms;
-    figures->balanced += std::sqrt(errors.mean(room));
+  for (uint32_t room = 0; room < of.places.room_count; ++room) {
+    if (!room_errors.says(room)) continue;
+    ++figures.rooms;
+    figures.balanced += std::sqrt(room_errors.mean(room));
   }
-  figures->balanced = quotient(figures->balanced, static_cast<double>(figures->rooms));
+  figures.balanced = quotient(figures.balanced, static_cast<double>(figures.rooms));
+  return figures;
 }
 
-ExcessFigures darkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+ExcessFigures darkFigures(const Measured& of) {
   ExcessFigures dark;
-  for (size_t i = 0; i < places.places.size(); ++i) {
-    const double light = channelMean(truth.at[i].irradiance);
-    if (!isCounted(places.places[i]) || light >= kDarkShare * truth.mean) continue;
+  for (size_t i = 0; i < of.answers.size(); ++i) {
+    const double light = channelMean(of.expected(i));
+    if (!isCounted(of.places.places[i]) || light >= kDarkShare * of.truth.mean) continue;
     ++dark.places;
-    dark.excess += channelMean(answers[i].irradiance) - light;
+    dark.excess += channelMean(of.answered(i)) - light;
   }
-  dark.excess = quotient(dark.excess, static_cast<double>(dark.places) * truth.mean);
+  dark.excess = quotient(dark.excess, static_cast<double>(dark.places) * of.truth.mean);
   return dark;
 }
 
-ExcessFigures edgeFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers,
-                          PlaceGroup group) {
+ExcessFigures edgeFigures(const Measured& of, PlaceGroup group) {
   ExcessFigures figures;
   double light = 0.0, answered = 0.0;
-  for (size_t i = 0; i < places.places.size(); ++i) {
-    if (places.places[i].group != group) continue;
+  for (size_t i = 0; i < of.answers.size(); ++i) {
+    if (of.places.places[i].group != group) continue;
     ++figures.places;
-    light += channelMean(truth.at[i].irradiance);
-    answered += channelMean(answers[i].irradiance);
+    light += channelMean(of.expected(i));
+    answered += channelMean(of.answered(i));
   }
   figures.excess = quotient(answered - light, light);
   return figures;
 }
 
-WalkFigures walkFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+WalkFigures walkFigures(const Measured& of) {
   std::vector<double> jumps;
-  for (size_t i = 1; i < places.places.size(); ++i) {
-    const LightPlace &from = places.places[i - 1], &to = places.places[i];
+  for (size_t i = 1; i < of.answers.size(); ++i) {
+    const LightPlace &from = of.places.places[i - 1], &to = of.places.places[i];
     if (from.group != PlaceGroup::walk || to.group != PlaceGroup::walk || from.walk != to.walk) continue;
-    const double answer = std::sqrt(squares(answers[i].irradiance - answers[i - 1].irradiance));
-    const double expected = std::sqrt(squares(truth.at[i].irradiance - truth.at[i - 1].irradiance));
-    jumps.push_back(quotient(std::max(0.0, answer - expected), truth.rms));
+    const double answer = std::sqrt(squares(of.answered(i) - of.answered(i - 1)));
+    const double expected = std::sqrt(squares(of.expected(i) - of.expected(i - 1)));
+    jumps.push_back(quotient(std::max(0.0, answer - expected), of.truth.rms));
   }
   const Quantiles q = quantiles(jumps);
   return {q.count, q.mean, q.worst};
 }
 
-std::vector<WorstPlace> worstPlaces(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
+std::vector<WorstPlace> worstPlaces(const Measured& of) {
   std::vector<WorstPlace> all;
-  for (uint32_t i = 0; i < places.places.size(); ++i) {
-    if (!isCounted(places.places[i])) continue;
-    all.push_back({i, quotient(std::sqrt(squares(answers[i].irradiance - truth.at[i].irradiance)), truth.rms)});
+  for (uint32_t i = 0; i < of.answers.size(); ++i) {
+    if (!isCounted(of.places.places[i])) continue;
+    all.push_back({i, quotient(std::sqrt(squares(of.answered(i) - of.expected(i))), of.truth.rms)});
   }
   const size_t kept = std::min(all.size(), kWorstPlaceCount);
   std::partial_sort(
@@ -193,42 +185,22 @@ std::vector<Receiver> receiversAt(const LightPlaces& places) {
 }
 
 LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers) {
-  GroupSum air(truth.mean), surface(truth.mean), turned(truth.mean);
-  std::vector<GroupSum> surface_class(kSurfaceClassCount, GroupSum(truth.mean)), turned_class = surface_class;
-  // each group by itself; surfaces weigh by their class of distance
-  for (size_t i = 0; i < places.places.size(); ++i) {
-    const LightPlace& place = places.places[i];
-    const glm::vec3& expected = truth.at[i].irradiance;
-    if (place.group == PlaceGroup::air) air.add(expected, answers[i], 1.0);
-    if (place.group != PlaceGroup::surface && place.group != PlaceGroup::turned) continue;
-    const bool is_turned = place.group == PlaceGroup::turned;
-    (is_turned ? turned_class : surface_class)[place.surface_class].add(expected, answers[i], 1.0);
-    if (isCounted(place)) (is_turned ? turned : surface).add(expected, answers[i], places.surfaceWeight(place.surface_class));
-  }
-  // plain figures over all points of a group
+  const Measured of{places, truth, answers};
   LightFigures figures;
-  figures.air = air.figures();
-  figures.surface = surface.figures();
-  figures.turned = turned.figures();
-  for (int c = 0; c < kSurfaceClassCount; ++c) {
-    figures.surface_class[c] = surface_class[c].figures();
-    figures.turned_class[c] = turned_class[c].figures();
+  figures.air = groupFigures(of, [](const LightPlace& p) { return p.group == PlaceGroup::air ? 1.0 : 0.0; });
+  for (const bool is_turned : {false, true}) {
+    const PlaceGroup group = is_turned ? PlaceGroup::turned : PlaceGroup::surface;
+    (is_turned ? figures.turned : figures.surface) =
+        groupFigures(of, [&](const LightPlace& p) { return p.group == group ? places.surfaceWeight(p.surface_class) : 0.0; });
+    for (int c = 0; c < kSurfaceClassCount; ++c)
+      (is_turned ? figures.turned_class : figures.surface_class)[c] =
+          groupFigures(of, [&](const LightPlace& p) { return p.group == group && p.surface_class == c ? 1.0 : 0.0; });
   }
-  // the same by room: every room weighs alike
-  const auto of_air = [](const LightPlace& p) { return p.group == PlaceGroup::air ? 1.0 : 0.0; };
-  balance(places, truth, answers, of_air, &figures.air);
-  for (const auto& [group, of_group] :
-       {std::pair(PlaceGroup::surface, &figures.surface), {PlaceGroup::turned, &figures.turned}}) {
-    const auto weight = [&places, g = group](const LightPlace& p) {
-      return p.group == g ? places.surfaceWeight(p.surface_class) : 0.0;
-    };
-    balance(places, truth, answers, weight, of_group);
-  }
-  figures.dark = darkFigures(places, truth, answers);
-  figures.edge = edgeFigures(places, truth, answers, PlaceGroup::edge);
-  figures.corner = edgeFigures(places, truth, answers, PlaceGroup::corner);
-  figures.jumps = walkFigures(places, truth, answers);
-  figures.worst = worstPlaces(places, truth, answers);
+  figures.dark = darkFigures(of);
+  figures.edge = edgeFigures(of, PlaceGroup::edge);
+  figures.corner = edgeFigures(of, PlaceGroup::corner);
+  figures.jumps = walkFigures(of);
+  figures.worst = worstPlaces(of);
   return figures;
 }
 
