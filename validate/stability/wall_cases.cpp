@@ -4,14 +4,55 @@
 #include <cmath>
 #include <numbers>
 
+#include "datagen/weighting/weighting_builder.h"
+#include "scene/model/scene.h"
 #include "validate/stability/extreme_function.h"
-#include "validate/stability/face_scene.h"
 
 namespace nlg {
 namespace {
 
+// Faces in world coordinates, metres.
+struct Faces {
+  std::vector<glm::dvec3> positions;  // three a triangle
+  std::vector<uint32_t> materials;    // 1: of two sides
+
+  // Front side: where the corners run counter-clockwise.
+  void addQuad(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d, bool is_double_sided) {
+    positions.insert(positions.end(), {a, b, c, a, c, d});
+    materials.insert(materials.end(), 2, is_double_sided);
+  }
+
+  // A closed solid whose faces look outward.
+  void addBox(const glm::dvec3& low, const glm::dvec3& high) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+      for (const bool is_far : {false, true}) {
+        glm::dvec3 a = low;
+        a[axis] = is_far ? high[axis] : low[axis];
+        glm::dvec3 b = a, c = a, d = a;
+        b[u] = c[u] = high[u];
+        c[v] = d[v] = high[v];
+        addQuad(a, is_far ? b : d, c, is_far ? d : b, false);
+      }
+    }
+  }
+
+  // The scene as a reader of files would give it.
+  Scene finish() const {
+    Scene scene;
+    scene.id = "stability";
+    scene.materials.resize(2);
+    scene.materials[1].double_sided = true;
+    scene.triangle_material = materials;
+    for (uint32_t t = 0; t < materials.size(); ++t) scene.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    if (!materials.empty()) scene.objects.push_back({"all", 0, static_cast<uint32_t>(materials.size()), false});
+    finishScene(scene, positions);
+    return scene;
+  }
+};
+
 struct WallScene {
-  FaceScene faces;
+  Faces faces;
   DiffusionOptions diffusion;
   // what the probe at the origin must never light: behind something that nothing leads around
   std::function<bool(const LocalPoint&)> dark = [](const LocalPoint&) { return false; };
@@ -100,9 +141,9 @@ WallScene slab(double near, double far, double degrees) {
   if (near < far) {
     scene.faces.addBox({near, -50, -50}, {far, 50, 50});
   } else {
-    scene.faces.addQuad({near, -50, -50}, {near, 50, -50}, {near, 50, 50}, {near, -50, 50}, FaceScene::Sides::two);
+    scene.faces.addQuad({near, -50, -50}, {near, 50, -50}, {near, 50, 50}, {near, -50, 50}, true);
   }
-  for (glm::dvec3& at : scene.faces.positions()) {
+  for (glm::dvec3& at : scene.faces.positions) {
     at = {at.x * std::cos(angle) - at.z * std::sin(angle), at.y, at.x * std::sin(angle) + at.z * std::cos(angle)};
   }
   const auto height = [=](const LocalPoint& p) { return p[0] * std::cos(angle) + p[2] * std::sin(angle); };
@@ -129,7 +170,7 @@ WallScene slit(double width) {
   WallScene scene;
   const double low = 0.1, high = 0.1 + width, x = 0.31;
   const auto half = [&](double from, double to) {
-    scene.faces.addQuad({x, -50, from}, {x, -50, to}, {x, 50, to}, {x, 50, from}, FaceScene::Sides::two);
+    scene.faces.addQuad({x, -50, from}, {x, -50, to}, {x, 50, to}, {x, 50, from}, true);
   };
   scene.plain = [=](const LocalPoint& p) { return p[0] < x - kGrazing; };
   half(-50, low);
@@ -146,7 +187,7 @@ WallScene doorAjar(double degrees) {
   scene.faces.addBox({kNear, -50, kHinge + kWidth}, {kFar, 50, 50});
   const double angle = degrees * std::numbers::pi / 180.0, x = kFar + kWidth * std::sin(angle),
                z = kHinge + kWidth * std::cos(angle);
-  scene.faces.addQuad({kFar, -50, kHinge}, {x, -50, z}, {x, 50, z}, {kFar, 50, kHinge}, FaceScene::Sides::two);
+  scene.faces.addQuad({kFar, -50, kHinge}, {x, -50, z}, {x, 50, z}, {kFar, 50, kHinge}, true);
   scene.plain = [](const LocalPoint& p) { return p[0] < kNear - kGrazing; };
   return scene;
 }
