@@ -16,13 +16,7 @@
 namespace nlg {
 namespace {
 
-std::vector<const Generator*> pointersTo(const SharedGenerators& generators) {
-  std::vector<const Generator*> pointers;
-  for (const auto& generator : generators) pointers.push_back(generator.get());
-  return pointers;
-}
-
-// Rounding is asked for function by function, by runAndRound.
+// Rounding is asked for function by function.
 PolicyOptions withInt8(PolicyOptions options) {
   options.theta_precision = ThetaPrecision::int8;
   return options;
@@ -30,10 +24,18 @@ PolicyOptions withInt8(PolicyOptions options) {
 
 double recordedUs(const ThetaRecord& record) { return std::accumulate(record.stage_us.begin(), record.stage_us.end(), 0.0); }
 
-// timed   a TimedNetwork or a TimedPolicy
-template <class Timed>
-PlotRun runOf(PlotPoint point, const std::shared_ptr<Timed>& timed) {
-  return {{std::move(point)}, [timed](const FunctionBlock& block) { return FittedFunctions{timed->run(block)}; }};
+// One pass of the generator's network, which the policy never runs without the check that follows.
+std::vector<FittedFunction> runNetwork(const Generator& generator, const FunctionBlock& block, GeneratorScratch* scratch,
+                                       Theta* theta) {
+  const Stopwatch watch;
+  generator.generate(block.stored.data(), block.count(), theta->data(), scratch);
+  const double elapsed_us = watch.elapsedUs() / block.count();
+  const auto D = static_cast<size_t>(generator.representation().thetaCount());
+  std::vector<FittedFunction> functions;
+  for (const float* own = theta->data(); functions.size() < block.functions.size(); own += D) {
+    functions.push_back({generator.representation(), Theta(own, own + D), elapsed_us});
+  }
+  return functions;
 }
 
 // What theta is called after a stage of the list: each word that no later stage has; stored only once it is rounded.
@@ -191,54 +193,28 @@ void addDirect(const Fits& fits, double gate, std::vector<PlotRun>& runs) {
 
 }  // namespace
 
-TimedPolicy::TimedPolicy(SharedGenerators generators, const PolicyOptions& options, ThetaStage last)
-    : generators_(std::move(generators)), policy_(pointersTo(generators_), withInt8(options), last) {}
+TimedPolicy::TimedPolicy(std::shared_ptr<const Generator> generator, const PolicyOptions& options, ThetaStage last)
+    : generator_(std::move(generator)), last_(last), policy_({generator_.get()}, withInt8(options), last) {}
 
 std::vector<FittedFunction> TimedPolicy::run(const FunctionBlock& block) {
   made_.resize(block.functions.size());
   const Stopwatch watch;
   policy_.make(block.stored.data(), block.count(), made_.data());
   for (size_t i = 0; i < made_.size(); ++i) policy_.refine(block.stored[i], &made_[i]);
-  return fitted(block, watch.elapsedUs());
-}
-
-std::vector<FittedFunction> TimedPolicy::runAndRound(const FunctionBlock& block) {
-  std::vector<FittedFunction> functions = run(block);
-  for (size_t i = 0; i < made_.size(); ++i) {
-    const Stopwatch watch;
-    policy_.round(block.stored[i], &made_[i]);
-    functions[i].elapsed_us += watch.elapsedUs();
-    functions[i].theta = made_[i].theta;
-  }
-  return functions;
-}
-
-std::vector<FittedFunction> TimedPolicy::fitted(const FunctionBlock& block, double elapsed_us) const {
+  const double elapsed_us = watch.elapsedUs();
   // the record's clock is another one: what counts of it are the shares
   double recorded_us = 0.0;
   for (const MadeTheta& made : made_) recorded_us += recordedUs(made.record);
   std::vector<FittedFunction> functions;
   for (const MadeTheta& made : made_) {
     const double share = recorded_us > 0.0 ? recordedUs(made.record) / recorded_us : 1.0 / block.count();
-    functions.push_back({generators_[made.generator]->representation(), made.theta, elapsed_us * share, made.record.took_fit});
+    functions.push_back({generator_->representation(), made.theta, elapsed_us * share, made.record.took_fit});
   }
-  return functions;
-}
-
-TimedNetwork::TimedNetwork(std::shared_ptr<const Generator> generator)
-    : generator_(std::move(generator)),
-      scratch_(*generator_),
-      theta_(static_cast<size_t>(kBatchCount) * static_cast<size_t>(generator_->representation().thetaCount())) {}
-
-std::vector<FittedFunction> TimedNetwork::run(const FunctionBlock& block) {
-  const Stopwatch watch;
-  generator_->generate(block.stored.data(), block.count(), theta_.data(), &scratch_);
-  const double elapsed_us = watch.elapsedUs() / block.count();
-  const Representation& representation = generator_->representation();
-  const auto D = static_cast<size_t>(representation.thetaCount());
-  std::vector<FittedFunction> functions;
-  for (size_t i = 0; i < block.functions.size(); ++i) {
-    functions.push_back({representation, Theta(&theta_[i * D], &theta_[i * D] + D), elapsed_us});
+  for (size_t i = 0; last_ == ThetaStage::rounding && i < made_.size(); ++i) {
+    const Stopwatch rounding;
+    policy_.round(block.stored[i], &made_[i]);
+    functions[i].elapsed_us += rounding.elapsedUs();
+    functions[i].theta = made_[i].theta;
   }
   return functions;
 }
@@ -247,23 +223,31 @@ std::vector<PlotRun> stagePoints(const std::shared_ptr<const Generator>& generat
   std::vector<PlotRun> runs;
   const std::string name = representationName(generator->representation());
   const std::vector<StagePlan> plan = stagesOf(stageFacts(*generator), options);
+  const auto add = [&](PlotPoint point, ThetaStage stage) {
+    const auto timed = std::make_shared<TimedPolicy>(generator, options, stage);
+    runs.push_back({{std::move(point)}, [timed](const FunctionBlock& block) { return FittedFunctions{timed->run(block)}; }});
+  };
   for (size_t n = 0; n < plan.size(); ++n) {
     const ThetaStage stage = plan[n].stage;
-    const PlotPoint point{name, "stages", {}, stageTitle(stage), wordsAfter(plan, n)};
-    runs.push_back(stage == ThetaStage::network
-                       ? runOf(point, std::make_shared<TimedNetwork>(generator))
-                       : runOf(point, std::make_shared<TimedPolicy>(SharedGenerators{generator}, options, stage)));
+    PlotPoint point{name, "stages", {}, stageTitle(stage), wordsAfter(plan, n)};
+    if (stage != ThetaStage::network) {
+      add(std::move(point), stage);
+      continue;
+    }
+    const auto scratch = std::make_shared<GeneratorScratch>(*generator);
+    const auto theta = std::make_shared<Theta>(size_t{kBatchCount} * generator->representation().thetaCount());
+    runs.push_back({{std::move(point)}, [=](const FunctionBlock& block) {
+                      return FittedFunctions{runNetwork(*generator, block, scratch.get(), theta.get())};
+                    }});
   }
-  const auto last = std::make_shared<TimedPolicy>(SharedGenerators{generator}, options, ThetaStage::rounding);
-  const PlotPoint rounded{name, "stages", 8, "rounding to int8", {ThetaWord::stored}};
-  runs.push_back({{rounded}, [last](const FunctionBlock& block) { return FittedFunctions{last->runAndRound(block)}; }});
+  add({name, "stages", 8, "rounding to int8", {ThetaWord::stored}}, ThetaStage::rounding);
   return runs;
 }
 
 std::vector<PlotRun> fitsOfCorrected(const std::shared_ptr<const Generator>& generator, const PolicyOptions& options,
                                      const FitBudgets& budgets) {
   std::vector<PlotRun> runs;
-  const auto corrected = std::make_shared<TimedPolicy>(SharedGenerators{generator}, options, ThetaStage::last_layer);
+  const auto corrected = std::make_shared<TimedPolicy>(generator, options, ThetaStage::last_layer);
   for (const Method method : {Method::lm, Method::adam}) {
     const std::vector<int> steps = method == Method::lm ? budgets.lm : adamSteps(generator->representation(), budgets.adam);
     if (steps.empty()) continue;

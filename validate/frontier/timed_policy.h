@@ -7,37 +7,19 @@
 
 namespace nlg {
 
-// generators   one a representation, by rising D; any number of runs may share them
-using SharedGenerators = std::vector<std::shared_ptr<const Generator>>;
-
 class TimedPolicy {
  public:
-  // last   no stage after this one runs
-  TimedPolicy(SharedGenerators generators, const PolicyOptions& options, ThetaStage last);
+  // last   no stage after this one runs; with `rounding` theta are rounded as a bake stores them, to int8
+  TimedPolicy(std::shared_ptr<const Generator> generator, const PolicyOptions& options, ThetaStage last);
 
   // theta of functions that take one. The policy's time on the block is shared out among them as its record says.
-  std::vector<FittedFunction> run(const FunctionBlock& block);
-  // … rounded as a bake stores them, to int8; for this `last` must be the rounding.
-  std::vector<FittedFunction> runAndRound(const FunctionBlock& block);
-
- private:
-  std::vector<FittedFunction> fitted(const FunctionBlock& block, double elapsed_us) const;
-
-  SharedGenerators generators_;
-  ThetaPolicy policy_;
-  std::vector<MadeTheta> made_;  // one block
-};
-
-// One pass of the generator's network, which the policy never runs without the check that follows.
-class TimedNetwork {
- public:
-  explicit TimedNetwork(std::shared_ptr<const Generator> generator);
   std::vector<FittedFunction> run(const FunctionBlock& block);
 
  private:
   std::shared_ptr<const Generator> generator_;
-  GeneratorScratch scratch_;
-  std::vector<float> theta_;  // one block
+  ThetaStage last_;
+  ThetaPolicy policy_;
+  std::vector<MadeTheta> made_;  // one block
 };
 
 // Points of the policy, family stages: after each stage of a representation's list, and theta rounded to int8, as a bake stores it,

@@ -166,7 +166,7 @@ std::vector<PlotPoint> pointsOf(const std::vector<PlotRun>& runs) {
 TEST(FitPoints, StartWhereTheySayAndNeverEndAboveIt) {
   const auto generator = sampleShared(Representation::tentMlp());
   const FitBudgets budgets = {{1, 4}, {16}, {8}, {64}};
-  const auto corrected = std::make_shared<TimedPolicy>(SharedGenerators{generator}, PolicyOptions{}, ThetaStage::last_layer);
+  const auto corrected = std::make_shared<TimedPolicy>(generator, PolicyOptions{}, ThetaStage::last_layer);
   std::vector<PlotRun> runs = {{{{"tent_mlp", "stages", {}, "corrected", {}}},
                                 [&](const FunctionBlock& block) { return FittedFunctions{corrected->run(block)}; }}};
   for (PlotRun& run : fitsOfCorrected(generator, {}, budgets)) runs.push_back(std::move(run));
