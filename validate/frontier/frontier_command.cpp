@@ -63,30 +63,30 @@ std::map<std::string, std::string> inputHashes(const Request& request, const Fun
 }
 
 // Every word of every representation against its direct fits.
-std::vector<WordSpeed> speeds(const FrontierResult& result, const std::vector<PointMeasurement>& measured,
-                              const std::vector<FunctionBlock>& blocks, const FunctionSet& set, const FrontierOptions& options) {
+Json speeds(const std::vector<PlotPoint>& points, const std::vector<PointMeasurement>& measured,
+            const std::vector<FunctionBlock>& blocks, const FunctionSet& set, const FrontierOptions& options) {
   std::vector<uint32_t> scene;
   for (const FunctionBlock& block : blocks) {
     for (const uint64_t function : block.functions) scene.push_back(set.scene_idx[function]);
   }
   const SceneBootstrap bootstrap(scene, {options.bootstrap_draws, 0.95, options.seed});
   const auto timed = [&](size_t p) {
-    return TimedPoint{result.points[p].family,
-                      result.points[p].label,
+    return TimedPoint{points[p].family,
+                      points[p].label,
                       functionTimes(measured[p], blocks),
                       measured[p].blend_rmse,
                       {measured[p].fails_check.begin(), measured[p].fails_check.end()}};
   };
   std::map<std::string, std::vector<TimedPoint>> baselines;
   for (size_t p = 0; p < measured.size(); ++p) {
-    if (result.points[p].is_direct) baselines[result.points[p].representation].push_back(timed(p));
+    if (points[p].is_direct) baselines[points[p].representation].push_back(timed(p));
   }
-  std::vector<WordSpeed> speeds;
+  Json speeds = Json::object();
   for (size_t p = 0; p < measured.size(); ++p) {
-    const std::string& name = result.points[p].representation;
-    if (result.points[p].words.empty()) continue;
+    const std::string& name = points[p].representation;
+    if (points[p].words.empty()) continue;
     const EqualError equal = compareAtEqualError(timed(p), baselines[name], bootstrap);
-    for (const ThetaWord word : result.points[p].words) speeds.push_back({name, word, equal});
+    for (const ThetaWord word : points[p].words) speeds[name][wordName(word)] = speedJson(equal);
   }
   return speeds;
 }
@@ -107,20 +107,21 @@ void measureFrontier(const Request& request, const FrontierOptions& options, con
   const std::vector<PointMeasurement> measured =
       measureInterleaved(set, functions, blocks, plan.runs, options.policy.check(), options.interleave,
                          [&](int64_t done) { progress.update(done); });
-  std::vector<PointFigures> figures;
-  for (const PointMeasurement& point : measured) figures.push_back(figuresOf(point, set, functions, blocks));
-  FrontierResult result =
-      makeResult(plan.points(), std::move(figures), figuresOfTent(set, functions, options.policy.check().loss()));
-  result.speeds = speeds(result, measured, blocks, set, options);
+  std::vector<Json> figures;
+  for (const PointMeasurement& point : measured) figures.push_back(pointFigures(point, set, functions, blocks));
+  const std::vector<PlotPoint> points = plan.points();
   for (const Population population : kPopulations) {
     const std::vector<bool> counts = functions.of(population);
     json["functions"][populationName(population)] = std::count(counts.begin(), counts.end(), true);
   }
   json["scenes"] = set.scene_ids;
   json["representations"] = plan.representations;
-  json.update(pointsJson(result));
+  json.update(frontierJson(points, figures, tentFigures(set, functions, options.policy.check().loss()),
+                           speeds(points, measured, blocks, set, options)));
   writeFileAtomically(request.out_dir + "/frontier.json", json.dump(1) + "\n");
-  for (const auto& [population, front] : result.fronts) std::cout << front.sentence << '\n';
+  for (const Json& sentence : json["front_sentences"]) {
+    if (const auto text = sentence.get<std::string>(); !text.empty()) std::cout << text << '\n';
+  }
   std::cout << request.out_dir << "/frontier.json\n";
 }
 

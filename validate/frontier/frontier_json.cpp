@@ -1,11 +1,8 @@
 #include "validate/frontier/frontier_json.h"
 
-#include <fmt/format.h>
 #include <algorithm>
-#include <utility>
+#include <map>
 
-#include "tool/atomic_file.h"
-#include "tool/error.h"
 #include "validate/generators/figures.h"
 
 namespace nlg {
@@ -13,14 +10,7 @@ namespace {
 
 using Mask = std::vector<bool>;  // of functions that take a theta: which of them count
 
-TimeFigures timeFigures(std::vector<double> samples) {
-  return {quantile(samples, 0.5), quantile(samples, 0.25), quantile(samples, 0.75)};
-}
-
-ErrorFigures errorFigures(std::vector<double> errors) {
-  const Quantiles all = quantiles(errors);
-  return {all.mean, all.median, quantile(errors, 0.05), all.p95, all.worst};
-}
+using Json = nlohmann::ordered_json;
 
 std::vector<double> picked(const std::vector<double>& values, const Mask& counts) {
   std::vector<double> some;
@@ -59,15 +49,19 @@ std::map<std::string, Mask> masksByScene(const FunctionSet& set, const ChosenFun
   return masks;
 }
 
-bool any(const Mask& mask) { return std::find(mask.begin(), mask.end(), true) != mask.end(); }
-
-using Json = nlohmann::ordered_json;
-
-Json figuresJson(const FrontierFigures& figures) {
-  const ErrorFigures& blend = figures.blend_rmse;
-  return {{"us_median", figures.time.median_us}, {"us_p25", figures.time.p25_us},     {"us_p75", figures.time.p75_us},
-          {"blend_rmse_mean", blend.mean},       {"blend_rmse_median", blend.median}, {"blend_rmse_p5", blend.p5},
-          {"blend_rmse_p95", blend.p95},         {"blend_rmse_worst", blend.worst},   {"rmse_mean", figures.rmse_mean}};
+// over   the figures of a mask of functions
+template <class Over>
+Json byPopulationAndScene(const FunctionSet& set, const ChosenFunctions& functions, const Over& over) {
+  Json json;
+  // a population without functions is null, not 0
+  for (const Population population : kPopulations) {
+    const Mask counts = functions.of(population);
+    const bool is_empty = std::find(counts.begin(), counts.end(), true) == counts.end();
+    json["figures"][populationName(population)] = is_empty ? Json(nullptr) : over(counts);
+  }
+  json["by_scene"] = Json::object();
+  for (const auto& [scene, mask] : masksByScene(set, functions)) json["by_scene"][scene] = over(mask);
+  return json;
 }
 
 Json wordsJson(const std::vector<ThetaWord>& words) {
@@ -76,34 +70,7 @@ Json wordsJson(const std::vector<ThetaWord>& words) {
   return json;
 }
 
-Json pointJson(const FrontierResult& result, size_t p) {
-  const PlotPoint& point = result.points[p];
-  Json json = {{"representation", point.representation}, {"family", point.family}};
-  json["budget"] = point.budget ? Json(*point.budget) : Json(nullptr);
-  json["label"] = point.label;
-  json["words"] = wordsJson(point.words);
-  // a population without functions is null, not 0
-  for (const Population population : kPopulations) json["figures"][populationName(population)] = nullptr;
-  for (const auto& [population, figures] : result.figures[p].figures) {
-    Json& of = json["figures"][populationName(population)] = figuresJson(figures);
-    of["leak_p99"] = figures.leak_p99;
-    of["share_failing_check"] = figures.share_failing_check;
-    of["share_fitted"] = figures.share_fitted;
-    of["on_front"] = static_cast<bool>(result.fronts.at(population).members[p]);
-  }
-  json["by_scene"] = Json::object();
-  for (const auto& [scene, figures] : result.figures[p].by_scene) json["by_scene"][scene] = figuresJson(figures);
-  return json;
-}
-
-Json tentJson(const TentFigures& tent) {
-  Json json;
-  for (const Population population : kPopulations) json["figures"][populationName(population)] = nullptr;
-  for (const auto& [population, error] : tent.figures) json["figures"][populationName(population)] = {{"blend_rmse_mean", error}};
-  json["by_scene"] = Json::object();
-  for (const auto& [scene, error] : tent.by_scene) json["by_scene"][scene] = {{"blend_rmse_mean", error}};
-  return json;
-}
+}  // namespace
 
 Json speedJson(const EqualError& equal) {
   Json json = {{"time_us", equal.time_us},
@@ -125,44 +92,41 @@ Json speedJson(const EqualError& equal) {
   return json;
 }
 
-Json speedsJson(const std::vector<WordSpeed>& speeds) {
-  Json json = Json::object();
-  for (const WordSpeed& speed : speeds) json[speed.representation][wordName(speed.word)] = speedJson(speed.equal);
-  return json;
-}
-
-}  // namespace
-
-TentFigures figuresOfTent(const FunctionSet& set, const ChosenFunctions& functions, const LossOptions& loss) {
+Json tentFigures(const FunctionSet& set, const ChosenFunctions& functions, const LossOptions& loss) {
   ErrorMeter meter(set, loss);
   std::vector<double> errors;
   for (const uint64_t function : functions.with_theta) errors.push_back(meter.measureTent(function).blend_rmse);
-  TentFigures figures;
-  for (const Population population : kPopulations) {
-    const Mask counts = functions.of(population);
-    if (any(counts)) figures.figures[population] = mean(picked(errors, counts));
-  }
-  for (const auto& [scene, mask] : masksByScene(set, functions)) figures.by_scene[scene] = mean(picked(errors, mask));
-  return figures;
+  return byPopulationAndScene(set, functions, [&](const Mask& counts) {
+    return Json{{"blend_rmse_mean", mean(picked(errors, counts))}};
+  });
 }
 
-PointFigures figuresOf(const PointMeasurement& measured, const FunctionSet& set, const ChosenFunctions& functions,
-                       const std::vector<FunctionBlock>& blocks) {
-  // over a mask of functions, so that populations and scenes share their figures
-  const auto over = [&](const Mask& counts) {
-    return FrontierFigures{timeFigures(timeSamples(measured, blocks, counts)), errorFigures(picked(measured.blend_rmse, counts)),
-                           mean(picked(measured.rmse, counts))};
-  };
-  PointFigures figures;
+Json pointFigures(const PointMeasurement& measured, const FunctionSet& set, const ChosenFunctions& functions,
+                  const std::vector<FunctionBlock>& blocks) {
+  Json json = byPopulationAndScene(set, functions, [&](const Mask& counts) {
+    std::vector<double> us = timeSamples(measured, blocks, counts), errors = picked(measured.blend_rmse, counts);
+    const Quantiles blend = quantiles(errors);
+    return Json{{"us_median", quantile(us, 0.5)},
+                {"us_p25", quantile(us, 0.25)},
+                {"us_p75", quantile(us, 0.75)},
+                {"blend_rmse_mean", blend.mean},
+                {"blend_rmse_median", blend.median},
+                {"blend_rmse_p5", quantile(errors, 0.05)},
+                {"blend_rmse_p95", blend.p95},
+                {"blend_rmse_worst", blend.worst},
+                {"rmse_mean", mean(picked(measured.rmse, counts))}};
+  });
   for (const Population population : kPopulations) {
-    const Mask counts = functions.of(population);
-    if (!any(counts)) continue;
-    const auto shareOf = [&](const std::vector<bool>& is) { return mean(picked({is.begin(), is.end()}, counts)); };
-    const PooledMagnitudes& leaks = population == Population::hard ? measured.leaks_hard : measured.leaks;
-    figures.figures[population] = {over(counts), leaks.quantile(0.99), shareOf(measured.fails_check), shareOf(measured.took_fit)};
+    Json& of = json["figures"][populationName(population)];
+    if (of.is_null()) continue;
+    const auto shareOf = [&](const std::vector<bool>& is) {
+      return mean(picked({is.begin(), is.end()}, functions.of(population)));
+    };
+    of["leak_p99"] = (population == Population::hard ? measured.leaks_hard : measured.leaks).quantile(0.99);
+    of["share_failing_check"] = shareOf(measured.fails_check);
+    of["share_fitted"] = shareOf(measured.took_fit);
   }
-  for (const auto& [scene, mask] : masksByScene(set, functions)) figures.by_scene[scene] = over(mask);
-  return figures;
+  return json;
 }
 
 std::vector<double> functionTimes(const PointMeasurement& measured, const std::vector<FunctionBlock>& blocks) {
@@ -176,30 +140,35 @@ std::vector<double> functionTimes(const PointMeasurement& measured, const std::v
   return median;
 }
 
-FrontierResult makeResult(std::vector<PlotPoint> points, std::vector<PointFigures> figures, TentFigures tent) {
-  FrontierResult result{std::move(points), std::move(figures), std::move(tent), {}, {}};
+Json frontierJson(const std::vector<PlotPoint>& points, const std::vector<Json>& figures, const Json& tent, const Json& speeds) {
+  Json json = {{"points", Json::array()}, {"bare_tent", tent}};
   std::vector<std::string> names;
-  for (const PlotPoint& point : result.points) names.push_back(point.representation + ": " + point.label);
-  for (const auto& [population, tent_error] : result.tent.figures) {
-    std::vector<FrontPoint> times_and_errors;
-    for (const PointFigures& point : result.figures) {
-      const PopulationFigures& of = point.figures.at(population);
-      times_and_errors.push_back({of.time.median_us, of.blend_rmse.mean, of.blend_rmse.mean < tent_error});
-    }
-    Front& front = result.fronts[population];
-    front.members = frontMembers(times_and_errors, {});
-    front.sentence = frontSentence(populationWords(population), times_and_errors, front.members, names);
+  for (size_t p = 0; p < points.size(); ++p) {
+    const PlotPoint& point = points[p];
+    names.push_back(point.representation + ": " + point.label);
+    json["points"].push_back({{"representation", point.representation},
+                              {"family", point.family},
+                              {"budget", point.budget ? Json(*point.budget) : Json(nullptr)},
+                              {"label", point.label},
+                              {"words", wordsJson(point.words)}});
+    json["points"].back().update(figures[p]);
   }
-  return result;
-}
-
-Json pointsJson(const FrontierResult& result) {
-  Json json = {{"points", Json::array()}};
-  for (size_t p = 0; p < result.points.size(); ++p) json["points"].push_back(pointJson(result, p));
-  json["bare_tent"] = tentJson(result.tent);
-  for (const Population population : kPopulations) json["front_sentences"][populationName(population)] = "";
-  for (const auto& [population, front] : result.fronts) json["front_sentences"][populationName(population)] = front.sentence;
-  json["speed_at_equal_error"] = speedsJson(result.speeds);
+  for (const Population population : kPopulations) {
+    const char* const name = populationName(population);
+    const Json& of_tent = tent.at("figures").at(name);
+    json["front_sentences"][name] = "";
+    if (of_tent.is_null()) continue;
+    std::vector<FrontPoint> times_and_errors;
+    for (const Json& point : figures) {
+      const Json& of = point.at("figures").at(name);
+      const double error = of.at("blend_rmse_mean");
+      times_and_errors.push_back({of.at("us_median").get<double>(), error, error < of_tent.at("blend_rmse_mean").get<double>()});
+    }
+    const std::vector<bool> members = frontMembers(times_and_errors, {});
+    for (size_t p = 0; p < points.size(); ++p) json["points"][p]["figures"][name]["on_front"] = static_cast<bool>(members[p]);
+    json["front_sentences"][name] = frontSentence(populationWords(population), times_and_errors, members, names);
+  }
+  json["speed_at_equal_error"] = speeds;
   return json;
 }
 
