@@ -12,87 +12,12 @@ namespace {
 // What takes longer on a block has its own weights and functions in the caches for most of that time.
 constexpr double kColdSeconds = 0.02;
 
-BlockTimes timesOf(size_t block, const std::vector<FittedFunction>& functions) {
-  BlockTimes times{block, {}};
-  for (const FittedFunction& function : functions) times.elapsed_us.push_back(function.elapsed_us);
-  return times;
+void addTimes(size_t block, const FittedFunctions& points, PointMeasurement* measured) {
+  for (const std::vector<FittedFunction>& functions : points) {
+    BlockTimes& times = (measured++)->times.emplace_back(BlockTimes{block, {}});
+    for (const FittedFunction& function : functions) times.elapsed_us.push_back(function.elapsed_us);
+  }
 }
-
-class Interleaved {
- public:
-  Interleaved(const FunctionSet& set, const ChosenFunctions& functions, const std::vector<FunctionBlock>& blocks,
-              const std::vector<PlotRun>& runs, const CheckOptions& check)
-      : functions_(functions),
-        blocks_(blocks),
-        runs_(runs),
-        check_(check),
-        meter_(set, check.loss()),
-        block_s_(runs.size(), 0.0) {
-    for (const PlotRun& run : runs) measured_.emplace_back(run.points.size());
-  }
-
-  // The first run on a block: errors, and how long it takes.
-  void measureErrors(size_t r, size_t b) {
-    const WallStopwatch watch;
-    const FittedFunctions points = runs_[r].run(blocks_[b]);
-    if (b == 0) block_s_[r] = 1e-6 * watch.elapsedUs();
-    NLG_CHECK(points.size(), ==, runs_[r].points.size());
-    for (size_t p = 0; p < points.size(); ++p) addErrors(runs_[r].points[p], blocks_[b], points[p], measured_[r][p]);
-    addTimes(r, b, points);
-  }
-
-  bool isShort(size_t r, const InterleaveOptions& options) const { return block_s_[r] <= options.repeat_seconds; }
-
-  // The times of cold caches are not those that the repeats are about to give.
-  void forgetTimes(size_t r) {
-    for (PointMeasurement& point : measured_[r]) point.times.clear();
-  }
-
-  void repeat(size_t r, size_t b) {
-    if (block_s_[r] <= kColdSeconds) runs_[r].run(blocks_[b]);
-    addTimes(r, b, runs_[r].run(blocks_[b]));
-  }
-
-  std::vector<PointMeasurement> take() {
-    std::vector<PointMeasurement> all;
-    for (auto& points : measured_) std::move(points.begin(), points.end(), std::back_inserter(all));
-    return all;
-  }
-
- private:
-  void addErrors(const PlotPoint& point, const FunctionBlock& block, const std::vector<FittedFunction>& fitted,
-                 PointMeasurement& measured) {
-    NLG_CHECK(fitted.size(), ==, block.functions.size());
-    for (size_t i = 0; i < fitted.size(); ++i) {
-      const bool is_hard = functions_.hard[measured.rmse.size()];
-      const float* theta = fitted[i].theta.data();
-      const FunctionError error = meter_.measure(fitted[i].representation, theta, block.functions[i]);
-      if (!std::isfinite(error.blend_rmse)) {
-        throw NumericalError("validate frontier", point.representation + ": " + point.label,
-                             "blend RMSE of function " + std::to_string(block.functions[i]), error.blend_rmse);
-      }
-      measured.blend_rmse.push_back(error.blend_rmse);
-      measured.rmse.push_back(error.rmse);
-      measured.fails_check.push_back(!checker_.check(fitted[i].representation, block.stored[i], theta, check_).passes(check_));
-      measured.took_fit.push_back(fitted[i].took_fit);
-      measured.leaks.add(meter_.leakMagnitudes());
-      if (is_hard) measured.leaks_hard.add(meter_.leakMagnitudes());
-    }
-  }
-
-  void addTimes(size_t r, size_t b, const FittedFunctions& points) {
-    for (size_t p = 0; p < points.size(); ++p) measured_[r][p].times.push_back(timesOf(b, points[p]));
-  }
-
-  const ChosenFunctions& functions_;
-  const std::vector<FunctionBlock>& blocks_;
-  const std::vector<PlotRun>& runs_;
-  const CheckOptions& check_;
-  ErrorMeter meter_;
-  FunctionChecker checker_;
-  std::vector<std::vector<PointMeasurement>> measured_;  // by run, then by its points
-  std::vector<double> block_s_;                          // by run: wall time of its first
-};
 
 }  // namespace
 
@@ -102,11 +27,8 @@ std::vector<FunctionBlock> makeBlocks(const FunctionSet& set, const std::vector<
   for (size_t b = 0; b < block_count; ++b) {
     FunctionBlock& block = blocks[b];
     const size_t begin = b * functions.size() / block_count, end = (b + 1) * functions.size() / block_count;
-    for (size_t i = begin; i < end; ++i) {
-      const StoredFunction stored = storedFunction(set, functions[i]);
-      block.functions.push_back(functions[i]);
-      block.stored.push_back(stored);
-    }
+    block.functions.assign(&functions[begin], &functions[begin] + (end - begin));
+    for (const uint64_t function : block.functions) block.stored.push_back(storedFunction(set, function));
   }
   return blocks;
 }
@@ -146,26 +68,63 @@ std::vector<PointMeasurement> measureInterleaved(const FunctionSet& set, const C
                                                  const std::vector<FunctionBlock>& blocks, const std::vector<PlotRun>& runs,
                                                  const CheckOptions& check, const InterleaveOptions& options,
                                                  const std::function<void(int64_t done)>& progress) {
-  Interleaved interleaved(set, functions, blocks, runs, check);
-  int64_t done = 0;
-  for (size_t b = 0; b < blocks.size(); ++b) {
-    for (size_t r = 0; r < runs.size(); ++r) {
-      interleaved.measureErrors(r, b);
-      progress(++done);
+  ErrorMeter meter(set, check.loss());
+  FunctionChecker checker;
+  const auto addErrors = [&](const PlotPoint& point, const FunctionBlock& block, const std::vector<FittedFunction>& fitted,
+                             PointMeasurement& measured) {
+    NLG_CHECK(fitted.size(), ==, block.functions.size());
+    for (size_t i = 0; i < fitted.size(); ++i) {
+      const bool is_hard = functions.hard[measured.rmse.size()];
+      const float* theta = fitted[i].theta.data();
+      const FunctionError error = meter.measure(fitted[i].representation, theta, block.functions[i]);
+      if (!std::isfinite(error.blend_rmse)) {
+        throw NumericalError("validate frontier", point.representation + ": " + point.label,
+                             "blend RMSE of function " + std::to_string(block.functions[i]), error.blend_rmse);
+      }
+      measured.blend_rmse.push_back(error.blend_rmse);
+      measured.rmse.push_back(error.rmse);
+      measured.fails_check.push_back(!checker.check(fitted[i].representation, block.stored[i], theta, check).passes(check));
+      measured.took_fit.push_back(fitted[i].took_fit);
+      measured.leaks.add(meter.leakMagnitudes());
+      if (is_hard) measured.leaks_hard.add(meter.leakMagnitudes());
     }
-  }
-  for (size_t r = 0; r < runs.size(); ++r) {
-    if (interleaved.isShort(r, options) && options.repeats > 0) interleaved.forgetTimes(r);
-  }
-  for (int repeat = 0; repeat < options.repeats; ++repeat) {
+  };
+  std::vector<size_t> first = {0};  // of a run's points in those of all
+  for (const PlotRun& run : runs) first.push_back(first.back() + run.points.size());
+  std::vector<PointMeasurement> measured(first.back());
+  std::vector<double> block_s(runs.size());  // by run: wall time of its first block
+  int64_t done = 0;
+  const auto onEveryBlock = [&](const auto& measure) {
     for (size_t b = 0; b < blocks.size(); ++b) {
       for (size_t r = 0; r < runs.size(); ++r) {
-        if (interleaved.isShort(r, options)) interleaved.repeat(r, b);
+        measure(r, b);
         progress(++done);
       }
     }
+  };
+  // the first run on a block: errors, and how long it takes
+  onEveryBlock([&](size_t r, size_t b) {
+    const WallStopwatch watch;
+    const FittedFunctions points = runs[r].run(blocks[b]);
+    if (b == 0) block_s[r] = 1e-6 * watch.elapsedUs();
+    NLG_CHECK(points.size(), ==, runs[r].points.size());
+    for (size_t p = 0; p < points.size(); ++p) addErrors(runs[r].points[p], blocks[b], points[p], measured[first[r] + p]);
+    addTimes(b, points, measured.data() + first[r]);
+  });
+  const auto isShort = [&](size_t r) { return block_s[r] <= options.repeat_seconds; };
+  // the times of cold caches are not those that the repeats are about to give
+  for (size_t r = 0; r < runs.size(); ++r) {
+    if (!isShort(r) || options.repeats <= 0) continue;
+    for (size_t p = first[r]; p < first[r + 1]; ++p) measured[p].times.clear();
   }
-  return interleaved.take();
+  for (int repeat = 0; repeat < options.repeats; ++repeat) {
+    onEveryBlock([&](size_t r, size_t b) {
+      if (!isShort(r)) return;
+      if (block_s[r] <= kColdSeconds) runs[r].run(blocks[b]);
+      addTimes(b, runs[r].run(blocks[b]), measured.data() + first[r]);
+    });
+  }
+  return measured;
 }
 
 }  // namespace nlg
