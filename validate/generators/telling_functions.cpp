@@ -66,27 +66,6 @@ int mostTellingAxis(const FunctionSet& set, uint64_t index, const AlignedFloats&
 
 constexpr int kSlicePixels = 96;
 
-nlohmann::ordered_json sliceJson(const TellingFunction& telling, const Slice& slice, const FunctionError& error,
-                                 const FunctionSet& set) {
-  const auto permille = [](const std::vector<float>& values) {
-    std::vector<int> rounded;
-    for (const float value : values) rounded.push_back(static_cast<int>(std::lround(1000.0f * std::clamp(value, -2.0f, 2.0f))));
-    return rounded;
-  };
-  return {{"which", telling.which},
-          {"function", telling.function},
-          {"scene", set.scene_ids[set.scene_idx[telling.function]]},
-          {"blend_rmse", error.blend_rmse},
-          {"rmse", error.rmse},
-          {"axis", slice.axis},
-          {"size", slice.size},
-          {"valid", slice.valid},
-          {"seen", slice.seen},
-          {"target_permille", permille(slice.target)},
-          {"stored_permille", permille(slice.stored)},
-          {"difference_permille", permille(slice.difference)}};
-}
-
 // The tent times a network that says 1.
 Theta bareTentTheta() {
   Theta theta(Representation::tentMlp().thetaCount(), 0.0f);
@@ -94,34 +73,55 @@ Theta bareTentTheta() {
   return theta;
 }
 
-}  // namespace
+struct TellingFunction {
+  std::string which;  // "p5", "median", "p95", "worst"
+  uint64_t function = 0;
+};
 
-Slice makeSlice(const FunctionSet& set, uint64_t index, const Representation& representation, const float* theta, int size) {
-  Slice slice;
+// A slice of a function: for slices.json.
+nlohmann::ordered_json sliceJson(const TellingFunction& telling, const FunctionError& error, const FunctionSet& set,
+                                 const Representation& representation, const float* theta) {
   // the plane through the probe in which the function tells most
   const PointSet support = makePointSet(supportPattern().points);
   AlignedFloats support_values(support.padded_count);
   evaluate(representation, support, theta, support_values.data());
-  slice.axis = mostTellingAxis(set, index, support_values);
-  slice.size = size;
-  const std::vector<LocalPoint> plane = planePoints(slice.axis, size);
-  const PointSet points = makePointSet(plane);
+  const int axis = mostTellingAxis(set, telling.function, support_values);
+  const PointSet points = makePointSet(planePoints(axis, kSlicePixels));
   AlignedFloats values(points.padded_count);
   evaluate(representation, points, theta, values.data());
-  // beside what theta gives: the target at the nearest support point, since phi is known nowhere else
-  slice.stored.assign(values.begin(), values.begin() + points.count);
-  for (const LocalPoint& point : plane) {
+  nlohmann::ordered_json slice = {{"which", telling.which},
+                                  {"function", telling.function},
+                                  {"scene", set.scene_ids[set.scene_idx[telling.function]]},
+                                  {"blend_rmse", error.blend_rmse},
+                                  {"rmse", error.rmse},
+                                  {"axis", axis},
+                                  {"size", kSlicePixels}};
+  const auto permille = [](float value) { return static_cast<int>(std::lround(1000.0f * std::clamp(value, -2.0f, 2.0f))); };
+  std::vector<int> valid, seen, target, stored, difference;
+  // beside what theta gives: the target at the nearest support point, since phi is known nowhere else; and the difference there, so
+  // that it has no trace of the mosaic
+  int pixel = 0;
+  for (const LocalPoint& point : planePoints(axis, kSlicePixels)) {
     const size_t nearest = nearestSupportPoint(point);
-    const uint64_t at = index * kSupportPointCount + nearest;
+    const uint64_t at = telling.function * kSupportPointCount + nearest;
     const float phi = static_cast<float>(set.phi[at]) / 255.0f;
-    slice.target.push_back(phi);
-    slice.valid.push_back(bitAt(set.validity, at));
-    slice.seen.push_back(bitAt(set.seen, at));
-    slice.difference.push_back(support_values[nearest] - phi);
+    valid.push_back(bitAt(set.validity, at));
+    seen.push_back(bitAt(set.seen, at));
+    target.push_back(permille(phi));
+    stored.push_back(permille(values[pixel++]));
+    difference.push_back(permille(support_values[nearest] - phi));
   }
+  slice.update({{"valid", valid},
+                {"seen", seen},
+                {"target_permille", target},
+                {"stored_permille", stored},
+                {"difference_permille", difference}});
   return slice;
 }
 
+// By the blend RMSE of what is stored, among the hard functions. Where none is hard, among those that take a theta; where none does,
+// among all. At a percentile stands the function with the most valid points among those whose ranks lie within a two-hundredth of
+// all around it: a picture of solid says nothing.
 std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const FunctionSet& set,
                                               const Populations& populations) {
   // hard functions where there are any: bare tents look alike
@@ -150,15 +150,17 @@ std::vector<TellingFunction> tellingFunctions(const MeasuredWord& stored, const 
   return {{"p5", near(0.05)}, {"median", near(0.5)}, {"p95", near(0.95)}, {"worst", functions.back().function}};
 }
 
+}  // namespace
+
 void appendSlices(const Representation& representation, const PolicyWords& words, const FunctionSet& set,
                   const Populations& populations, nlohmann::ordered_json* slices) {
   const MeasuredWord& stored = words.at(ThetaWord::stored);
   for (const TellingFunction& telling : tellingFunctions(stored, set, populations)) {
     const MadeTheta& made = words.made[telling.function];
-    const Slice slice = made.isBareTent()
-                            ? makeSlice(set, telling.function, Representation::tentMlp(), bareTentTheta().data(), kSlicePixels)
-                            : makeSlice(set, telling.function, representation, made.theta.data(), kSlicePixels);
-    nlohmann::ordered_json entry = sliceJson(telling, slice, stored.functions[telling.function].error, set);
+    const FunctionError& error = stored.functions[telling.function].error;
+    nlohmann::ordered_json entry = made.isBareTent()
+                                       ? sliceJson(telling, error, set, Representation::tentMlp(), bareTentTheta().data())
+                                       : sliceJson(telling, error, set, representation, made.theta.data());
     entry["representation"] = representationName(representation);
     slices->push_back(entry);
   }
