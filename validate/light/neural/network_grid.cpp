@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "validate/light/neural/dense_training.h"
-#include "validate/light/neural/voxel_lattice.h"
 
 namespace nlg {
 namespace {
@@ -15,9 +14,10 @@ namespace {
 constexpr uint64_t kNetworkStream = 0x6e6574, kHeldOutStream = 0x68656c64;
 constexpr int kBlended = 4;
 
-// Nodes are the middles of the voxels of a lattice that stands half a voxel lower than the places.
+// Nodes of a lattice around the places, the middles of voxels.
 struct Nodes {
-  VoxelLattice lattice;
+  glm::dvec3 low_m;  // the lowest voxel's lowest corner
+  std::array<int, 3> count{};
   SampleFrame frame;                 // positions in it count nodes from the lowest
   std::vector<size_t> node_of;       // by network
   std::vector<uint32_t> network_of;  // by node: its own, or the nearest's
@@ -27,28 +27,46 @@ struct Nodes {
     std::array<float, kBlended> share;  // sum to 1
   };
 
-  Nodes(const LitPlaces& lit, const std::vector<uint32_t>& learned, double spacing_m) : lattice(lit.position_m, spacing_m) {
-    lattice.low_m -= 0.5 * spacing_m;
-    for (int& count : lattice.count) ++count;
-    frame = {lattice.middleOf(0), spacing_m};
-    std::vector<bool> is_read(lattice.size());
+  Nodes(const LitPlaces& lit, const std::vector<uint32_t>& learned, double spacing_m) : low_m(lit.position_m.front()) {
+    glm::dvec3 high_m = low_m;
+    for (const glm::dvec3& place : lit.position_m) {
+      low_m = glm::min(low_m, place);
+      high_m = glm::max(high_m, place);
+    }
+    for (int axis = 0; axis < 3; ++axis) count[axis] = 2 + static_cast<int>((high_m[axis] - low_m[axis]) / spacing_m);
+    low_m -= 0.5 * spacing_m;
+    frame = {low_m + 0.5 * spacing_m, spacing_m};
+    std::vector<bool> is_read(static_cast<size_t>(count[0]) * count[1] * count[2]);
     for (const uint32_t place : learned) {
       for (const size_t node : blendAt(frame.inFrame(lit.position_m[place])).node) is_read[node] = true;
     }
     for (size_t node = 0; node < is_read.size(); ++node) {
       if (is_read[node]) node_of.push_back(node);
     }
-    network_of = nearestOf(lattice, node_of);
+    for (size_t node = 0; node < is_read.size(); ++node) {
+      const auto distance = [&](size_t other) {
+        const glm::dvec3 way = positionOf(other) - positionOf(node);
+        return glm::dot(way, way);
+      };
+      const auto nearest =
+          std::min_element(node_of.begin(), node_of.end(), [&](size_t a, size_t b) { return distance(a) < distance(b); });
+      network_of.push_back(static_cast<uint32_t>(nearest - node_of.begin()));
+    }
+  }
+
+  glm::dvec3 positionOf(size_t node) const {
+    const size_t x = node % count[0], y = node / count[0] % count[1], z = node / count[0] / count[1];
+    return low_m + frame.half_m * (glm::dvec3(x, y, z) + 0.5);
   }
 
   Blend blendAt(const glm::vec3& position) const {
     size_t node = 0, stride = 1;
     std::array<std::pair<float, size_t>, 3> ways;  // how far towards the next node, and the way there
     for (int axis = 0; axis < 3; ++axis) {
-      const float cell = std::clamp(std::floor(position[axis]), 0.0f, static_cast<float>(lattice.count[axis] - 2));
+      const float cell = std::clamp(std::floor(position[axis]), 0.0f, static_cast<float>(count[axis] - 2));
       ways[axis] = {std::clamp(position[axis] - cell, 0.0f, 1.0f), stride};
       node += static_cast<size_t>(cell) * stride;
-      stride *= static_cast<size_t>(lattice.count[axis]);
+      stride *= static_cast<size_t>(count[axis]);
     }
     // barycentric in one of the six tetrahedra of a cube, which the order of coordinates chooses: four networks, not eight
     std::sort(ways.rbegin(), ways.rend());
@@ -66,7 +84,7 @@ struct Nodes {
 
   // As a network reads it.
   glm::vec3 aroundNode(uint32_t network, const glm::vec3& position) const {
-    const glm::vec3 node = frame.inFrame(lattice.middleOf(node_of[network]));
+    const glm::vec3 node = frame.inFrame(positionOf(node_of[network]));
     return glm::clamp(position - node, glm::vec3(-1.0f), glm::vec3(1.0f));
   }
 };
