@@ -1,12 +1,15 @@
 #include "validate/light/asked_bakes.h"
 
 #include <cctype>
+#include <filesystem>
 #include <sstream>
 
 #include "bake/light_bake.h"
 #include "bake/load_generators.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/atomic_file.h"
+#include "tool/output_path.h"
+#include "tool/provenance.h"
 
 namespace nlg {
 namespace {
@@ -55,6 +58,14 @@ MethodSetOptions methodSetOptions(const BakeOptions& options, const GatherOption
   method_options.thread_count = thread_count;
   method_options.seed = mixSeed(options.seed, kMethodStream);
   return method_options;
+}
+
+std::string writePicture(const Image& image, const std::string& folder, const std::string& name, const std::string& result_path,
+                         const std::string& command) {
+  const std::filesystem::path path = std::filesystem::path(folder) / (name + ".png");
+  refuseToReplaceOthers(path.string(), kPictures, "--pictures");
+  writePng(path.string(), image, {{"Software", command + " " + sourceRevision()}});
+  return std::filesystem::proximate(path, std::filesystem::absolute(result_path).parent_path()).generic_string();
 }
 
 std::string fileWord(std::string text) {

@@ -1,7 +1,6 @@
 #include "validate/commands.h"
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -64,8 +63,6 @@ LightPlaces placesInRooms(const PreparedScene& scene, const std::vector<std::str
   return places;
 }
 
-enum class Draws { nothing, pictures };
-
 const std::vector<size_t> kOctreeKilobytes = {32, 64, 128, 256, 512, 1024, 2048};
 
 // Eight probes' harmonics, blended and then turned to the normal.
@@ -87,13 +84,6 @@ Json learnedJson(const LearnedCost& cost) {
           {"multiply_adds", cost.multiply_adds},
           {"words", {{"by_place", cost.words_by_place}, {"shared", cost.words_shared}}}};
 }
-
-struct AtSpacing {
-  bool grids_alone = false;
-  // at the finest alone
-  bool pictures = false;  // of the worst places of every grid, its light solved for
-  bool learned = false;   // methods that learn light
-};
 
 class LightMeasurement {
  public:
@@ -125,19 +115,20 @@ class LightMeasurement {
     return measured(method);
   }
 
-  // scene   as it is at this spacing
-  Json spacingFigures(const PreparedScene& scene, const BakeOptions& options, const GeneratorSets& sets,
-                      const AtSpacing& asked) const {
+  // scene       as it is at this spacing
+  // is_finest   pictures of the worst places of every grid whose light is solved for, and methods that learn, where they are asked for
+  Json spacingFigures(const PreparedScene& scene, const BakeOptions& options, const GeneratorSets& sets, bool grids_alone,
+                      bool is_finest) const {
     const LightTransport transport(scene.source.scene, scene.rays);
     MethodSetOptions method_options = methodSetOptions(options, request_.probe, scene.air.places.size(), threads_);
     if (!request_.thin_errors.empty()) method_options.thin_errors = request_.thin_errors;
     MethodSet methods({transport, scene.tree, scene.air}, method_options);
     for (const MethodSet::Baseline& baseline : MethodSet::baselines()) {
-      if (!asked.grids_alone && !request_.grids_only) (methods.*baseline.add)(MethodSet::kGatheredAndSolved);
+      if (!grids_alone && !request_.grids_only) (methods.*baseline.add)(MethodSet::kGatheredAndSolved);
     }
     std::vector<glm::dvec3> positions_m;
     for (const LightPlace& place : places_.places) positions_m.push_back(place.position_m);
-    if (!asked.grids_alone) methods.addTargetFunctions(positions_m, options.diffusion);
+    if (!grids_alone) methods.addTargetFunctions(positions_m, options.diffusion);
     Json blends = Json::array();
     for (const auto& [name, generators] : sets) {
       BakeOptions without_light = options;
@@ -154,10 +145,9 @@ class LightMeasurement {
                  {"methods", Json::array()}};
     for (const LightMethod& method : methods.methods()) {
       const bool is_grid = std::any_of(sets.begin(), sets.end(), [&](const auto& set) { return set.first == method.weights; });
-      const bool is_drawn = asked.pictures && is_grid && method.light == "solved";
-      json["methods"].push_back(measured(method, is_drawn ? Draws::pictures : Draws::nothing));
+      json["methods"].push_back(measured(method, is_finest && is_grid && method.light == "solved"));
     }
-    if (asked.learned) addLearned({transport, scene.tree, scene.air}, options, &methods, &json["methods"]);
+    if (is_finest && request_.neural) addLearned({transport, scene.tree, scene.air}, options, &methods, &json["methods"]);
     return json;
   }
 
@@ -184,11 +174,11 @@ class LightMeasurement {
     }
   }
 
-  Json measured(const LightMethod& method, Draws draws = Draws::nothing) const {
+  Json measured(const LightMethod& method, bool may_be_drawn = false) const {
     const std::vector<LightAnswer> answers = answersAt(method.light_at, receiversAt(places_), threads_);
     const LightFigures figures = lightFigures(places_, truth_, answers);
     Json json = methodJson(method, figures, places_, truth_, answers, origin_m_);
-    if (draws == Draws::pictures) {
+    if (may_be_drawn && !request_.pictures.empty()) {
       for (size_t i = 0; i < figures.worst.size(); ++i)
         json["worst"][i]["picture"] = drawWorst(method, figures.worst[i], answers[figures.worst[i].place], i + 1);
     }
@@ -206,11 +196,8 @@ class LightMeasurement {
     picture.thread_count = threads_;
     picture.seed = mixSeed(options_.seed, kPictureStream);
     const Image image = drawPlace(transport_, measured, method.light_at, picture);
-    const std::string name = fmt::format("{}_{}_{:02}.png", fileWord(scene_id_), fileWord(method.weights), rank);
-    const std::filesystem::path path = std::filesystem::path(request_.pictures) / name;
-    refuseToReplaceOthers(path.string(), kPictures, "--pictures");
-    writePng(path.string(), image, {{"Software", std::string("nlg-validate light ") + sourceRevision()}});
-    return std::filesystem::proximate(path, std::filesystem::absolute(request_.out).parent_path()).generic_string();
+    const std::string name = fmt::format("{}_{}_{:02}", fileWord(scene_id_), fileWord(method.weights), rank);
+    return writePicture(image, request_.pictures, name, request_.out, "nlg-validate light");
   }
 
   const Request& request_;
@@ -271,9 +258,9 @@ void measureLight(Request request, BakeOptions options, const OptionTable& table
   for (size_t s = 0; s < spacings_m.size(); ++s) {
     options.spacing_m = spacings_m[s];
     if (s > 0) others.push_back(std::make_unique<PreparedScene>(request.scene, options));
-    AtSpacing asked{s >= request.spacings_m.size()};
-    if (s == finest) asked = {asked.grids_alone, !request.pictures.empty(), request.neural};
-    json["spacings"].push_back(measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, asked));
+    const bool grids_alone = s >= request.spacings_m.size();
+    json["spacings"].push_back(
+        measurement.spacingFigures(s > 0 ? *others.back() : *scene, options, sets, grids_alone, s == finest));
   }
   writeFileAtomically(request.out, json.dump(1) + "\n");
   std::cout << lightTable(json["spacings"]);

@@ -3,8 +3,9 @@
 // The eye adapts: a view is exposed by its own truth, so that a dark room counts as much as a terrace. The exposure is
 // render/tone.h's: the median luminance is shown as middle grey, .18; but no eye adapts to less than kLeastLight. Colours are
 // compared as a display shows them, cut off at 1 and not by the pictures' tone curve, so that figures stay comparable, by HyAB in CIE
-// L*a*b* (validate/light/colour_difference.h). That is not FLIP, of which HyAB is the
-// colour part alone: FLIP's filters say what is seen from afar in a picture of a known size, and a player's is none.
+// L*a*b* (D65). That is not FLIP, of which HyAB is the colour part alone: FLIP's filters say what is seen from afar in a picture of a
+// known size, and a player's is none. Andersson and others, "FLIP: a difference evaluator for alternating images" (HPG 2020); Abasi
+// and others, "Distance metrics for very large color differences" (2020).
 #pragma once
 
 #include <array>
@@ -30,6 +31,12 @@ inline constexpr double kMostNoise = (kOffFactor - 1.0) / 3.0;
 inline constexpr double kRingM = 0.2;             // around a receiver
 inline constexpr double kRingDarker = 2.0 / 3.0;  // of the least truth there: a ring is darker
 inline constexpr float kRingNormal = 0.9f;        // cosine between normals of surfaces that are held against each other
+
+// linear_rgb   sRGB's primaries, shown as a display does: clamped to [0, 1]
+glm::vec3 labOf(const glm::vec3& linear_rgb);
+
+// |difference of L*| + distance in a*, b*. Black and white are 100 apart; 2.3 is about what is just seen.
+float hyAb(const glm::vec3& lab_a, const glm::vec3& lab_b);
 
 struct ViewTruth {
   std::vector<LightAnswer> at;      // by sample

@@ -214,10 +214,7 @@ class ViewsMeasurement {
   }
 
   std::string drawn(const std::string& name, const Image& image) const {
-    const std::filesystem::path path = std::filesystem::path(request_.pictures) / (name + ".png");
-    refuseToReplaceOthers(path.string(), kPictures, "--pictures");
-    writePng(path.string(), image, {{"Software", std::string("nlg-validate views ") + sourceRevision()}});
-    return std::filesystem::proximate(path, std::filesystem::absolute(request_.out).parent_path()).generic_string();
+    return writePicture(image, request_.pictures, name, request_.out, "nlg-validate views");
   }
 
   Json results() {

@@ -5,7 +5,6 @@
 #include <map>
 
 #include "tests/validate/light/lit_scenes.h"
-#include "validate/light/colour_difference.h"
 
 namespace nlg {
 namespace {
@@ -137,17 +136,6 @@ TEST(LightFigures, CountOnlyJumpsThatTruthDoesNotMake) {
   EXPECT_EQ(jumps.steps, 4u);
   EXPECT_NEAR(jumps.largest, 1.0 / 2.0, 1e-6);
   EXPECT_NEAR(jumps.mean, (0.5 + 1.0) / 4 / 2.0, 1e-6);
-}
-
-TEST(ColourDifference, IsThatOfLab) {
-  EXPECT_EQ(hyAb(labOf(glm::vec3(0.3f)), labOf(glm::vec3(0.3f))), 0.0f);
-  EXPECT_NEAR(hyAb(labOf(glm::vec3(0.0f)), labOf(glm::vec3(1.0f))), 100.0f, 1e-2f);
-  EXPECT_EQ(labOf(glm::vec3(2.0f)), labOf(glm::vec3(1.0f))) << "a display shows no more than white";
-  // sRGB's red: L* 53.24, a* 80.09, b* 67.20
-  const glm::vec3 red = labOf({1.0f, 0.0f, 0.0f});
-  EXPECT_NEAR(red.x, 53.24f, 0.02f);
-  EXPECT_NEAR(red.y, 80.09f, 0.05f);
-  EXPECT_NEAR(red.z, 67.20f, 0.05f);
 }
 
 }  // namespace
