@@ -133,22 +133,17 @@ const OwnFiles kValidationFiles = {"a file of nlg-validate", [](std::string_view
                                             bytes.starts_with(R"([{"which":)") || bytes == "[]";
                                    }};
 
-FunctionsCsv::FunctionsCsv(const FunctionSet& set, const Populations& populations) : set_(set), populations_(populations) {
-  text_ << "representation,word,function,scene,take_theta,hard,blend_rmse,rmse,rmse_test_points,rmse_occluded,leak_mean,leak_p99,"
-           "fails_check,"
-           "fitted,elapsed_us\n";
-}
-
-void FunctionsCsv::add(const std::string& representation, const MeasuredWord& word) {
+void appendCsv(const std::string& representation, const MeasuredWord& word, const FunctionSet& set,
+               const Populations& populations, std::ostream& csv) {
   for (const MeasuredFunction& one : word.functions) {
     const FunctionError& error = one.error;
-    text_ << representation << ',' << word.name << ',' << one.function << ','
-          << csvField(set_.scene_ids[set_.scene_idx[one.function]]) << ',' << populations_.takesTheta(one.function) << ','
-          << populations_.isHard(one.function) << ',' << error.blend_rmse << ',' << error.rmse << ',' << error.rmse_test_points
-          << ',';
-    if (error.has_occluded) text_ << error.rmse_occluded;
-    text_ << ',' << error.leak_mean << ',' << error.leak_p99 << ',' << one.fails_check << ',' << one.fitted << ','
-          << one.elapsed_us << '\n';
+    csv << representation << ',' << word.name << ',' << one.function << ','
+        << csvField(set.scene_ids[set.scene_idx[one.function]]) << ',' << populations.takesTheta(one.function) << ','
+        << populations.isHard(one.function) << ',' << error.blend_rmse << ',' << error.rmse << ',' << error.rmse_test_points
+        << ',';
+    if (error.has_occluded) csv << error.rmse_occluded;
+    csv << ',' << error.leak_mean << ',' << error.leak_p99 << ',' << one.fails_check << ',' << one.fitted << ',' << one.elapsed_us
+        << '\n';
   }
 }
 

@@ -1,7 +1,7 @@
 // Writes the parts of summary.json, schema version 2 (docs/reference/formats.md).
 #pragma once
 
-#include <sstream>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -35,20 +35,14 @@ nlohmann::ordered_json representationJson(const ValidatedGenerator& validated, c
 // Whatever nlg-validate writes.
 extern const OwnFiles kValidationFiles;
 
-// functions.csv: one line a function and word.
-class FunctionsCsv {
- public:
-  // Both must outlive it.
-  FunctionsCsv(const FunctionSet& set, const Populations& populations);
+// functions.csv: one line a function and word, under this one.
+inline constexpr const char* kCsvHead =
+    "representation,word,function,scene,take_theta,hard,blend_rmse,rmse,rmse_test_points,rmse_occluded,leak_mean,leak_p99,fails_"
+    "check,"
+    "fitted,elapsed_us\n";
 
-  // representation   "tent" for the bare tent, which is of none
-  void add(const std::string& representation, const MeasuredWord& word);
-  std::string text() const { return text_.str(); }
-
- private:
-  const FunctionSet& set_;
-  const Populations& populations_;
-  std::ostringstream text_;
-};
+// representation   "tent" for the bare tent, which is of none
+void appendCsv(const std::string& representation, const MeasuredWord& word, const FunctionSet& set,
+               const Populations& populations, std::ostream& csv);
 
 }  // namespace nlg

@@ -1,6 +1,7 @@
 #include "validate/generators/validation.h"
 
 #include <iostream>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -19,13 +20,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kSchemaVersion = 2;
-
-ValidatedGenerator measure(const Generator& generator, const std::string& path, const FigureContext& context,
-                           const ValidateOptions& options) {
-  PolicyWords policy = measurePolicy(generator, context.set, context.populations, options);
-  LongFits fits = measureLongFits(generator, context.set, context.populations, policy.least_wrong, options);
-  return {generator, path, std::move(policy), std::move(fits)};
-}
 
 }  // namespace
 
@@ -62,8 +56,9 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
   const MeasuredWord tents = measureTents(set, populations, options);
 
   // tables grow generator by generator, and are written together at the end
-  FunctionsCsv csv(set, populations);
-  csv.add(tents.name, tents);
+  std::ostringstream csv;
+  csv << kCsvHead;
+  appendCsv(tents.name, tents, set, populations, csv);
   Json slices = Json::array();
   Json summary = {{"schema_version", kSchemaVersion},
                   {"provenance", provenance("nlg-validate", table.toJson(), {{"held_out", set.sha256}})},
@@ -77,13 +72,15 @@ void validate(const ValidationRequest& request, ValidateOptions options, const O
   for (size_t i = 0; i < generators.size(); ++i) {
     const Representation& representation = generators[i].representation();
     const std::string name = representationName(representation);
-    const ValidatedGenerator validated = measure(generators[i], paths[i], context, options);
+    PolicyWords policy = measurePolicy(generators[i], set, populations, options);
+    LongFits fits = measureLongFits(generators[i], set, populations, policy.least_wrong, options);
+    const ValidatedGenerator validated{generators[i], paths[i], std::move(policy), std::move(fits)};
     summary["representations"][name] = representationJson(validated, context);
-    for (const MeasuredWord& word : validated.policy.words) csv.add(name, word);
-    for (const MeasuredWord& fit : validated.fits.words) csv.add(name, fit);
+    for (const MeasuredWord& word : validated.policy.words) appendCsv(name, word, set, populations, csv);
+    for (const MeasuredWord& fit : validated.fits.words) appendCsv(name, fit, set, populations, csv);
     appendSlices(representation, validated.policy, set, populations, &slices);
   }
-  writeFileAtomically(request.out_dir + "/functions.csv", csv.text());
+  writeFileAtomically(request.out_dir + "/functions.csv", csv.str());
   writeFileAtomically(request.out_dir + "/slices.json", slices.dump());
   writeFileAtomically(request.out_dir + "/summary.json", summary.dump(1) + "\n");
   std::cout << request.out_dir << "/summary.json\n";
