@@ -47,11 +47,8 @@ class ProbeReader {
       place.probe[reading->corner] = reading->probe;
       if (outcome == ProbeOutcome::in_solid) continue;
       const bool is_free = outcome == ProbeOutcome::free_space;
-      const bool is_seen = is_free || builder_.sees(around.local);
       const float phi = is_free ? tent(around.local) : builder_.valueAt(around.local, function_);
       place.target[reading->corner] = phi * around.tent_ratio;
-      place.seen[reading->corner] = is_seen ? tent(around.local) * around.tent_ratio : 0.0f;
-      place.is_seen[reading->corner] = is_seen;
     }
   }
 

@@ -15,14 +15,12 @@ namespace nlg {
 
 // What the probes around a place should weigh there: target φ itself, not what stands for it.
 inline constexpr int kCornerCount = 8;
-using CornerWeights = std::array<float, kCornerCount>;
 
 // Of one place, by corner as ProbesAround has them; none normalised.
 struct TrueWeights {
   std::array<uint32_t, kCornerCount> probe{};
-  CornerWeights target{};  // target φ, by the formula at this very place, times tent_ratio; 0 for a probe in solid without an eye
-  CornerWeights seen{};    // the cell's tent where the probe's eye sees the place (solid_eye.h), 0 otherwise
-  std::array<bool, kCornerCount> is_seen{};
+  // target φ, by the formula at this very place, times tent_ratio; 0 for a probe in solid without an eye
+  std::array<float, kCornerCount> target{};
 };
 
 // The function of every probe that a place reads is generated once.
