@@ -14,15 +14,6 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 
-Scene closedRoom(const glm::vec3& albedo, const glm::vec3& emission) {
-  SceneOfFaces faces;
-  faces.addRoom({-2, -1, -3}, {2, 1.5f, 3}, 0.2f);
-  Scene scene = faces.finish();
-  scene.materials[0].base_color = albedo;
-  scene.materials[0].emissive = emission;
-  return scene;
-}
-
 Scene ground(float albedo, float half_side) {
   SceneOfFaces faces;
   const float s = half_side;
@@ -30,6 +21,24 @@ Scene ground(float albedo, float half_side) {
   Scene scene = faces.finish();
   scene.materials[0].base_color = glm::vec3(albedo);
   return scene;
+}
+
+// Ground, a roof 5 m above it, and between them a face of sky that looks down.
+Scene roofBehindSky() {
+  SceneOfFaces faces;
+  faces.addQuad({-10, 0, 10}, {10, 0, 10}, {10, 0, -10}, {-10, 0, -10});
+  faces.addQuad({-10, 5, -10}, {10, 5, -10}, {10, 5, 10}, {-10, 5, 10});
+  Scene scene = faces.finish();
+  scene.light.sky_faces.positions = {{-10, 4, -10}, {10, 4, -10}, {10, 4, 10}, {-10, 4, 10}};
+  scene.light.sky_faces.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return scene;
+}
+
+Lamp& addLamp(Scene& scene, const glm::vec3& position, const glm::vec3& intensity) {
+  Lamp& lamp = scene.light.lamps.emplace_back();
+  lamp.position = position;
+  lamp.intensity = intensity;
+  return lamp;
 }
 
 struct Lit {
@@ -45,7 +54,7 @@ struct Lit {
 // Furnace: everything emits e and reflects ρ, so that radiance is e / (1 - ρ) everywhere and irradiance pi times that.
 TEST(LightTransport, ClosedFurnaceIsConstant) {
   const glm::vec3 albedo(0.5f, 0.2f, 0.0f), emission(1.0f, 2.0f, 3.0f);
-  const Lit lit(closedRoom(albedo, emission));
+  const Lit lit(room(albedo, emission));
   for (const glm::dvec3& place : {glm::dvec3(0.0), glm::dvec3(1.9, -0.9, 2.5), glm::dvec3(-1.99, 1.4, -2.9)}) {
     for (const glm::vec3& normal : {glm::vec3(0, 1, 0), glm::vec3(1, 1, 1)}) {
       const GatheredIrradiance gathered = lit.transport.gatherIrradiance(place, glm::normalize(normal), {4096, 64}, 3);
@@ -72,15 +81,8 @@ TEST(LightTransport, ClosedFurnaceIsConstant) {
 // A sun and a lamp above white ground: left out, they still shine on the ground and it sends their light up.
 TEST(LightTransport, LeavesDirectLightOutWhereAsked) {
   Scene scene = ground(0.5f, 1000.0f);
-  Sun sun;
-  sun.to_sun = {0, 1, 0};
-  sun.irradiance = glm::vec3(2.0f);
-  scene.light.suns.push_back(sun);
-  Lamp lamp;
-  lamp.position = {0, 10, 0};
-  lamp.intensity = glm::vec3(300.0f);
-  lamp.radius_m = 0.05f;
-  scene.light.lamps.push_back(lamp);
+  scene.light.suns.emplace_back().irradiance = glm::vec3(2.0f);
+  addLamp(scene, {0, 10, 0}, glm::vec3(300.0f)).radius_m = 0.05f;
   const Lit lit(scene);
   const auto from = [&](const glm::vec3& normal, DirectLight direct) {
     GatherOptions options{4096, 64};
@@ -116,11 +118,7 @@ TEST(LightTransport, UniformSkyLightsAPlaneAndItsUnderside) {
 
 TEST(LightTransport, SmallLampFallsOffWithTheSquare) {
   Scene scene = ground(0.0f, 10.0f);
-  Lamp lamp;
-  lamp.position = {0, 3, 0};
-  lamp.intensity = {4.0f, 8.0f, 0.0f};
-  lamp.radius_m = 0.05f;
-  scene.light.lamps.push_back(lamp);
+  addLamp(scene, {0, 3, 0}, {4.0f, 8.0f, 0.0f}).radius_m = 0.05f;
   const Lit lit(scene);
   EXPECT_NEAR(lit.at({0, 1, 0}, {0, 1, 0}).r, 4.0f / 4.0f, 2e-3f);
   EXPECT_NEAR(lit.at({0, 1, 0}, {0, 1, 0}).g, 8.0f / 4.0f, 4e-3f);
@@ -132,12 +130,9 @@ TEST(LightTransport, SmallLampFallsOffWithTheSquare) {
 
 TEST(LightTransport, SpotEndsAtItsOuterCone) {
   Scene scene = ground(0.0f, 10.0f);
-  Lamp lamp;
-  lamp.position = {0, 2, 0};
-  lamp.intensity = glm::vec3(1.0f);
+  Lamp& lamp = addLamp(scene, {0, 2, 0}, glm::vec3(1.0f));
   lamp.cos_inner = std::cos(0.3f);
   lamp.cos_outer = std::cos(0.5f);
-  scene.light.lamps.push_back(lamp);
   const Lit lit(scene);
   EXPECT_NEAR(lit.at({0, 1, 0}, {0, 1, 0}).r, 1.0f, 2e-2f);
   EXPECT_EQ(lit.at({0.9, 1, 0}, {0, 1, 0}).r, 0.0f);
@@ -166,7 +161,7 @@ TEST(LightTransport, ShiningSquareIsFoundBySampling) {
 }
 
 TEST(LightTransport, BakedLightIsWhatOneRayMeets) {
-  Scene scene = closedRoom(glm::vec3(0.5f), glm::vec3(0.25f));
+  Scene scene = room(glm::vec3(0.5f), glm::vec3(0.25f));
   scene.light.baked.triangle_page.assign(scene.triangles.size(), BakedLight::kByVertex);
   scene.light.baked.vertex_place.resize(scene.positions.size());
   scene.light.baked.vertex_light.assign(scene.positions.size(), glm::vec3(3.0f, 2.0f, 1.0f));
@@ -195,16 +190,8 @@ TEST(LightTransport, BakedPagesAreReadBetweenTexelCentres) {
 }
 
 TEST(LightTransport, SkyFacesShineInFrontAndLetThroughFromBehind) {
-  Scene scene = ground(0.5f, 10.0f);
-  scene.light.sky = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(1.0f)};
-  // a roof above that would block, behind a sky face that looks down
-  SceneOfFaces faces;
-  faces.addQuad({-10, 0, 10}, {10, 0, 10}, {10, 0, -10}, {-10, 0, -10});
-  faces.addQuad({-10, 5, -10}, {10, 5, -10}, {10, 5, 10}, {-10, 5, 10});
-  Scene roofed = faces.finish();
+  Scene roofed = roofBehindSky();
   roofed.light.sky = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(1.0f)};
-  roofed.light.sky_faces.positions = {{-10, 4, -10}, {10, 4, -10}, {10, 4, 10}, {-10, 4, 10}};
-  roofed.light.sky_faces.triangles = {{0, 1, 2}, {0, 2, 3}};
   const RayScene rays(roofed);
   EXPECT_EQ(rays.lightHit({0, 1, 0}, {0, 1, 0}).kind, LightHit::Kind::sky);
   const LightHit from_behind = rays.lightHit({0, 4.5f, 0}, {0, -1, 0});
@@ -215,14 +202,8 @@ TEST(LightTransport, SkyFacesShineInFrontAndLetThroughFromBehind) {
 
 // A sun straight above: the level's own roof ends in a face of sky, or in one of lava.
 TEST(Sunlight, FallsThroughFacesOfSkyAndNotThroughThoseThatShineThemselves) {
-  SceneOfFaces faces;
-  faces.addQuad({-10, 0, 10}, {10, 0, 10}, {10, 0, -10}, {-10, 0, -10});
-  faces.addQuad({-10, 5, -10}, {10, 5, -10}, {10, 5, 10}, {-10, 5, 10});
-  Scene scene = faces.finish();
-  scene.light.suns.push_back({});
-  scene.light.suns.back().to_sun = {0, 1, 0};
-  scene.light.sky_faces.positions = {{-10, 4, -10}, {10, 4, -10}, {10, 4, 10}, {-10, 4, 10}};
-  scene.light.sky_faces.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Scene scene = roofBehindSky();
+  scene.light.suns.emplace_back().to_sun = {0, 1, 0};
   const RayScene rays(scene);
   EXPECT_TRUE(isInSunlight(scene, rays, {0, 1, 0}, {0, 1, 0}));
   EXPECT_FALSE(isInSunlight(scene, rays, {0, 1, 0}, {0, -1, 0})) << "the sun stands behind its plane";
@@ -249,13 +230,7 @@ SkyImage skyImage(const std::function<glm::vec3(const glm::vec3& direction)>& ra
 
 TEST(LightTransport, AnImageOfOneColourIsTheSkyOfThatColour) {
   // under a sky's face with a roof behind it, over ground that sends light on: each way by which a sky is met
-  SceneOfFaces faces;
-  faces.addQuad({-10, 0, 10}, {10, 0, 10}, {10, 0, -10}, {-10, 0, -10});
-  faces.addQuad({-10, 5, -10}, {10, 5, -10}, {10, 5, 10}, {-10, 5, 10});
-  Scene roofed = faces.finish();
-  roofed.light.sky_faces.positions = {{-10, 4, -10}, {10, 4, -10}, {10, 4, 10}, {-10, 4, 10}};
-  roofed.light.sky_faces.triangles = {{0, 1, 2}, {0, 2, 3}};
-  for (Scene scene : {ground(0.5f, 1e4f), roofed}) {
+  for (Scene scene : {ground(0.5f, 1e4f), roofBehindSky()}) {
     const glm::vec3 colour(1.0f, 2.0f, 0.5f);
     scene.light.sky = {colour, colour, colour};
     const Lit plain(scene);
@@ -327,11 +302,8 @@ TEST(LightTransport, ASpotOfASkysImageIsFoundBySamplingAtPlacesAndAtBounces) {
 }
 
 TEST(LightTransport, SaysItsOwnNoise) {
-  Scene scene = closedRoom(glm::vec3(0.6f), glm::vec3(0.0f));
-  Lamp lamp;
-  lamp.position = {0, 0.3f, 0};
-  lamp.intensity = glm::vec3(5.0f);
-  scene.light.lamps.push_back(lamp);
+  Scene scene = room(glm::vec3(0.6f), glm::vec3(0.0f));
+  addLamp(scene, {0, 0.3f, 0}, glm::vec3(5.0f));
   const Lit lit(scene);
   const int runs = 64;
   double sum = 0.0, squares = 0.0, said = 0.0;
@@ -353,10 +325,7 @@ TEST(LightTransport, SaysItsOwnNoise) {
 TEST(LightTransport, LampsCloseToASurfaceLightAllOfIt) {
   constexpr double h = 0.02, R = 0.5, step = 0.005;
   Scene scene = ground(0.0f, 3.0f);
-  Lamp lamp;
-  lamp.position = {0.0f, static_cast<float>(h), 0.0f};
-  lamp.intensity = glm::vec3(1.0f);
-  scene.light.lamps.push_back(lamp);
+  addLamp(scene, {0.0f, static_cast<float>(h), 0.0f}, glm::vec3(1.0f));
   const Lit lit(scene);
   double flux = 0.0;
   for (double x = 0.5 * step; x < R; x += step) {

@@ -25,6 +25,11 @@ TextureImage imageOf(int width, int height, const TexelOf& texel_of) {
   return image;
 }
 
+std::array<uint8_t, 4> grey(int code) {
+  const auto channel = static_cast<uint8_t>(code);
+  return {channel, channel, channel, 255};
+}
+
 // Every face of quads (a, b, c, d as SceneOfFaces has them) gets the whole image.
 void spreadImages(Scene* scene) {
   const glm::vec2 corners[6] = {{0, 1}, {1, 1}, {1, 0}, {0, 1}, {1, 0}, {0, 0}};
@@ -74,7 +79,7 @@ TEST(TexturedLight, AnImageOfOneColourIsItsFactorBitForBit) {
   Scene factor = room(glm::vec3(linearFromSrgb(code)), glm::vec3(3.0f * linearFromSrgb(code)));
   Scene image = room(glm::vec3(1.0f), glm::vec3(3.0f));
   spreadImages(&image);
-  image.images = {imageOf(8, 8, [&](int, int) { return std::array<uint8_t, 4>{code, code, code, 255}; })};
+  image.images = {imageOf(8, 8, [&](int, int) { return grey(code); })};
   image.materials[0].base_image.image = 0;
   image.vertex_colours.assign(image.positions.size(), glm::vec4(1.0f));
   // emission by a factor: patches of an image draw other points
@@ -88,10 +93,7 @@ TEST(TexturedLight, AnImageOfOneColourIsItsFactorBitForBit) {
 TEST(TexturedLight, ShiningStripesFillARoomAsTheirMeanDoes) {
   Scene scene = room(glm::vec3(0.5f), glm::vec3(2.0f));
   spreadImages(&scene);
-  scene.images = {imageOf(16, 4, [](int x, int) {
-    const uint8_t code = x % 2 == 0 ? 255 : 0;
-    return std::array<uint8_t, 4>{code, code, code, 255};
-  })};
+  scene.images = {imageOf(16, 4, [](int x, int) { return grey(x % 2 == 0 ? 255 : 0); })};
   scene.materials[0].emissive_image.image = 0;
   const GatheredIrradiance gathered = Lit(scene).at({0, 0, 0}, {0, 1, 0}, 16384);
   const float expected = kPi * 1.0f / (1.0f - 0.5f);
@@ -107,10 +109,7 @@ TEST(TexturedLight, ASmallBrightSpotOfAnImageIsDrawnByItsPower) {
     scene.materials[0].base_color = glm::vec3(0.0f);
     scene.materials[0].emissive = glm::vec3(1000.0f);
     spreadImages(&scene);
-    scene.images = {imageOf(texels, texels, [&](int x, int y) {
-      const uint8_t code = x == column && y == row ? 255 : 0;
-      return std::array<uint8_t, 4>{code, code, code, 255};
-    })};
+    scene.images = {imageOf(texels, texels, [&](int x, int y) { return grey(x == column && y == row ? 255 : 0); })};
     scene.materials[0].emissive_image.image = 0;
     const GatheredIrradiance gathered = Lit(scene).at({0, 1, 0}, {0, -1, 0}, 512);
     // area of a texel, seen from straight above but for its offset
@@ -126,10 +125,7 @@ TEST(TexturedLight, ChancesOfPatchesSumToOneOverTheEmitters) {
   Scene scene = plate(1.0f, 0.0f);
   scene.materials[0].emissive = glm::vec3(1.0f);
   spreadImages(&scene);
-  scene.images = {imageOf(64, 64, [](int x, int y) {
-    const auto code = static_cast<uint8_t>(4 * ((x * 7 + y * 13) % 64));
-    return std::array<uint8_t, 4>{code, code, code, 255};
-  })};
+  scene.images = {imageOf(64, 64, [](int x, int y) { return grey(4 * ((x * 7 + y * 13) % 64)); })};
   scene.materials[0].emissive_image.image = 0;
   const Emitters emitters(scene);
   const Emitters::Draws draws(emitters, {0.3f, 1.0f, -0.2f});
@@ -159,11 +155,7 @@ TEST(TexturedLight, ATransmissiveSurfaceDimsSkySunLampAndPanelByWhatItLetsThroug
   const auto lit = [&](const Material& lid, int source) {
     Scene scene = boxUnderLid(lid);
     if (source > 0) scene.light.sky = {};
-    if (source == 1) {
-      Sun sun;
-      sun.irradiance = glm::vec3(5.0f);
-      scene.light.suns.push_back(sun);
-    }
+    if (source == 1) scene.light.suns.emplace_back().irradiance = glm::vec3(5.0f);
     Lamp lamp;
     lamp.position = {0.1f, 3.0f, 0.2f};
     lamp.intensity = glm::vec3(20.0f);
