@@ -119,16 +119,13 @@ TEST_F(SceneBakeTest, WeightsSumToOneInFreeSpaceAndKeepToTheirSideOfAWall) {
       // all 8 probes are more than 1 m away from the wall: tents, and a sum of 8 floats of at most 1
       EXPECT_NEAR(sum, 1.0, 8 * 1.2e-7) << at[0];
       ++free_count;
-    } else {
-      for (int c = 0; c < weights.count; ++c) {
-        (sameSide(weights.probe[c], at) ? weight_sum : leak_sum) += weights.weight[c];
-      }
-      ASSERT_TRUE(lookUpWeights(bare, at, &weights));
-      for (int c = 0; c < weights.count; ++c) {
-        (sameSide(weights.probe[c], at) ? bare_weight_sum : bare_leak_sum) += weights.weight[c];
-      }
-      ++wall_count;
+      continue;
     }
+    for (int c = 0; c < weights.count; ++c) (sameSide(weights.probe[c], at) ? weight_sum : leak_sum) += weights.weight[c];
+    ASSERT_TRUE(lookUpWeights(bare, at, &weights));
+    for (int c = 0; c < weights.count; ++c)
+      (sameSide(weights.probe[c], at) ? bare_weight_sum : bare_leak_sum) += weights.weight[c];
+    ++wall_count;
   }
   EXPECT_GT(free_count, 1000);
   EXPECT_GT(wall_count, 1000);
@@ -199,27 +196,26 @@ TEST_F(SceneBakeTest, CorrectsWhatFailsTheCheckOrIsAboveGoodRmse) {
   BakeOptions options = correctedHouseOptions();
   // which functions are bare tents goes by the loss: the same one throughout
   options.policy.dark_weight = options.policy.blend_floor = 1.0;
-  std::vector<FunctionCheck> plain;
-  for (const FunctionOutcome& function : bake("house:3", only(plainData()), options).statistics.functions) {
-    plain.push_back(function.record.at(ThetaWord::stored));
-  }
-  std::vector<double> errors;
-  for (const FunctionCheck& check : plain) errors.push_back(check.rmse);
-  std::nth_element(errors.begin(), errors.begin() + static_cast<ptrdiff_t>(errors.size() / 2), errors.end());
-  const double median = errors[errors.size() / 2];
+  const auto errorsOf = [](const Bake& bake) {
+    std::vector<double> errors;
+    for (const FunctionOutcome& function : bake.statistics.functions)
+      errors.push_back(function.record.at(ThetaWord::stored).rmse);
+    return errors;
+  };
+  const std::vector<double> plain = errorsOf(bake("house:3", only(plainData()), options));
+  std::vector<double> sorted = plain;
+  std::sort(sorted.begin(), sorted.end());
+  const double median = sorted[sorted.size() / 2];
   // once nothing fails the check but for its error, once nothing fails it at all
   for (const double tau_rmse : {median, 1e3}) {
     options.policy.check() = {tau_rmse, 1e3, 1.0, 1.0, 1.0};
     options.policy.good_rmse = tau_rmse == median ? 1e3 : median;
     const Bake some = bake("house:3", only(correctedData()), options);
+    const std::vector<double> errors = errorsOf(some);
     uint64_t above = 0;
     for (size_t f = 0; f < plain.size(); ++f) {
-      above += plain[f].rmse > median;
-      if (plain[f].rmse > median) {
-        EXPECT_LT(some.statistics.functions[f].record.at(ThetaWord::stored).rmse, plain[f].rmse) << "function " << f;
-      } else {
-        EXPECT_EQ(some.statistics.functions[f].record.at(ThetaWord::stored).rmse, plain[f].rmse) << "function " << f;
-      }
+      above += plain[f] > median;
+      EXPECT_TRUE(plain[f] > median ? errors[f] < plain[f] : errors[f] == plain[f]) << "function " << f << ": " << errors[f];
     }
     EXPECT_GT(above, 0u);
     EXPECT_EQ(changed(some), above);
@@ -275,8 +271,8 @@ TEST_P(StoredThetaTest, HasTheErrorThatTheBakeReports) {
     EXPECT_EQ(check.rmse, record.at(ThetaWord::stored).rmse) << "function " << f;
     failing_count += !check.passes(limits);
     // what passes at one word passes at the next, but for rounding
-    EXPECT_LE(record.at(ThetaWord::fitted).passes(limits) ? 0 : 1, record.at(ThetaWord::corrected).passes(limits) ? 0 : 1) << f;
-    EXPECT_LE(record.at(ThetaWord::corrected).passes(limits) ? 0 : 1, record.at(ThetaWord::network).passes(limits) ? 0 : 1) << f;
+    EXPECT_GE(record.at(ThetaWord::fitted).passes(limits), record.at(ThetaWord::corrected).passes(limits)) << f;
+    EXPECT_GE(record.at(ThetaWord::corrected).passes(limits), record.at(ThetaWord::network).passes(limits)) << f;
   }
   EXPECT_EQ(failing_count, failing(house, ThetaWord::stored, options));
 }

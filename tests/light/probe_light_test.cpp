@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -44,6 +45,21 @@ struct TentRoom {
       }
     };
   }
+  // What every place has.
+  template <class ValueAt>
+  std::vector<LightSh> placeLight(const ValueAt& value_at) const {
+    std::vector<LightSh> light;
+    for (const glm::dvec3& place : air.places) light.push_back(uniformLight(static_cast<float>(value_at(place))));
+    return light;
+  }
+  double blendAt(const glm::dvec3& place, const std::vector<LightSh>& light) const {
+    ProbeWeights weights;
+    tents()(place, &weights);
+    EXPECT_TRUE(normaliseWeights(&weights));
+    double sum = 0.0;
+    for (int j = 0; j < weights.count; ++j) sum += weights.weight[j] * light[weights.probe[j]][0].g;
+    return sum;
+  }
   ProbeLight solved(const std::vector<LightSh>& place_light, const ProbeLightOptions& options, int threads = 2) const {
     return lightProbes(transport, tree, air.places, place_light, tents(), options, threads);
   }
@@ -71,14 +87,9 @@ TEST(ProbeLight, IsNotDarkForAHollowWall) {
   Scene scene = faces.finish();
   scene.cavity_m = 0.0;  // as where a hole makes air of it
   const TentRoom room(std::move(scene));
-  std::vector<LightSh> place_light;
-  size_t hollow = 0;
-  for (const glm::dvec3& place : room.air.places) {
-    const bool is_hollow = std::fabs(place.x) < 0.15;
-    hollow += is_hollow;
-    place_light.push_back(uniformLight(is_hollow ? 0.0f : 1.0f));
-  }
-  const ProbeLight lit = room.solved(place_light, {});
+  const auto isHollow = [](const glm::dvec3& place) { return std::fabs(place.x) < 0.15; };
+  const auto hollow = static_cast<size_t>(std::count_if(room.air.places.begin(), room.air.places.end(), isHollow));
+  const ProbeLight lit = room.solved(room.placeLight([&](const glm::dvec3& place) { return isHollow(place) ? 0.0 : 1.0; }), {});
   ASSERT_GT(hollow, 50u);
   EXPECT_EQ(lit.unseen, hollow);
   for (const LightSh& light : lit.light) EXPECT_NEAR(light[0].g, 1.0f, 1e-3f);
@@ -129,9 +140,8 @@ TEST(ProbeLight, IsNotRuledByPlacesThatHardlyReadAnything) {
 // that an error in shares makes more of. In shares of what was measured the places below have 16 times the say of those above.
 TEST(ProbeLight, IsNotDarkerForNoise) {
   const TentRoom room;
-  std::vector<LightSh> place_light;
   Random random(5);
-  for (size_t i = 0; i < room.air.places.size(); ++i) place_light.push_back(uniformLight(random.uniform() < 0.5 ? 0.4f : 1.6f));
+  const std::vector<LightSh> place_light = room.placeLight([&](const glm::dvec3&) { return random.uniform() < 0.5 ? 0.4 : 1.6; });
   double mean = 0.0, measured = 0.0;
   const std::vector<LightSh> light = room.solved(place_light, {}).light;
   for (const LightSh& of_probe : light) mean += of_probe[0].g / static_cast<double>(light.size());
@@ -143,25 +153,15 @@ TEST(ProbeLight, IsNotDarkerForNoise) {
 // much where errors are taken in shares of the light there as where they are taken against the level's mean.
 TEST(ProbeLight, SeesErrorsInSharesOfTheLightThere) {
   const TentRoom room;
-  const float dark = 0.1f;
-  std::vector<LightSh> place_light;
-  for (const glm::dvec3& place : room.air.places) place_light.push_back(uniformLight(place.x < 0.0 ? dark : 1.0f));
-  const WeightsAt tents = room.tents();
+  const double dark = 0.1;
+  const std::vector<LightSh> place_light = room.placeLight([&](const glm::dvec3& place) { return place.x < 0.0 ? dark : 1.0; });
   const auto worst = [&](double dark_share) {
     ProbeLightOptions options;
     options.dark_share = dark_share;
     const std::vector<LightSh> light = room.solved(place_light, options).light;
     double largest = 0.0;
     for (const glm::dvec3& place : room.air.places) {
-      if (place.x > -1.0) continue;
-      ProbeWeights weights;
-      tents(place, &weights);
-      double blend = 0.0, sum = 0.0;
-      for (int j = 0; j < weights.count; ++j) {
-        blend += weights.weight[j] * light[weights.probe[j]][0].g;
-        sum += weights.weight[j];
-      }
-      largest = std::max(largest, std::abs(blend / sum / dark - 1.0));
+      if (place.x <= -1.0) largest = std::max(largest, std::abs(room.blendAt(place, light) / dark - 1.0));
     }
     return largest;
   };
@@ -195,21 +195,13 @@ TEST(ProbeLight, IsLessNoisyThanThePlacesThatItIsMadeOf) {
 // A lamp of 40 cm in the middle of a wall, and light of 1 elsewhere: beside it no place may become darker than that by a third.
 TEST(ProbeLight, HasNoDarkRingAroundALamp) {
   const TentRoom room;
-  std::vector<LightSh> place_light;
-  for (const glm::dvec3& place : room.air.places) {
+  const auto lampAt = [](const glm::dvec3& place) {
     const glm::dvec3 way = place - glm::dvec3(2.5, 0.0, 0.0);
-    place_light.push_back(uniformLight(static_cast<float>(1.0 + 3.0 * 0.16 / (0.16 + glm::dot(way, way)))));
-  }
-  const std::vector<LightSh> light = room.solved(place_light, {}).light;
-  const WeightsAt tents = room.tents();
-  for (const glm::dvec3& place : room.air.places) {
-    ProbeWeights weights;
-    tents(place, &weights);
-    ASSERT_TRUE(normaliseWeights(&weights));
-    float answer = 0.0f;
-    for (int j = 0; j < weights.count; ++j) answer += weights.weight[j] * light[weights.probe[j]][0].g;
-    EXPECT_GT(answer, 2.0f / 3.0f) << place.x << ' ' << place.y << ' ' << place.z;
-  }
+    return 1.0 + 3.0 * 0.16 / (0.16 + glm::dot(way, way));
+  };
+  const std::vector<LightSh> light = room.solved(room.placeLight(lampAt), {}).light;
+  for (const glm::dvec3& place : room.air.places)
+    EXPECT_GT(room.blendAt(place, light), 2.0 / 3.0) << place.x << ' ' << place.y << ' ' << place.z;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "tests/runtime_eval/sample_functions.h"
@@ -43,12 +44,10 @@ int classOf(const BasisData& data, int component) {
   return parity_class;
 }
 
-double dot(const BasisData& data, int a, int b) {
-  double sum = 0.0;
-  for (int i = 0; i < kOctantPointCount; ++i) {
-    sum += double{data.components[size_t(a) * kOctantPointCount + i]} * data.components[size_t(b) * kOctantPointCount + i];
-  }
-  return sum;
+// Of component a of one basis and b of the other.
+double dot(const BasisData& of_a, int a, const BasisData& of_b, int b) {
+  const float *x = &of_a.components[size_t(a) * kOctantPointCount], *y = &of_b.components[size_t(b) * kOctantPointCount];
+  return std::inner_product(x, x + kOctantPointCount, y, 0.0, std::plus<>(), [](double p, double q) { return p * q; });
 }
 
 // Component k at support point p: its class's sign by mirror, 1/sqrt(8) for each.
@@ -76,7 +75,7 @@ TEST(BasisFit, HasOrthonormalComponents) {
     for (int b = 0; b <= a; ++b) {
       if (classOf(data, a) != classOf(data, b)) continue;  // orthogonal by their signs
       // entries are rounded to float: products of two unit rows are off by at most 2 u
-      ASSERT_NEAR(dot(data, a, b), a == b ? 1.0 : 0.0, 4 * kFloatRounding) << "components " << a << " and " << b;
+      ASSERT_NEAR(dot(data, a, data, b), a == b ? 1.0 : 0.0, 4 * kFloatRounding) << "components " << a << " and " << b;
     }
   }
 }
@@ -151,14 +150,22 @@ TEST(BasisFit, DoesNotDependOnTheOrderOfAdditions) {
   }
   for (size_t i = 0; i < forwards.data.mean.size(); ++i) ASSERT_NEAR(backwards.data.mean[i], forwards.data.mean[i], 2e-7) << i;
   // signs are fixed, so that the rows agree to float's precision where eigenvalues are apart
-  for (int k = 0; k < 20; ++k) {
-    double product = 0.0;
-    for (int i = 0; i < kOctantPointCount; ++i) {
-      product += double{backwards.data.components[size_t(k) * kOctantPointCount + i]} *
-                 forwards.data.components[size_t(k) * kOctantPointCount + i];
+  for (int k = 0; k < 20; ++k) EXPECT_NEAR(dot(backwards.data, k, forwards.data, k), 1.0, 1e-5) << "component " << k;
+}
+
+// Three components, added with both signs in all eight combinations to a mean: each an amplitude at point p.
+Basis fitOfThree(int mean, const std::function<int(int component, int p)>& amplitude) {
+  std::vector<uint8_t> phi;
+  for (int combination = 0; combination < 8; ++combination) {
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      int value = mean;
+      for (int k = 0; k < 3; ++k) value += (combination >> k & 1 ? -1 : 1) * amplitude(k, p);
+      phi.push_back(static_cast<uint8_t>(value));
     }
-    EXPECT_NEAR(product, 1.0, 1e-5) << "component " << k;
   }
+  BasisFit fit;
+  fit.add(phi.data(), 8);
+  return fit.fit(64);
 }
 
 TEST(BasisFit, RecoversAnExplicitSmallRankExactly) {
@@ -166,21 +173,10 @@ TEST(BasisFit, RecoversAnExplicitSmallRankExactly) {
   // octant times the signs of parity class k: three components of known direction; variance (amplitude / 255)² * 8192
   const auto checker = [](int k, int i) { return (i >> k) & 1 ? -1 : 1; };
   const int classes[] = {0, 1, 6}, amplitude[] = {40, 20, 10};
-  std::vector<uint8_t> phi;
-  for (int combination = 0; combination < 8; ++combination) {
-    for (int p = 0; p < kSupportPointCount; ++p) {
-      int value = 100;
-      for (int k = 0; k < 3; ++k) {
-        const int sign = (combination >> k & 1 ? -1 : 1) * checker(k, p % kOctantPointCount) *
-                         static_cast<int>(mirrorSign(classes[k], p / kOctantPointCount));
-        value += amplitude[k] * sign;
-      }
-      phi.push_back(static_cast<uint8_t>(value));
-    }
-  }
-  BasisFit fit;
-  fit.add(phi.data(), 8);
-  const BasisData data = fit.fit(64).data;
+  const BasisData data =
+      fitOfThree(100, [&](int k, int p) {
+        return amplitude[k] * checker(k, p % kOctantPointCount) * static_cast<int>(mirrorSign(classes[k], p / kOctantPointCount));
+      }).data;
   ASSERT_EQ(data.coefficientCount(), 3);
   for (int k = 0; k < 3; ++k) {
     EXPECT_EQ(classOf(data, k), classes[k]);
@@ -242,20 +238,10 @@ TEST(BasisFit, FindsTheOneOtherFunctionAmongManyThatAreIdentical) {
 TEST(BasisFit, FindsDirectionsWhoseVariancesDifferTenMillionTimes) {
   // 100 steps at all points, 1 step at all points, 1 step at 8 points, in all combinations of signs
   const int classes[] = {0, 1, 6}, amplitude[] = {100, 1, 1}, points[] = {kSupportPointCount, kSupportPointCount, kMirrorCount};
-  std::vector<uint8_t> phi;
-  for (int combination = 0; combination < 8; ++combination) {
-    for (int p = 0; p < kSupportPointCount; ++p) {
-      int value = 128;
-      for (int k = 0; k < 3; ++k) {
-        if (k == 2 && p % kOctantPointCount != 77) continue;
-        value += amplitude[k] * (combination >> k & 1 ? -1 : 1) * static_cast<int>(mirrorSign(classes[k], p / kOctantPointCount));
-      }
-      phi.push_back(static_cast<uint8_t>(value));
-    }
-  }
-  BasisFit fit;
-  fit.add(phi.data(), 8);
-  Basis basis = fit.fit(64);
+  Basis basis = fitOfThree(128, [&](int k, int p) {
+    if (k == 2 && p % kOctantPointCount != 77) return 0;
+    return amplitude[k] * static_cast<int>(mirrorSign(classes[k], p / kOctantPointCount));
+  });
   // no direction of rounding counts as a component
   EXPECT_EQ(basis.data.coefficientCount(), 3);
   std::sort(basis.spectrum.rbegin(), basis.spectrum.rend());

@@ -48,6 +48,8 @@ const Run& run() {
   return shared;
 }
 
+TrainingState freshState() { return makeState(run().options, run().theta0); }
+
 // Training from `state` on; stops as a killed process would, behind the checkpoint of step `killed_at`.
 struct Killed {};
 void trainUntil(TrainingState& state, int64_t killed_at, const std::string& path) {
@@ -68,7 +70,7 @@ void expectSame(const std::vector<torch::Tensor>& a, const std::vector<torch::Te
 class Checkpoint : public testing::Test {
  protected:
   bool refused(const RunIdentity& identity = kIdentity) const {
-    TrainingState state = makeState(run().options, run().theta0);
+    TrainingState state = freshState();
     const std::string error = inputErrorOf([&] { readCheckpoint(CheckpointFile(path_), identity, &state); });
     if (error == "no error") return false;
     EXPECT_EQ(error.rfind(path_, 0), 0u) << error;
@@ -76,14 +78,14 @@ class Checkpoint : public testing::Test {
     return true;
   }
 
-  void writeFresh() const { writeCheckpoint(path_, kIdentity, makeState(run().options, run().theta0)); }
+  void writeFresh() const { writeCheckpoint(path_, kIdentity, freshState()); }
 
   const TemporaryFolder folder_;
   const std::string path_ = folder_ / "run.ckpt";
 };
 
 TEST(Train, LowersTheLoss) {
-  TrainingState state = makeState(run().options, run().theta0);
+  TrainingState state = freshState();
   const HeldOutError before = heldOutError(state.network, kTentMlp, run().training, CheckOptions().loss(), 24);
   int saves = 0;
   const TrainReport report = train(run().options, kTentMlp, run().training, run().held_out, &state, [&] { ++saves; });
@@ -134,7 +136,7 @@ TEST(TrainStep, CapsTheLossOfAThetaGoneAstray) {
 }
 
 TEST(Train, GivesTheSameParametersOnAnyNumberOfThreads) {
-  TrainingState one = makeState(run().options, run().theta0), three = makeState(run().options, run().theta0);
+  TrainingState one = freshState(), three = freshState();
   TrainOptions options = run().options;
   options.steps = 10;
   const TrainReport of_one = train(options, kTentMlp, run().training, run().held_out, &one, [] {});
@@ -179,9 +181,9 @@ TEST(TakeStep, IsLibtorchsAdamWithClippingAndAverages) {
 }
 
 TEST_F(Checkpoint, ResumesAKilledRunBitForBit) {
-  TrainingState whole = makeState(run().options, run().theta0);
+  TrainingState whole = freshState();
   trainUntil(whole, -1, "");
-  TrainingState killed = makeState(run().options, run().theta0);
+  TrainingState killed = freshState();
   trainUntil(killed, 20, path_);
   ASSERT_EQ(killed.step, 20);
 
@@ -224,7 +226,7 @@ TEST_F(Checkpoint, IsRefusedWhenDamaged) {
 }
 
 TEST(LossGuard, PutsBackTheStateThatItKept) {
-  TrainingState state = makeState(run().options, run().theta0), good = makeState(run().options, run().theta0);
+  TrainingState state = freshState(), good = freshState();
   trainUntil(state, 20, "");
   trainUntil(good, 20, "");
   const LossGuard guard(state, 10);
@@ -250,7 +252,7 @@ TEST(LossGuard, PutsBackTheStateThatItKept) {
 }
 
 TEST(LossGuard, RefusesLossesFarAboveTheMedian) {
-  TrainingState state = makeState(run().options, run().theta0);
+  TrainingState state = freshState();
   const LossGuard guard(state, 10);
   EXPECT_TRUE(guard.accepts(state, 1e6, 1.0)) << "nothing to compare with yet";
   for (int i = 0; i < 60; ++i) noteLoss(&state, 0.01 + 1e-4 * (i % 3));
