@@ -27,10 +27,8 @@ WeightingFunction functionOf(const Representation& code, const StoredSample& sam
 FitResult fitted(const Representation& code, const WeightingFunction& function, const Theta& start, const CodeFitOptions& options,
                  int count = 0) {
   CodeFit fit;
-  FitResult result = {};
-  result.theta = start;
   Theta z = start;
-  result = fit.iterate(code, function, options, count > 0 ? count : code.code_count, z.data());
+  FitResult result = fit.iterate(code, function, options, count > 0 ? count : code.code_count, z.data());
   result.theta = z;
   return result;
 }

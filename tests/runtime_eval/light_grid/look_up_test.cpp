@@ -14,6 +14,8 @@
 namespace nlg {
 namespace {
 
+constexpr float kUp[3] = {0, 0, 1};
+
 // What certainty lacks goes to tents of probes with functions, over the square of light and a hundredth of its mean: by definition.
 std::map<uint32_t, double> expectedShares(const LightGrid& grid, const ProbesAround& around) {
   ProbeWeights weights;
@@ -126,7 +128,6 @@ LightGrid gridOfShare(float share) {
 
 TEST(Irradiance, HoldsToTheDarkestProbesWhereNoWeightIsBelieved) {
   LightGrid grid = gridOfShare(0.5f * kResidue);
-  const float up[3] = {0, 0, 1};
   Random random(1);
   int found = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -138,7 +139,7 @@ TEST(Irradiance, HoldsToTheDarkestProbesWhereNoWeightIsBelieved) {
     const ProbeAround& dark = around.corners[random.below(8)];
     std::fill_n(&grid.light[dark.probe * kShFloats], kShChannels, 0.01f);
     float rgb[3];
-    ASSERT_EQ(lookUpIrradiance(grid, at, up, rgb), LightStatus::faint);
+    ASSERT_EQ(lookUpIrradiance(grid, at, kUp, rgb), LightStatus::faint);
     // with m <= 1 of mean light the dark one weighs more than 1 / .02^2 = 2500 times its tent, each other at most 1
     const double tent_of_dark = double{tent(dark.local)} * dark.tent_ratio;
     const double most = 0.01 + 0.99 * (1.0 - tent_of_dark) / (2500 * tent_of_dark);
@@ -151,7 +152,6 @@ TEST(Irradiance, HoldsToTheDarkestProbesWhereNoWeightIsBelieved) {
 
 // From one residue to two certainty rises to 1: of light there is no step.
 TEST(Irradiance, PassesFromTheDarkestToTheBlendWithoutAStep) {
-  const float up[3] = {0, 0, 1};
   Random random(1);
   int found = 0;
   for (int i = 0; i < 40; ++i) {
@@ -162,7 +162,7 @@ TEST(Irradiance, PassesFromTheDarkestToTheBlendWithoutAStep) {
       const LightGrid grid = gridOfShare(kResidue * (0.75f + 1.5f * static_cast<float>(step) / kSteps));
       if (step == 0) at = randomPosition(grid.tree.frame(), random);
       float rgb[3];
-      if (lookUpIrradiance(grid, at, up, rgb) == LightStatus::outside) break;
+      if (lookUpIrradiance(grid, at, kUp, rgb) == LightStatus::outside) break;
       if (step == 0) first = double{rgb[0]};
       if (step > 0) largest = std::max(largest, std::abs(double{rgb[0]} - before));
       before = double{rgb[0]};
@@ -179,7 +179,6 @@ TEST(Irradiance, OfTheDarkestProbesHasNoStepBetweenCells) {
   LightGrid grid = gridOfShare(0.5f * kResidue);
   for (size_t probe = 0; probe < grid.tree.probeCount(); probe += 5) std::fill_n(&grid.light[probe * kShFloats], kShFloats, 0.0f);
   const ProbeTreeFrame& frame = grid.tree.frame();
-  const float up[3] = {0, 0, 1};
   Random random(1);
   int found = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -195,7 +194,7 @@ TEST(Irradiance, OfTheDarkestProbesHasNoStepBetweenCells) {
       PositionM near = at;
       near[axis] = frame.first_m[axis] + frame.spacing_m * (face + (side == 0 ? -apart : apart));
       in_both = grid.tree.lookUp(near, &beside[side]) && in_both;
-      lookUpIrradiance(grid, near, up, rgb[side]);
+      lookUpIrradiance(grid, near, kUp, rgb[side]);
     }
     if (!in_both || beside[0].cell.low == beside[1].cell.low || beside[0].cell.side != beside[1].cell.side) continue;
     // the four have 2^-30 of a tent, with up to 10^4 times the say of others that have a tent of at least 10^-4 here
@@ -218,10 +217,9 @@ TEST(Irradiance, IsNothingWhereNoProbeHasWeightOrTheGridNoLight) {
   int found = 0;
   for (int i = 0; i < 1000; ++i) {
     const PositionM at = randomPosition(without_weight.tree.frame(), random);
-    const float up[3] = {0, 0, 1};
     for (const LightGrid* grid : {&without_weight, &without_light}) {
       float rgb[3] = {1, 1, 1};
-      const LightStatus status = lookUpIrradiance(*grid, at, up, rgb);
+      const LightStatus status = lookUpIrradiance(*grid, at, kUp, rgb);
       ASSERT_EQ(rgb[0] + rgb[1] + rgb[2], 0.0f);
       ASSERT_TRUE(status == LightStatus::outside || status == LightStatus::unlit);
       found += status == LightStatus::unlit;
@@ -234,19 +232,18 @@ TEST(Irradiance, OutsideIsThatOfTheNearestCellWithinOneUnit) {
   const LightGrid grid = litGrid(smallTree(), 2);
   const ProbeTreeFrame& frame = grid.tree.frame();
   const auto at = [&](double x) { return positionAt(frame, {x, 20.25, 20.5}); };
-  const float up[3] = {0, 0, 1};
   float border[3], rgb[3];
-  ASSERT_NE(lookUpIrradiance(grid, at(0.0), up, border), LightStatus::outside);
+  ASSERT_NE(lookUpIrradiance(grid, at(0.0), kUp, border), LightStatus::outside);
   ASSERT_GT(border[0], 0.0f);
   for (const double x : {-0.001, -0.5, -0.999}) {
-    EXPECT_EQ(lookUpIrradiance(grid, at(x), up, rgb), LightStatus::outside) << x;
+    EXPECT_EQ(lookUpIrradiance(grid, at(x), kUp, rgb), LightStatus::outside) << x;
     for (int c = 0; c < 3; ++c) EXPECT_EQ(rgb[c], border[c]) << x;
   }
   for (const double x : {-1.001, -1e300, 66.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
-    EXPECT_EQ(lookUpIrradiance(grid, at(x), up, rgb), LightStatus::outside) << x;
+    EXPECT_EQ(lookUpIrradiance(grid, at(x), kUp, rgb), LightStatus::outside) << x;
     EXPECT_EQ(rgb[0] + rgb[1] + rgb[2], 0.0f) << x;
   }
-  EXPECT_EQ(lookUpIrradiance(LightGrid{}, {0, 0, 0}, up, rgb), LightStatus::outside);
+  EXPECT_EQ(lookUpIrradiance(LightGrid{}, {0, 0, 0}, kUp, rgb), LightStatus::outside);
 }
 
 TEST(Irradiance, NeedsADirection) {

@@ -10,7 +10,7 @@ namespace nlg {
 namespace {
 
 // A floor seen from straight above, 4 x 2 m at 4 cm a pixel, of one grey.
-ViewSurfaces floorFromAbove() {
+const ViewSurfaces kFloor = [] {
   ViewSurfaces surfaces;
   surfaces.sights.width = 100;
   surfaces.sights.height = 50;
@@ -26,10 +26,10 @@ ViewSurfaces floorFromAbove() {
     }
   }
   return surfaces;
-}
+}();
 
-std::vector<LightAnswer> evenLight(size_t count, float irradiance, float deviation = 0.0f) {
-  return std::vector<LightAnswer>(count, {glm::vec3(irradiance), Reach::lit, glm::vec3(deviation)});
+std::vector<LightAnswer> evenLight(float irradiance, float deviation = 0.0f) {
+  return std::vector<LightAnswer>(kFloor.classes.size(), {glm::vec3(irradiance), Reach::lit, glm::vec3(deviation)});
 }
 
 std::vector<LightAnswer> scaled(std::vector<LightAnswer> light, float factor) {
@@ -39,111 +39,106 @@ std::vector<LightAnswer> scaled(std::vector<LightAnswer> light, float factor) {
 
 const ViewFigures& of(const ViewFiguresByClass& figures, ViewClass of_class) { return figures[static_cast<size_t>(of_class)]; }
 
+ViewFigures allOf(const ViewTruth& truth, const std::vector<LightAnswer>& answers) {
+  return of(viewFigures(kFloor, truth, answers), ViewClass::all);
+}
+
 TEST(ViewFigures, AreZeroOfTruthItself) {
-  const ViewSurfaces surfaces = floorFromAbove();
-  std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f);
+  std::vector<LightAnswer> light = evenLight(1.0f);
   // any light, from bright to black
   for (size_t i = 0; i < light.size(); ++i) light[i].irradiance *= static_cast<float>(i % 7) * static_cast<float>(i % 11);
-  const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
-  for (const ViewFigures& f : viewFigures(surfaces, truth, light)) {
+  const ViewTruth truth = truthOf(kFloor, light, 0.0, 1);
+  for (const ViewFigures& f : viewFigures(kFloor, truth, light)) {
     for (const double figure : {f.colour, f.off.brighter, f.off.darker, f.below_eighth, f.ringing}) EXPECT_EQ(figure, 0.0);
     EXPECT_EQ(f.energy, 1.0);
   }
 }
 
 TEST(ViewFigures, OfTwiceTheLightAreWhatTheySay) {
-  const ViewSurfaces surfaces = floorFromAbove();
-  const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 3.0f);
-  const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
-  const ViewFigures twice = of(viewFigures(surfaces, truth, scaled(light, 2.0f)), ViewClass::all);
-  EXPECT_EQ(twice.receivers, surfaces.classes.size());
+  const std::vector<LightAnswer> light = evenLight(3.0f);
+  const ViewTruth truth = truthOf(kFloor, light, 0.0, 1);
+  const ViewFigures twice = allOf(truth, scaled(light, 2.0f));
+  EXPECT_EQ(twice.receivers, kFloor.classes.size());
   EXPECT_EQ(twice.off.brighter, 0.0) << "twice is not more than twice";
   EXPECT_EQ(twice.off.darker, 0.0);
   EXPECT_NEAR(twice.energy, 2.0, 1e-6);
   // .18 and .36 of white: L* 49.50 and 66.52
   EXPECT_NEAR(twice.colour, 66.52 - 49.50, 0.05);
-  const ViewFigures third = of(viewFigures(surfaces, truth, scaled(light, 1.0f / 3.0f)), ViewClass::all);
+  const ViewFigures third = allOf(truth, scaled(light, 1.0f / 3.0f));
   EXPECT_EQ(third.off.darker, 1.0);
   EXPECT_EQ(third.off.brighter, 0.0);
   EXPECT_EQ(third.ringing, 1.0);
 }
 
 TEST(ViewFigures, TakeNoisyTruthForOffOnlyBeyondItsNoise) {
-  const ViewSurfaces surfaces = floorFromAbove();
-  const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f, 0.2f);
-  const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
+  const std::vector<LightAnswer> light = evenLight(1.0f, 0.2f);
+  const ViewTruth truth = truthOf(kFloor, light, 0.0, 1);
   EXPECT_NEAR(truth.noise, 0.2, 1e-6);
   // truth may be 1.2, and 2 times that is 2.4
-  EXPECT_EQ(of(viewFigures(surfaces, truth, scaled(light, 2.35f)), ViewClass::all).off.brighter, 0.0);
-  EXPECT_EQ(of(viewFigures(surfaces, truth, scaled(light, 2.45f)), ViewClass::all).off.brighter, 1.0);
+  EXPECT_EQ(allOf(truth, scaled(light, 2.35f)).off.brighter, 0.0);
+  EXPECT_EQ(allOf(truth, scaled(light, 2.45f)).off.brighter, 1.0);
 }
 
 // A quarter of the picture has less than an eighth; truth's noise of .2 makes it a tenth of the light.
 TEST(ViewFigures, CountAsBlackSpotsWhatHasLessThanAnEighthOfTheLight) {
-  const ViewSurfaces surfaces = floorFromAbove();
   for (const auto& [deviation, limit] : {std::pair(0.0f, 0.125f), {0.2f, 0.1f}}) {
-    const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f, deviation);
-    const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
+    const std::vector<LightAnswer> light = evenLight(1.0f, deviation);
+    const ViewTruth truth = truthOf(kFloor, light, 0.0, 1);
     std::vector<LightAnswer> answers = scaled(light, 1.01f * limit);
-    EXPECT_EQ(of(viewFigures(surfaces, truth, answers), ViewClass::all).below_eighth, 0.0);
+    EXPECT_EQ(allOf(truth, answers).below_eighth, 0.0);
     for (size_t i = 0; i < answers.size(); i += 4) answers[i].irradiance *= 0.98f;
-    EXPECT_EQ(of(viewFigures(surfaces, truth, answers), ViewClass::all).below_eighth, 0.25);
+    EXPECT_EQ(allOf(truth, answers).below_eighth, 0.25);
   }
 }
 
 // Of a scene whose brightest view has 10: the eye adapts to .01 here, and a hundredth of that is black.
 TEST(ViewFigures, OfAViewWithoutLightAreOfWhatTheDarkestEyeWouldSee) {
-  const ViewSurfaces surfaces = floorFromAbove();
-  const std::vector<LightAnswer> dark = evenLight(surfaces.classes.size(), 0.0f);
-  const ViewTruth truth = truthOf(surfaces, dark, 10.0, 1);
+  const std::vector<LightAnswer> dark = evenLight(0.0f);
+  const ViewTruth truth = truthOf(kFloor, dark, 10.0, 1);
   EXPECT_EQ(truth.median, 0.0);
   EXPECT_TRUE(truth.isKnown());
   EXPECT_FALSE(truth.isCounted()) << "a hollow that no light reaches is no picture";
-  const auto leaking = [&](float light) {
-    return of(viewFigures(surfaces, truth, evenLight(surfaces.classes.size(), light)), ViewClass::all);
-  };
+  const auto leaking = [&](float light) { return allOf(truth, evenLight(light)); };
   EXPECT_EQ(leaking(0.9e-4f).off.brighter, 0.0);
   EXPECT_EQ(leaking(1.1e-4f).off.brighter, 1.0);
   // shown as middle grey, L* 49.50
   EXPECT_NEAR(leaking(0.01f).colour, 49.50, 0.05);
   // nothing changes where there is more
-  const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 0.02f);
-  EXPECT_EQ(truthOf(surfaces, light, 10.0, 1).exposure, truthOf(surfaces, light, 0.0, 1).exposure);
-  EXPECT_TRUE(truthOf(surfaces, light, 10.0, 1).isCounted());
+  const std::vector<LightAnswer> light = evenLight(0.02f);
+  EXPECT_EQ(truthOf(kFloor, light, 10.0, 1).exposure, truthOf(kFloor, light, 0.0, 1).exposure);
+  EXPECT_TRUE(truthOf(kFloor, light, 10.0, 1).isCounted());
 }
 
 // At 1/3 three deviations are as much as the light, and twice of it is not told from it.
 TEST(ViewFigures, AreOfNoUseWhereTruthIsNotKnown) {
-  const ViewSurfaces surfaces = floorFromAbove();
   const auto isKnown = [&](float deviation) {
-    const std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f, deviation);
-    return truthOf(surfaces, light, 1.0, 1).isKnown();
+    const std::vector<LightAnswer> light = evenLight(1.0f, deviation);
+    return truthOf(kFloor, light, 1.0, 1).isKnown();
   };
   EXPECT_TRUE(isKnown(0.33f));
   EXPECT_FALSE(isKnown(0.34f));
 }
 
 TEST(ViewFigures, FindRingsWhereTheyAreAndNowhereElse) {
-  const ViewSurfaces surfaces = floorFromAbove();
   // truth: bright, and dark on a strip of 8 cm at x = 2 m
-  std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f);
+  std::vector<LightAnswer> light = evenLight(1.0f);
   for (size_t i = 0; i < light.size(); ++i) {
     if (i % 100 == 50 || i % 100 == 51) light[i].irradiance = glm::vec3(0.3f);
   }
-  const ViewTruth truth = truthOf(surfaces, light, 0.0, 3);
+  const ViewTruth truth = truthOf(kFloor, light, 0.0, 3);
   // the answer: dark at x = .4 m, where truth is bright all around, and at 2.2 m, which is 16 cm from the strip
   std::vector<LightAnswer> answer = light;
   for (size_t i = 0; i < light.size(); ++i) {
     if (i % 100 == 10 || i % 100 == 55) answer[i].irradiance = glm::vec3(0.5f);
   }
-  const ViewFiguresByClass figures = viewFigures(surfaces, truth, answer);
+  const ViewFiguresByClass figures = viewFigures(kFloor, truth, answer);
   EXPECT_NEAR(of(figures, ViewClass::all).ringing, 0.01, 1e-9);
   EXPECT_NEAR(of(figures, ViewClass::edge).ringing, 0.02, 1e-9) << "all of it in the left half, which is the class";
   // a third darker is no ring yet
   for (size_t i = 0; i < light.size(); ++i) {
     if (i % 100 == 10) answer[i].irradiance = glm::vec3(0.67f);
   }
-  EXPECT_EQ(of(viewFigures(surfaces, truth, answer), ViewClass::all).ringing, 0.0);
+  EXPECT_EQ(allOf(truth, answer).ringing, 0.0);
 }
 
 TEST(ViewFigures, OfSeveralViewsCountEachViewAndEachReceiverOfAClass) {
@@ -211,16 +206,15 @@ TEST_F(ViewTruthFile, IsMadeAnewWhereAnythingThatDecidesItIsOther) {
 
 // Half of the floor is lit by a thousandth of the other's light: whatever is wrong with it there, nobody sees it.
 TEST(ViewFigures, DoNotLookIntoTheBlack) {
-  const ViewSurfaces surfaces = floorFromAbove();
-  std::vector<LightAnswer> light = evenLight(surfaces.classes.size(), 1.0f), answer = light;
+  std::vector<LightAnswer> light = evenLight(1.0f), answer = light;
   for (size_t i = 0; i < light.size(); i += 3) {
     light[i].irradiance = glm::vec3(0.001f);
     answer[i].irradiance = glm::vec3(0.009f);
   }
-  const ViewTruth truth = truthOf(surfaces, light, 0.0, 1);
-  EXPECT_EQ(of(viewFigures(surfaces, truth, answer), ViewClass::all).off.brighter, 0.0);
+  const ViewTruth truth = truthOf(kFloor, light, 0.0, 1);
+  EXPECT_EQ(allOf(truth, answer).off.brighter, 0.0);
   for (size_t i = 0; i < light.size(); i += 3) answer[i].irradiance = glm::vec3(0.011f);
-  EXPECT_NEAR(of(viewFigures(surfaces, truth, answer), ViewClass::all).off.brighter, 1.0 / 3.0, 1e-3);
+  EXPECT_NEAR(allOf(truth, answer).off.brighter, 1.0 / 3.0, 1e-3);
 }
 
 TEST(ColourDifference, IsThatOfLab) {
