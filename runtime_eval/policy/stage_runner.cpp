@@ -5,30 +5,10 @@
 
 #include "runtime_eval/evaluator/generator/projection.h"
 #include "runtime_eval/numbers/flush_subnormals.h"
-#include "runtime_eval/policy/fit_stages.h"
 
 namespace nlg {
-namespace {
 
 using Clock = std::chrono::steady_clock;
-
-std::unique_ptr<StageRun> makeStage(const StagePlan& plan, const Generator& generator) {
-  using Start = LevenbergMarquardtStage::Start;
-  switch (plan.stage) {
-    case ThetaStage::last_layer:
-      return std::make_unique<LastLayerStage>(generator);
-    case ThetaStage::lm:
-      return std::make_unique<LevenbergMarquardtStage>(generator, Start::theta, plan.budget);
-    case ThetaStage::lm_theta0:
-      return std::make_unique<LevenbergMarquardtStage>(generator, Start::theta0, plan.budget);
-    case ThetaStage::adam:
-      return std::make_unique<AdamStage>(generator, plan.budget);
-    default:
-      return nullptr;  // not of one batch: the policy's own
-  }
-}
-
-}  // namespace
 
 StageRunner::StageRunner(const Generator& generator, const PolicyOptions& options, ThetaStage last)
     : options_(options),

@@ -21,6 +21,9 @@ inline float microsecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<float, std::micro>(std::chrono::steady_clock::now() - start).count();
 }
 
+// A stage between the network and the refinement; null of others, which are the policy's own.
+std::unique_ptr<StageRun> makeStage(const StagePlan& plan, const Generator& generator);
+
 // One of these a thread and generator. Without a trace it allocates nothing, once it is made.
 class StageRunner {
  public:
