@@ -24,7 +24,7 @@
 #include "validate/generators/function_counts.h"
 #include "validate/generators/summary_json.h"
 #include "validate/light/asked_bakes.h"
-#include "validate/light/light_json.h"
+#include "validate/light/light_figures.h"
 #include "validate/light/neural/learned_methods.h"
 
 namespace nlg {

@@ -3,7 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "light/methods/light_method.h"
 #include "validate/light/light_places.h"
@@ -77,5 +80,15 @@ std::vector<Receiver> receiversAt(const LightPlaces& places);
 
 // answers   by place
 LightFigures lightFigures(const LightPlaces& places, const LightTruth& truth, const std::vector<LightAnswer>& answers);
+
+// Parts of light.json (keys: docs/reference/formats.md).
+nlohmann::ordered_json truthJson(const LightPlaces& places, const LightTruth& truth, bool is_baked);
+
+// origin_m   of the scene: positions of the worst places are the world's
+nlohmann::ordered_json methodJson(const LightMethod& method, const LightFigures& figures, const LightPlaces& places,
+                                  const LightTruth& truth, const std::vector<LightAnswer>& answers, const glm::dvec3& origin_m);
+
+// Lines for a terminal: what of the spacings one looks at first.
+std::string lightTable(const nlohmann::ordered_json& spacings);
 
 }  // namespace nlg
