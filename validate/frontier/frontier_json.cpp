@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "validate/generators/figures.h"
+#include "validate/generators/summary_json.h"
 
 namespace nlg {
 namespace {

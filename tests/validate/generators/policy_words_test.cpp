@@ -5,7 +5,6 @@
 #include "runtime_eval/evaluator/theta_form.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "validate/generators/best_known.h"
-#include "validate/generators/figures.h"
 #include "validate/generators/policy_words.h"
 #include "validate/generators/summary_json.h"
 
