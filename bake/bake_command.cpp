@@ -7,7 +7,6 @@
 
 #include "bake/again/bake_provenance.h"
 #include "bake/again/check.h"
-#include "bake/again/own_files.h"
 #include "bake/again/relight.h"
 #include "bake/bake_plan.h"
 #include "bake/load_generators.h"

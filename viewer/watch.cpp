@@ -21,7 +21,6 @@
 #include <sys/stat.h>
 
 #include "bake/again/check.h"
-#include "bake/again/own_files.h"
 #include "bake/load_generators.h"
 #include "tool/atomic_file.h"
 #include "tool/command/tool_main.h"

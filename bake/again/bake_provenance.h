@@ -10,8 +10,12 @@
 #include "bake/prepared_scene.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
 #include "tool/command/options.h"
+#include "tool/output_path.h"
 
 namespace nlg {
+
+// Files of nlg-bake and nlg-view of any version, which these tools may overwrite.
+extern const OwnFiles kGridFiles, kReportFiles;
 
 // Roles of inputs. That of light has another name whenever the list of what the hashes are of becomes another one (scene/model/scene.cpp).
 inline constexpr const char* kWeightsRole = "weights of ";

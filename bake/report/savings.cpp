@@ -1,4 +1,4 @@
-#include "bake/report/savings.h"
+#include "bake/report/bake_report.h"
 
 #include <algorithm>
 #include <cmath>
