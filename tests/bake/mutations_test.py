@@ -323,7 +323,7 @@ def bytes_of(path):
 
 
 def names_of(text):
-    """inputsText of bake/again/own_files.h"""
+    """inputsText of tool/input_file.h"""
     return {name[1:].encode("latin-1").decode("utf-8", "surrogateescape") if name.startswith("\1") else name for name in json.loads(text)}
 
 
