@@ -5,6 +5,7 @@
 #include <algorithm>
 
 namespace nlg {
+
 void weightsAround(const LightGrid& grid, const ProbesAround& around, ProbeWeights* weights) {
   constexpr float kStretch = 1.0f / (1.0f - kResidue);
   static_assert((1.0f - kResidue) * kStretch == 1.0f, "bare tents would not keep all");
