@@ -1,16 +1,17 @@
 #include "validate/commands.h"
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 
 #include "bake/load_generators.h"
 #include "bake/policy_options.h"
 #include "tool/atomic_file.h"
 #include "tool/command/tool_main.h"
+#include "tool/error.h"
 #include "tool/output_path.h"
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "validate/frontier/frontier_json.h"
-#include "validate/frontier/frontier_options.h"
 #include "validate/frontier/timed_policy.h"
 #include "validate/generators/function_counts.h"
 #include "validate/generators/summary_json.h"
@@ -26,6 +27,63 @@ struct Request {
   std::vector<std::string> weights, held_out;
   std::string out_dir;
 };
+
+constexpr int kLargestStepCount = 1000000;
+
+std::vector<int> risingNumbers(const std::string& flag, const std::vector<std::string>& texts) {
+  std::vector<int> numbers;
+  for (const std::string& text : texts) {
+    int number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool is_number = error == std::errc() && end == text.data() + text.size();
+    if (!is_number || number > kLargestStepCount || number <= (numbers.empty() ? 0 : numbers.back())) {
+      throw UsageError(flag, "rising whole numbers from 1 to " + std::to_string(kLargestStepCount), "'" + text + "'");
+    }
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+// Options of nlg-validate frontier: section `frontier` of pipeline.yaml.
+struct FrontierOptions {
+  int functions = 192;           // that take a theta
+  double hard_tent_rmse = 0.01;  // functions whose bare tent is at least so wrong are hard
+  InterleaveOptions interleave;
+  // lists of rising whole numbers
+  std::vector<std::string> lm_steps = {"4", "16", "64"};
+  std::vector<std::string> adam_steps = {"200", "1000", "4000"};
+  std::vector<std::string> direct_lm_steps = {"1", "2", "4", "8", "16", "32", "64"};
+  std::vector<std::string> direct_adam_steps = {"125", "250", "500", "1000", "2000", "4000", "8000", "16000"};
+  PolicyOptions policy;
+  int bootstrap_draws = 1000;
+  uint64_t seed = 1;
+
+  // throws   UsageError naming the flag when a list is not one of rising whole numbers from 1 on
+  FitBudgets budgets() const {
+    return {risingNumbers("--corrected-lm-steps", lm_steps), risingNumbers("--corrected-adam-steps", adam_steps),
+            risingNumbers("--direct-lm-steps", direct_lm_steps), risingNumbers("--direct-adam-steps", direct_adam_steps)};
+  }
+};
+
+// Adds every option to the table, but those of the policy, which are describePolicy's.
+void describe(FrontierOptions& o, OptionTable& table) {
+  table.group("Measurement");
+  table.add("functions", &o.functions,
+            "number of held-out functions that take a theta, evenly over scenes, on which all points run", 1, 1000000);
+  table.add("hard_tent_rmse", &o.hard_tent_rmse, "RMSE of the bare tent from which a function counts as hard", 0.0, 1.0);
+  table.add("repeats", &o.interleave.repeats, "timed runs of a short point per block", 1, 10000);
+  table.add("repeat_seconds", &o.interleave.repeat_seconds,
+            "time of a point's first block, seconds, above which the point runs only once", 0.0, 1e6);
+  table.add("corrected_lm_steps", &o.lm_steps, "budgets of LM steps from the corrected theta");
+  table.add("corrected_adam_steps", &o.adam_steps,
+            "budgets of Adam steps from the corrected theta; product fields and codes take 1/32 as many");
+  table.add("direct_lm_steps", &o.direct_lm_steps, "budgets of LM steps from theta0");
+  table.add("direct_adam_steps", &o.direct_adam_steps,
+            "budgets of Adam steps from theta0 and from random starts; product fields and codes take 1/32 as many");
+  table.add("bootstrap_draws", &o.bootstrap_draws,
+            "bootstrap draws of scenes and functions for the interval of the speed at equal error", 1, 1000000);
+  table.add("seed", &o.seed, "seed of random starts and draws");
+}
 
 // What is measured, from the smallest representation on.
 struct Plan {

@@ -10,7 +10,6 @@
 #include "tests/runtime_eval/sample_generator.h"
 #include "tool/error.h"
 #include "validate/frontier/frontier_json.h"
-#include "validate/frontier/frontier_options.h"
 #include "validate/frontier/timed_policy.h"
 
 namespace nlg {
