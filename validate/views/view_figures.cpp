@@ -82,35 +82,6 @@ double exposureOf(const Sights& sights, const ViewTruth& truth) {
   return automaticExposure(pictureOf(sights, "even light", even));
 }
 
-class ClassSum {
- public:
-  // light   luminances
-  void add(double light, double answer, double deviation, double black) {
-    ++figures_.receivers;
-    truth_ += light;
-    answer_ += answer;
-    if (!(std::max(light, answer) > black)) return;
-    const double most = light + kSureDeviations * deviation, least = light - kSureDeviations * deviation;
-    figures_.off.brighter += answer > kOffFactor * most;
-    figures_.off.darker += kOffFactor * answer < least;
-    figures_.below_eighth += answer < kEighth * least;
-  }
-  void addColour(double difference) { figures_.colour += difference; }
-  void addRing() { figures_.ringing += 1.0; }
-
-  ViewFigures finish() const {
-    ViewFigures f = figures_;
-    const auto count = static_cast<double>(std::max<uint64_t>(1, f.receivers));
-    for (double* share : {&f.colour, &f.off.brighter, &f.off.darker, &f.below_eighth, &f.ringing}) *share /= count;
-    if (truth_ > 0.0) f.energy = answer_ / truth_;
-    return f;
-  }
-
- private:
-  ViewFigures figures_;
-  double truth_ = 0.0, answer_ = 0.0;
-};
-
 }  // namespace
 
 glm::vec3 labOf(const glm::vec3& linear_rgb) {
@@ -176,7 +147,8 @@ ViewTruth truthOf(const ViewSurfaces& surfaces, std::vector<LightAnswer> receive
 }
 
 ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& truth, const std::vector<LightAnswer>& answers) {
-  std::array<ClassSum, kViewClassCount> sums;
+  ViewFiguresByClass figures;
+  std::array<double, kViewClassCount> right_sum{}, given_sum{};  // of luminances
   // black: below what an eye adapted to the view tells from black
   const double black = kBlackOfMedian * truth.adapted;
   for (size_t i = 0; i < answers.size(); ++i) {
@@ -186,6 +158,7 @@ ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& tr
     const double light = luminanceOf(right), answer = luminanceOf(given);
     // at most: channels whose noise goes up and down together
     const double deviation = luminanceOf(truth.at[i].deviation);
+    const double most = light + kSureDeviations * deviation, least = light - kSureDeviations * deviation;
     // what a viewer sees: the difference of displayed colours at truth's exposure
     const double colour = hyAb(shownColour(sight, right, truth.exposure), shownColour(sight, given, truth.exposure));
     // ring: clearly darker than all truth nearby, and by more than noise explains
@@ -193,13 +166,24 @@ ViewFiguresByClass viewFigures(const ViewSurfaces& surfaces, const ViewTruth& tr
                          light - answer > kSureDeviations * deviation;
     for (size_t c = 0; c < kViewClassCount; ++c) {
       if (!surfaces.isOf(i, static_cast<ViewClass>(c))) continue;
-      sums[c].add(light, answer, deviation, black);
-      sums[c].addColour(colour);
-      if (is_ring) sums[c].addRing();
+      ViewFigures& f = figures[c];
+      ++f.receivers;
+      right_sum[c] += light;
+      given_sum[c] += answer;
+      f.colour += colour;
+      f.ringing += is_ring;
+      if (!(std::max(light, answer) > black)) continue;
+      f.off.brighter += answer > kOffFactor * most;
+      f.off.darker += kOffFactor * answer < least;
+      f.below_eighth += answer < kEighth * least;
     }
   }
-  ViewFiguresByClass figures;
-  for (size_t c = 0; c < kViewClassCount; ++c) figures[c] = sums[c].finish();
+  for (size_t c = 0; c < kViewClassCount; ++c) {
+    ViewFigures& f = figures[c];
+    const auto count = static_cast<double>(std::max<uint64_t>(1, f.receivers));
+    for (double* share : {&f.colour, &f.off.brighter, &f.off.darker, &f.below_eighth, &f.ringing}) *share /= count;
+    if (right_sum[c] > 0.0) f.energy = given_sum[c] / right_sum[c];
+  }
   return figures;
 }
 
