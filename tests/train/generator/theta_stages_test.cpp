@@ -90,8 +90,8 @@ TEST(ThetaStages, AreOnesOfTheta0BeforeTraining) {
     const Theta theta0 = randomTheta(representation, 1);
     GeneratorNetwork network(smallShape(), theta0, 7);
     const std::vector<Sample> samples = allPoints(representation, 5);
-    const ThetaStages stages = runStages(network, representation, training(), samples, kUnweighed);
-    ASSERT_EQ(stages.mean_squares.size(), size_t(1 + solveCount(representation))) << representationName(representation);
+    const std::vector<torch::Tensor> stages = runStages(network, representation, training(), samples, kUnweighed);
+    ASSERT_EQ(stages.size(), size_t(1 + solveCount(representation))) << representationName(representation);
     torch::Tensor theta = torch::tensor(theta0).repeat({5, 1});
     const torch::Tensor generated = measureTheta(theta, {representation, training(), samples, kUnweighed}).mean_square;
     torch::Tensor solved = generated;
@@ -99,9 +99,8 @@ TEST(ThetaStages, AreOnesOfTheta0BeforeTraining) {
       theta = solveLastLayers(theta, {representation, training(), samples, kUnweighed});
       solved = measureTheta(theta, {representation, training(), samples, kUnweighed}).mean_square;
     }
-    for (size_t s = 0; s < stages.mean_squares.size(); ++s) {
-      EXPECT_TRUE(torch::equal(stages.mean_squares[s], s == 0 ? generated : solved))
-          << representationName(representation) << ", stage " << s;
+    for (size_t s = 0; s < stages.size(); ++s) {
+      EXPECT_TRUE(torch::equal(stages[s], s == 0 ? generated : solved)) << representationName(representation) << ", stage " << s;
     }
   }
 }
@@ -111,9 +110,8 @@ TEST(ThetaStages, NeverRiseWhenTheLastLayerIsSolved) {
   shake(network, 0.2);
   std::vector<Sample> samples;
   for (int n = 0; n < 60; ++n) samples.push_back({n, n % 8, n % 7, 1 + n % 2});
-  const ThetaStages stages = runStages(network, kTentMlp, training(), samples, kUnweighed);
-  EXPECT_TRUE((stages.mean_squares[1] < stages.mean_squares[0]).all().item<bool>())
-      << torch::stack(stages.mean_squares).slice(0, 0, 2);
+  const std::vector<torch::Tensor> stages = runStages(network, kTentMlp, training(), samples, kUnweighed);
+  EXPECT_TRUE((stages[1] < stages[0]).all().item<bool>()) << torch::stack(stages).slice(0, 0, 2);
 }
 
 // Slope of the summed error of a stage in the direction of its gradient by the parameters: what autograd says, and what a central
@@ -122,7 +120,7 @@ std::pair<double, double> slopes(GeneratorNetwork& network, const Representation
   const std::vector<Sample> samples = allPoints(representation, 8);
   std::vector<torch::Tensor> parameters = network->parameters(), gradients;
   network->zero_grad();
-  runStages(network, representation, training(), samples, kUnweighed).mean_squares[stage].sum().backward();
+  runStages(network, representation, training(), samples, kUnweighed)[stage].sum().backward();
   double square = 0.0;
   for (const torch::Tensor& parameter : parameters) {
     gradients.push_back(parameter.grad().clone());
@@ -132,11 +130,8 @@ std::pair<double, double> slopes(GeneratorNetwork& network, const Representation
   torch::NoGradGuard guard;
   const auto errorAt = [&](double step) {
     for (size_t i = 0; i < parameters.size(); ++i) parameters[i].add_(step / norm * gradients[i]);
-    const double error = runStages(network, representation, training(), samples, kUnweighed)
-                             .mean_squares[stage]
-                             .to(torch::kDouble)
-                             .sum()
-                             .item<double>();
+    const double error =
+        runStages(network, representation, training(), samples, kUnweighed)[stage].to(torch::kDouble).sum().item<double>();
     for (size_t i = 0; i < parameters.size(); ++i) parameters[i].sub_(step / norm * gradients[i]);
     return error;
   };
@@ -174,9 +169,9 @@ TEST(ThetaStages, AreThoseOfBakeTime) {
   for (const Representation& representation : kRepresentations) {
     GeneratorNetwork& network = trained(representation);
     torch::NoGradGuard guard;
-    const ThetaStages stages =
+    const std::vector<torch::Tensor> stages =
         runStages(network, representation, heldOut(), allPoints(representation, kHeldOutCount), kUnweighed);
-    const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
+    const torch::Tensor least = std::get<0>(torch::stack(stages).min(0));
 
     const Generator generator(network->toData(representation, basis()));
     ASSERT_EQ(generator.exactLastLayer(), solveCount(representation) == 1);

@@ -139,15 +139,15 @@ torch::Tensor solveLastLayers(const torch::Tensor& theta, const SampleTargets& t
   return torch::cat({theta.slice(1, 0, last), solved.slice(1, last)}, 1);
 }
 
-ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
-                      const std::vector<Sample>& samples, const LossOptions& loss) {
+std::vector<torch::Tensor> runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
+                                     const std::vector<Sample>& samples, const LossOptions& loss) {
   const torch::Device device = network->parameters().front().device();
   torch::Tensor theta = network->forward(inputBatch(data, samples).to(device)).cpu();
   if (representation.isCode()) return {{codeMeanSquares(network, theta, data, samples, -1, {.loss = loss})}};
   const SampleTargets targets(representation, data, samples, loss);
-  ThetaStages stages;
+  std::vector<torch::Tensor> stages;
   // each stage has its term in the loss (docs/theory/math.md §6)
-  const auto measure = [&] { stages.mean_squares.push_back(differentiable(measureTheta(theta, targets), theta)); };
+  const auto measure = [&] { stages.push_back(differentiable(measureTheta(theta, targets), theta)); };
   measure();
   if (network->solvesLastLayer(representation)) {
     theta = solveLastLayers(theta, targets);
@@ -171,10 +171,10 @@ HeldOutError heldOutError(GeneratorNetwork& network, const Representation& repre
     for (int64_t i = begin; i < std::min<int64_t>(begin + kBatchCount, count); ++i) {
       samples.push_back({.function = functions[static_cast<size_t>(i * function_count / count)], .batch_count = all_points});
     }
-    const ThetaStages stages = runStages(network, representation, data, samples, loss);
+    const std::vector<torch::Tensor> stages = runStages(network, representation, data, samples, loss);
     // the better stage of each function, which a bake would keep
-    const torch::Tensor least = std::get<0>(torch::stack(stages.mean_squares).min(0));
-    sums[part] = {stages.mean_squares.front().sqrt().sum().item<double>(), least.sqrt().sum().item<double>()};
+    const torch::Tensor least = std::get<0>(torch::stack(stages).min(0));
+    sums[part] = {stages.front().sqrt().sum().item<double>(), least.sqrt().sum().item<double>()};
     for (const Sample& sample : samples) sums[part].tent += tentRmse(data.function(sample.function));
   });
   HeldOutError error;

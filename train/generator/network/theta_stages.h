@@ -76,15 +76,11 @@ torch::Tensor differentiable(const ThetaErrors& errors, const torch::Tensor& the
 // the gradient by the other parameters is exact (envelope theorem).
 torch::Tensor solveLastLayers(const torch::Tensor& theta, const SampleTargets& targets);
 
-struct ThetaStages {
-  // One a stage, B each, differentiable: of the predicted theta; of that with its last layer solved (networks with a linear
-  // output, when the shape says so).
-  std::vector<torch::Tensor> mean_squares;
-};
-
 // Theta of all stages for the samples, each judged on its sample's points.
-ThetaStages runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
-                      const std::vector<Sample>& samples, const LossOptions& loss);
+// returns   mean squares, one a stage, B each, differentiable: of the predicted theta; of that with its last layer solved (networks with
+//           a linear output, when the shape says so)
+std::vector<torch::Tensor> runStages(GeneratorNetwork& network, const Representation& representation, const TrainingData& data,
+                                     const std::vector<Sample>& samples, const LossOptions& loss);
 
 // How the stages do on held-out functions.
 struct HeldOutError {

@@ -80,8 +80,8 @@ torch::Tensor codeLosses(const TrainOptions& options, const TrainingData& data, 
 torch::Tensor stepLosses(const TrainOptions& options, const Representation& representation, const TrainingData& data,
                          const std::vector<Sample>& samples, TrainingState& state) {
   if (representation.isCode()) return codeLosses(options, data, samples, state);
-  const ThetaStages stages = runStages(state.network, representation, data, samples, lossAt(options, state.step));
-  return (torch::stack(stages.mean_squares) + 1e-6).pow(options.error_power).clamp_max(largestLoss(options)).mean(0);
+  const std::vector<torch::Tensor> stages = runStages(state.network, representation, data, samples, lossAt(options, state.step));
+  return (torch::stack(stages) + 1e-6).pow(options.error_power).clamp_max(largestLoss(options)).mean(0);
 }
 
 // One of `count` shares of the samples.

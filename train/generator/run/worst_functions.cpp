@@ -40,7 +40,7 @@ AlignedFloats valuesOf(GeneratorNetwork& network, const Representation& represen
 std::tuple<torch::Tensor, torch::Tensor> leastLosses(GeneratorNetwork& network, const Representation& representation,
                                                      const TrainingData& held_out, const std::vector<Sample>& samples,
                                                      const LossOptions& loss) {
-  return torch::stack(runStages(network, representation, held_out, samples, loss).mean_squares).min(0);
+  return torch::stack(runStages(network, representation, held_out, samples, loss)).min(0);
 }
 
 // As many digits as a picture shows.
