@@ -2,26 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <mutex>
 
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 #include "tool/progress.h"
-#include "validate/generators/statistics.h"
 
 namespace nlg {
-namespace {
-
-struct Thread {
-  Thread(const FunctionSet& set, const LossOptions& loss) : meter(set, loss) {}
-  ErrorMeter meter;
-  FunctionChecker checker;
-  NormalEquationsKernel kernel;
-  std::vector<PopulationLeaks> leaks{kLongFitCount};
-};
-
-}  // namespace
 
 const char* longFitName(LongFit fit) {
   constexpr const char* kNames[kLongFitCount] = {"direct", "best_known"};
@@ -64,13 +51,12 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
   }
   // one kernel, checker and meter a thread: results go to their own place, so that nothing depends on the order
   const LossOptions loss = options.policy.check().loss();
-  std::vector<std::unique_ptr<Thread>> threads;
-  for (int t = 0; t < options.threadCount(); ++t) threads.push_back(std::make_unique<Thread>(set, loss));
+  const WordMeters meters = wordMeters(set, options, kLongFitCount);
   Progress progress(std::string(representationName(representation)) + ": functions fitted", static_cast<int64_t>(sample.size()));
   std::mutex mutex;
   int64_t done = 0;
   parallelFor(sample.size(), options.threadCount(), [&](uint64_t n, int t) {
-    Thread& thread = *threads[t];
+    WordMeter& thread = *meters[t];
     const uint64_t function = sample[n];
     const StoredFunction stored = storedFunction(set, function);
     // the seed is the function's own: sharing functions out among threads changes no fit
@@ -88,11 +74,7 @@ LongFits measureLongFits(const Generator& generator, const FunctionSet& set, con
     const std::lock_guard lock(mutex);
     progress.update(++done);
   });
-  // leaks pool the points of all functions (docs/theory/errors.md), so that they are added at the end
-  for (int f = 0; f < kLongFitCount; ++f) {
-    for (const auto& thread : threads) result.words[f].leaks.add(thread->leaks[f]);
-    result.words[f].mustBeFinite();
-  }
+  finishWords(meters, &result.words);
   return result;
 }
 

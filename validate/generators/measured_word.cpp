@@ -80,33 +80,39 @@ void PopulationLeaks::add(const PopulationLeaks& other) {
   for (size_t i = 0; i < pools_.size(); ++i) pools_[i].add(other.pools_[i]);
 }
 
-void MeasuredWord::mustBeFinite() const {
-  for (const MeasuredFunction& one : functions) {
-    for (const double rmse : {one.error.blend_rmse, one.error.rmse, one.error.rmse_test_points}) {
-      if (!std::isfinite(rmse))
-        throw NumericalError("validate", "function " + std::to_string(one.function), name + ": RMSE", rmse);
+WordMeters wordMeters(const FunctionSet& set, const ValidateOptions& options, size_t word_count) {
+  WordMeters meters;
+  for (int t = 0; t < options.threadCount(); ++t) {
+    meters.push_back(std::unique_ptr<WordMeter>(
+        new WordMeter{ErrorMeter(set, options.policy.check().loss()), {}, {}, std::vector<PopulationLeaks>(word_count)}));
+  }
+  return meters;
+}
+
+void finishWords(const WordMeters& meters, std::vector<MeasuredWord>* words) {
+  for (size_t w = 0; w < words->size(); ++w) {
+    MeasuredWord& word = (*words)[w];
+    for (const auto& meter : meters) word.leaks.add(meter->leaks[w]);
+    for (const MeasuredFunction& one : word.functions) {
+      for (const double rmse : {one.error.blend_rmse, one.error.rmse, one.error.rmse_test_points}) {
+        if (!std::isfinite(rmse))
+          throw NumericalError("validate", "function " + std::to_string(one.function), word.name + ": RMSE", rmse);
+      }
     }
   }
 }
 
 MeasuredWord measureTents(const FunctionSet& set, const Populations& populations, const ValidateOptions& options) {
-  struct Thread {
-    Thread(const FunctionSet& set, const LossOptions& loss) : meter(set, loss) {}
-    ErrorMeter meter;
-    FunctionChecker checker;
-    PopulationLeaks leaks;
-  };
-  MeasuredWord word{"tent", std::vector<MeasuredFunction>(set.functionCount()), {}};
-  std::vector<Thread> threads;
-  for (int t = 0; t < options.threadCount(); ++t) threads.emplace_back(set, options.policy.check().loss());
+  std::vector<MeasuredWord> words = {{"tent", std::vector<MeasuredFunction>(set.functionCount()), {}}};
+  const WordMeters meters = wordMeters(set, options, words.size());
   parallelFor(set.functionCount(), options.threadCount(), [&](uint64_t i, int t) {
-    Thread& thread = threads[t];
+    WordMeter& thread = *meters[t];
     const FunctionCheck check = thread.checker.checkBareTent(storedFunction(set, i), options.policy.check());
-    word.functions[i] = {i, thread.meter.measureTent(i), !check.passes(options.policy.check()), false, 0.0};
-    thread.leaks.add(thread.meter.leakMagnitudes(), i, populations);
+    words[0].functions[i] = {i, thread.meter.measureTent(i), !check.passes(options.policy.check()), false, 0.0};
+    thread.leaks[0].add(thread.meter.leakMagnitudes(), i, populations);
   });
-  for (const Thread& thread : threads) word.leaks.add(thread.leaks);
-  return word;
+  finishWords(meters, &words);
+  return words[0];
 }
 
 }  // namespace nlg

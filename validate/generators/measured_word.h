@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -79,10 +80,21 @@ struct MeasuredWord {
   std::string name;
   std::vector<MeasuredFunction> functions;  // all of the set, or those of the sample, rising
   PopulationLeaks leaks;
-
-  // throws   NumericalError when an error is not finite
-  void mustBeFinite() const;
 };
+
+// What one thread measures words with.
+struct WordMeter {
+  ErrorMeter meter;
+  FunctionChecker checker;
+  NormalEquationsKernel kernel;
+  std::vector<PopulationLeaks> leaks;  // by word
+};
+using WordMeters = std::vector<std::unique_ptr<WordMeter>>;  // by thread
+WordMeters wordMeters(const FunctionSet& set, const ValidateOptions& options, size_t word_count);
+
+// Adds up what leaks on all threads: leaks pool the points of all functions (docs/theory/errors.md).
+// throws   NumericalError when an error is not finite
+void finishWords(const WordMeters& meters, std::vector<MeasuredWord>* words);
 
 // The bare tent on every function of the set.
 MeasuredWord measureTents(const FunctionSet& set, const Populations& populations, const ValidateOptions& options);

@@ -12,12 +12,6 @@
 namespace nlg {
 namespace {
 
-struct Thread {
-  Thread(const FunctionSet& set, const LossOptions& loss) : meter(set, loss) {}
-  ErrorMeter meter;
-  std::vector<PopulationLeaks> leaks{kThetaWordCount};  // by word
-};
-
 MeasuredFunction measured(uint64_t function, const FunctionError& error, const ThetaRecord& record, ThetaWord word,
                           const CheckOptions& check) {
   const bool may_be_fitted = word == ThetaWord::fitted || word == ThetaWord::stored;
@@ -64,8 +58,7 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
   for (int w = 0; w < kThetaWordCount; ++w) {
     result.words.push_back({wordName(static_cast<ThetaWord>(w)), std::vector<MeasuredFunction>(set.functionCount()), {}});
   }
-  std::vector<Thread> threads;
-  for (int t = 0; t < options.threadCount(); ++t) threads.emplace_back(set, options.policy.check().loss());
+  const WordMeters meters = wordMeters(set, options, kThetaWordCount);
   Progress progress(std::string(representationName(generator.representation())) + ": functions",
                     static_cast<int64_t>(set.functionCount()));
   std::mutex mutex;
@@ -82,7 +75,7 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
   };
   // measured where it is made: a theta is kept only while it is measured
   const UseTheta measure = [&](int t, uint64_t i, const MadeTheta& made, const ThetaByWord& theta) {
-    ErrorMeter& meter = threads[t].meter;
+    ErrorMeter& meter = meters[t]->meter;
     FunctionError tent;
     // functions without a theta count with the error of the bare tent, in every word
     if (made.isBareTent()) tent = meter.measureTent(i);
@@ -90,18 +83,14 @@ PolicyWords measurePolicy(const Generator& generator, const FunctionSet& set, co
       const auto word = static_cast<ThetaWord>(w);
       const FunctionError error = made.isBareTent() ? tent : meter.measure(generator.representation(), theta[w], i);
       result.words[w].functions[i] = measured(i, error, made.record, word, options.policy.check());
-      threads[t].leaks[w].add(meter.leakMagnitudes(), i, populations);
+      meters[t]->leaks[w].add(meter.leakMagnitudes(), i, populations);
     }
     if (!made.isBareTent()) keepLeastWrong(i, made, theta);
     const std::lock_guard lock(mutex);
     progress.update(++done);
   };
   result.made = runPolicy({&generator}, storedFunctions(set), options.policy, {options.threadCount()}, measure);
-  // leaks pool the points of all functions; an error that is not finite ends the run
-  for (int w = 0; w < kThetaWordCount; ++w) {
-    for (const Thread& thread : threads) result.words[w].leaks.add(thread.leaks[w]);
-    result.words[w].mustBeFinite();
-  }
+  finishWords(meters, &result.words);
   result.plan = ThetaPolicy({&generator}, options.policy).plan(0);
   return result;
 }
