@@ -52,7 +52,7 @@ set(NLG_MAY_LINK_nlg-bake      nlg::bake nlg::scene nlg::scene_model nlg::runtim
 set(NLG_MAY_LINK_nlg-render    nlg::render nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_nlg-view      nlg::viewer nlg::bake nlg::runtime_eval nlg::tool nlg::policy_options)
 set(NLG_MAY_LINK_views         nlg::render nlg::picture nlg::light_figures nlg::light nlg::visibility nlg::probes nlg::scene_model nlg::weights_file nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_light_bakes   nlg::bake nlg::policy_options nlg::light_methods nlg::light nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_light_bakes   nlg::picture nlg::bake nlg::policy_options nlg::light_methods nlg::light nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-validate  nlg::learned_light nlg::torch_threads nlg::views nlg::render nlg::picture nlg::light_methods nlg::light_figures nlg::light_bakes nlg::bake nlg::stability nlg::generator_errors nlg::frontier nlg::policy_options nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool nlg::light nlg::scene nlg::scene_model)
 
 function(nlg_check_links name)
