@@ -5,22 +5,30 @@
 #include <fstream>
 #include <iostream>
 
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "bake/again/bake_provenance.h"
 #include "bake/again/check.h"
 #include "bake/again/relight.h"
 #include "bake/bake_plan.h"
 #include "bake/load_generators.h"
 #include "bake/report/bake_report.h"
+#include "datagen/dataset/shard_file.h"
 #include "nlg/simd.h"
 #include "runtime_eval/grid_file/light_grid_file.h"
+#include "runtime_eval/support/point_order.h"
 #include "tool/atomic_file.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
 #include "tool/output_path.h"
+#include "tool/printable.h"
 #include "tool/processor_time.h"
 
 namespace nlg {
 namespace {
+
+constexpr uint64_t kMostCollected = 1200;  // functions, as in a shard of nlg-datagen
 
 bool isSameFile(const std::string& a, const std::string& b) {
   const auto whole = [](const std::string& name) {
@@ -45,6 +53,29 @@ void checkOut(const BakeRequest& request, const std::vector<std::string>& inputs
     throw UsageError("--json and --out name the same file: " + request.json);
 }
 
+// Empty where nothing is collected.
+std::string collectedPath(const BakeRequest& request, const PreparedScene& scene) {
+  if (request.collect.empty()) return {};
+  return (std::filesystem::path(request.collect) / (scene.source.id + ".collected.h5")).string();
+}
+
+// Writes the functions as a shard like those of nlg-datagen, whose origin is that of the grid: it names the scene by its SHA-256.
+void writeCollected(const std::string& path, const PreparedScene& scene, const BakeOptions& options, const GridMetadata& metadata,
+                    FunctionRows functions) {
+  Shard shard;
+  static_cast<FunctionRows&>(shard) = std::move(functions);
+  shard.scene_id = scene.source.id;
+  shard.family = scene.source.family;
+  shard.pattern_hash = supportPattern().hash;
+  shard.test_pattern_hash = hashPoints({});
+  shard.duplicate_rule = {options.duplicate_rms, static_cast<uint64_t>(options.duplicate_validity_points)};
+  shard.provenance_json = metadata.at("provenance");
+  shard.counts.grid_probes = scene.tree.probeCount();
+  shard.counts.visited_probes = shard.counts.functions = shard.functionCount();
+  for (const uint8_t flags : shard.flags) shard.counts.solid_functions += (flags & kFlagInSolid) != 0;
+  writeShard(path, shard);
+}
+
 void runBake(BakeRequest request, const BakeOptions& options, const OptionTable& table) {
   const auto start = std::chrono::steady_clock::now();
   if (request.weights.empty()) request.weights = shippedWeights(options.representation, weightsFolders());
@@ -53,6 +84,7 @@ void runBake(BakeRequest request, const BakeOptions& options, const OptionTable&
   inputs.insert(inputs.end(), {request.scene, request.config});
   inputs.insert(inputs.end(), options.scene_light.sky.begin(), options.scene_light.sky.end());
   checkOutputs(request, inputs);
+  if (!request.collect.empty()) requireOutputFolder(request.collect, "--collect");
   if (options.light == "none" && !options.scene_light.light_state.empty())
     throw UsageError("--light-state cannot be combined with --light none");
   if (options.light == "none" && (options.thin_error > 0.0 || options.max_bytes > 0.0))
@@ -65,11 +97,15 @@ void runBake(BakeRequest request, const BakeOptions& options, const OptionTable&
     request.out = scene.source.id + ".safetensors";
     checkOut(request, inputs);
   }
+  const std::string collected = collectedPath(request, scene);
+  if (!collected.empty()) checkOutput(collected, kShardFiles, "--collect", inputs);
   const GridMetadata metadata = bakeMetadata(scene, bakedOptions(table), sha256);
-  Bake bake = bakeScene(scene, generators, options, temporaryFolder(), metadata);
+  Bake bake = bakeScene(scene, generators, options, temporaryFolder(), metadata, collected.empty() ? 0 : kMostCollected);
 
   BakeReport report;
   report.file_bytes = writeGrid(request, bake.grid, options, metadata);
+  const uint64_t collected_count = bake.failed.functionCount();
+  if (collected_count > 0) writeCollected(collected, scene, options, metadata, std::move(bake.failed));
   report.scene = scene.source.id;
   report.notes = scene.source.notes.size();
   std::vector<uint64_t> weights_bytes;
@@ -93,6 +129,13 @@ void runBake(BakeRequest request, const BakeOptions& options, const OptionTable&
          "no probe has a weighting function; check that extent_m covers the scene, and that spacing_m is smaller than its rooms");
   warnOfLight(scene, options, report.statistics.light);
   std::cerr << toSummary(report, request.out);
+  if (!collected.empty()) {
+    const uint64_t failing = report.statistics.failing(ThetaWord::stored, report.policy.check());
+    std::cerr << collected
+              << (failing == 0 ? ": not written, because no function fails the check\n"
+                               : fmt::format(": {} of the {} above the limits of the check\n", collected_count,
+                                             countText(failing, "function")));
+  }
   writeJson(request, toJson(report));
 }
 
@@ -162,6 +205,11 @@ uint64_t peakMemoryBytes() {
 }
 
 void runBakeCommand(const BakeRequest& request, const BakeOptions& options, const OptionTable& table) {
+  for (const auto& [is_given, flag] : {std::pair(options.draft, "--draft"), std::pair(!request.checked.empty(), "--check"),
+                                       std::pair(!request.relit.empty(), "--relight")}) {
+    if (is_given && !request.collect.empty())
+      throw UsageError(std::string("--collect cannot be combined with ") + flag + ": no function is checked");
+  }
   if (!request.inputs.empty()) {
     std::vector<std::string> others = request.weights;
     others.insert(others.end(), {request.scene, request.config, request.relit, request.checked, request.out, request.json});

@@ -17,6 +17,7 @@ namespace nlg {
 struct BakeRequest {
   std::string scene, out, config, json;  // files; json: "-" is standard output
   std::string inputs;                    // a file to name all others in that were read
+  std::string collect;                   // a folder for a shard of the functions that fail the check; empty: there is none
   std::string relit;                     // a grid whose light is made anew; empty: everything is
   std::string checked;                   // a grid that is only asked whether it is what would be baked
   std::vector<std::string> weights;

@@ -89,6 +89,8 @@ int main(int argc, char** argv) {
                  "with what has changed");
   app.add_option("--json", request.json,
                  "file for the report of the bake or of --check, as one line of JSON. -: standard output");
+  app.add_option("--collect", request.collect,
+                 "folder for SCENE.collected.h5, a shard of the functions that fail the check, for training (scenes.collected)");
   app.add_option("--inputs", request.inputs,
                  "file for the names of all files and folders that the bake reads or looks for, as a JSON list for build "
                  "systems, also after an error. Light grids and programs are not listed");

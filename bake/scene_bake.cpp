@@ -48,7 +48,7 @@ class Baking {
     for (int t = 0; t < thread_count_; ++t) threads_.push_back(std::make_unique<BakeThread>(pointers, options_));
   }
 
-  Bake run() {
+  Bake run(uint64_t collect_count) {
     const Clock::time_point start = Clock::now();
     // targets of the blend are set while functions are made, when their samples are at hand
     BlendTargets targets(scene_, options_.seed, thread_count_);
@@ -63,11 +63,17 @@ class Baking {
     statistics_.refinement_wall_s = secondsSince(refinement_start);
     roundAll();
     finishStatistics();
+    FunctionRows failed;
+    if (collect_count > 0) {
+      std::vector<uint32_t> worst = failingWorstFirst();
+      worst.resize(std::min<uint64_t>(worst.size(), collect_count));
+      failed = functions_.makeAgain(worst);
+    }
     LightGrid grid = makeGrid();
     statistics_.light = bakeLight(scene_, options_, &grid, metadata_);
     if (!options_.draft) statistics_.blend = blendErrors(targets, grid);
     statistics_.wall_s = secondsSince(start);
-    return {std::move(grid), std::move(statistics_)};
+    return {std::move(grid), std::move(statistics_), std::move(failed)};
   }
 
  private:
@@ -81,11 +87,15 @@ class Baking {
     };
   }
 
-  // Worst first, so that a limit of time leaves the least trouble behind; without one the order changes nothing.
-  void refineWorstFirst() {
+  std::vector<uint32_t> failingWorstFirst() const {
     std::vector<FunctionCheck> checks;
     for (const FunctionInWork& function : in_work_) checks.push_back(function.made.check());
-    const std::vector<uint32_t> order = worstFirst(checks, options_.policy.check());
+    return worstFirst(checks, options_.policy.check());
+  }
+
+  // Worst first, so that a limit of time leaves the least trouble behind; without one the order changes nothing.
+  void refineWorstFirst() {
+    const std::vector<uint32_t> order = failingWorstFirst();
     const Clock::time_point start = Clock::now();
     std::atomic<uint64_t> left_for_time{0};
     Progress progress("functions refined", static_cast<int64_t>(order.size()));
@@ -207,8 +217,8 @@ std::vector<uint64_t> BakeStatistics::chosen(size_t generator_count) const {
 }
 
 Bake bakeScene(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const GridMetadata& metadata) {
-  return Baking(scene, generators, options, spool_folder, metadata).run();
+               const std::string& spool_folder, const GridMetadata& metadata, uint64_t collect_count) {
+  return Baking(scene, generators, options, spool_folder, metadata).run(collect_count);
 }
 
 }  // namespace nlg

@@ -53,12 +53,14 @@ struct BakeStatistics {
 struct Bake {
   LightGrid grid;
   BakeStatistics statistics;
+  FunctionRows failed;  // whose stored theta fails the check, the worst first: rows of a shard
 };
 
-// generators   one a representation, by rising D; at least one
-// metadata     that the file is going to have: max_bytes counts it
-// throws       as SceneFunctions does
+// generators     one a representation, by rising D; at least one
+// metadata       that the file is going to have: max_bytes counts it
+// collect_count  `failed` holds at most so many functions
+// throws         as SceneFunctions does
 Bake bakeScene(const PreparedScene& scene, const std::vector<Generator>& generators, const BakeOptions& options,
-               const std::string& spool_folder, const GridMetadata& metadata = {});
+               const std::string& spool_folder, const GridMetadata& metadata = {}, uint64_t collect_count = 0);
 
 }  // namespace nlg

@@ -66,6 +66,11 @@ struct SceneFunctions::PlacedProbe {
   float spacing_m;
 };
 
+SceneFunctions::PlacedProbe SceneFunctions::placed(uint64_t number) const {
+  const auto [x, y, z] = scene_.tree.probePosition(number);
+  return {number, {x, y, z}, scene_.tree.probeSpacing(number)};
+}
+
 ProbeOutcome SceneFunctions::see(const PlacedProbe& probe, ThreadState& state) {
   FunctionTimes& times = state.times;
   const Clock::time_point start = Clock::now();
@@ -123,8 +128,7 @@ void SceneFunctions::setTargets(const PlacedProbe& probe, ThreadState& state, co
 }
 
 void SceneFunctions::makeProbe(uint64_t number, ThreadState& state, ProbeBlock* block) {
-  const auto [x, y, z] = scene_.tree.probePosition(number);
-  const PlacedProbe probe{number, {x, y, z}, scene_.tree.probeSpacing(number)};
+  const PlacedProbe probe = placed(number);
   makeFunction(probe, state, block);
   if (targets_ != nullptr) setTargets(probe, state, *block);
 }
@@ -156,6 +160,24 @@ void SceneFunctions::makeAll(const std::function<FunctionPipeline::Finish(int th
   lattice_.reset();
   counts_ = collector_.counts();
   counts_.grid_probes = probe_count;
+}
+
+FunctionRows SceneFunctions::makeAgain(const std::vector<uint32_t>& numbers) {
+  // of the probes with a function the first one made it, the others have duplicates of it
+  std::vector<uint64_t> maker(counts_.functions);
+  for (uint64_t probe = probe_function_.size(); probe-- > 0;) {
+    if (probe_function_[probe] < maker.size()) maker[probe_function_[probe]] = probe;
+  }
+  lattice_ = std::make_unique<ProbeLattice>(scene_.tree.frame());
+  std::vector<ProbeBlock> made(numbers.size());
+  parallelFor(numbers.size(), static_cast<int>(threads_.size()), [&](uint64_t i, int thread) {
+    made[i].functions.point_count = kSupportPointCount;
+    makeFunction(placed(maker[numbers[i]]), *threads_[static_cast<size_t>(thread)], &made[i]);
+  });
+  lattice_.reset();
+  FunctionRows rows = supportRows();
+  for (const ProbeBlock& block : made) appendRows(block.functions, 0, 1, &rows);
+  return rows;
 }
 
 }  // namespace nlg

@@ -39,6 +39,9 @@ class SceneFunctions {
   const ShardCounts& counts() const { return counts_; }
   const TentCounts& bareTents() const { return collector_.bareTents(); }
   FunctionTimes times() const;
+  // Makes functions anew, once makeAll has returned: what samples lack (probe, flags, what it sees) is kept nowhere.
+  // returns   rows of a shard, in the order of the numbers
+  FunctionRows makeAgain(const std::vector<uint32_t>& numbers);
   // The samples of a function that was made; `samples` holds them. Any thread may call it once makeAll has returned.
   StoredFunction read(uint64_t number, std::vector<uint8_t>* samples) const { return collector_.read(number, samples); }
 
@@ -47,6 +50,7 @@ class SceneFunctions {
 
   struct PlacedProbe;
 
+  PlacedProbe placed(uint64_t number) const;
   ProbeOutcome see(const PlacedProbe& probe, ThreadState& state);
   bool takesExactTent() const;
   void makeFunction(const PlacedProbe& probe, ThreadState& state, ProbeBlock* block);

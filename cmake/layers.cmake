@@ -37,7 +37,7 @@ set(NLG_MAY_LINK_light_figures nlg::statistics nlg::light_methods nlg::light nlg
 set(NLG_MAY_LINK_learned_light nlg::torch nlg::light_methods nlg::light nlg::visibility nlg::probes nlg::scene_model nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_stability     nlg::generator_errors nlg::policy_options nlg::weighting nlg::visibility nlg::scene_model nlg::dataset nlg::weights_file nlg::runtime_eval nlg::tool Eigen3::Eigen)
 set(NLG_MAY_LINK_policy_options nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::scene_model nlg::probes nlg::visibility nlg::light nlg::weighting nlg::functions nlg::runtime_eval nlg::weights_file nlg::tool)
+set(NLG_MAY_LINK_bake          nlg::policy_options nlg::scene nlg::scene_model nlg::probes nlg::visibility nlg::light nlg::weighting nlg::functions nlg::dataset nlg::runtime_eval nlg::weights_file nlg::tool)
 set(NLG_MAY_LINK_render        nlg::light_methods nlg::bake nlg::policy_options nlg::picture nlg::light nlg::visibility nlg::probes nlg::scene nlg::scene_model nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_viewer        nlg::policy_options nlg::render nlg::shader_export nlg::light_figures nlg::light_methods nlg::bake nlg::picture nlg::light nlg::scene nlg::scene_model nlg::runtime_eval nlg::tool nlg::httplib nlohmann_json::nlohmann_json)
 set(NLG_MAY_LINK_nlg_python    nlg::runtime_eval)

@@ -85,13 +85,15 @@ std::string proceduralRequest(const ShardHeader& shard) {
 
 Scene rebuildShardScene(const ShardHeader& shard, const std::string& shard_path, const std::string& request) {
   const ShardOptions options(shard, shard_path);
-  // the jitter that the shard was made with, as its provenance has it
+  // the jitter that the shard was made with, as its provenance has it; that of a bake's shard has none
   JitterOptions jitter;
-  jitter.move_m = options.real("move_m", 1e4);
-  jitter.turn_degrees = options.real("turn_degrees", 180.0);
-  jitter.scale = options.real("scale", 0.9);
-  jitter.drop_share = options.real("drop_share", 1.0);
-  jitter.structure_share = options.real("structure_share", 1.0);
+  if (shard.jitter != 0) {
+    jitter.move_m = options.real("move_m", 1e4);
+    jitter.turn_degrees = options.real("turn_degrees", 180.0);
+    jitter.scale = options.real("scale", 0.9);
+    jitter.drop_share = options.real("drop_share", 1.0);
+    jitter.structure_share = options.real("structure_share", 1.0);
+  }
   SceneReading reading;
   reading.unit_m = options.real("unit", 1e6);
   const SceneSource source = loadScene(request, reading);

@@ -11,6 +11,7 @@
 #include "bake/scene_bake.h"
 #include "runtime_eval/evaluator/theta_form.h"
 #include "runtime_eval/numbers/random.h"
+#include "runtime_eval/policy/refinement.h"
 #include "tests/bake/house_corner.h"
 #include "tests/runtime_eval/sample_generator.h"
 #include "tests/temporary_folder.h"
@@ -288,6 +289,27 @@ TEST_F(SceneBakeTest, LeavesFunctionsThatItHasNoTimeForAndSaysSo) {
   EXPECT_GT(s.left_for_time, 0u);
   EXPECT_EQ(s.refined(), 0u);
   EXPECT_EQ(failing(house, ThetaWord::stored, options), s.left_for_time);
+}
+
+TEST_F(SceneBakeTest, CollectsTheFunctionsThatFailWorstFirst) {
+  constexpr uint64_t kCollected = 7;
+  BakeOptions options = houseOptions();
+  options.refine_seconds = 1e-9;
+  const PreparedScene scene("house:3", options);
+  const Bake house = bakeScene(scene, sampleGenerators({"tent_mlp"}), options, folder_.string(), {}, kCollected);
+  std::vector<FunctionCheck> checks;
+  for (const FunctionOutcome& function : house.statistics.functions) checks.push_back(function.record.at(ThetaWord::stored));
+  const std::vector<uint32_t> worst = worstFirst(checks, options.policy.check());
+  ASSERT_GT(worst.size(), kCollected);
+  // the functions as a shard would have them, made by somebody else
+  SceneFunctions functions(scene, options, 2, folder_.string());
+  FunctionRows all = emptyLike(house.failed), expected = emptyLike(house.failed);
+  functions.makeAll([&all](int) {
+    return [&all](const FunctionRows& chunk) { return [&all, chunk] { appendRows(chunk, 0, chunk.functionCount(), &all); }; };
+  });
+  for (uint64_t i = 0; i < kCollected; ++i) appendRows(all, worst[i], 1, &expected);
+  forEachArray([](const char* name, const auto&, const auto& got, const auto& wanted) { EXPECT_EQ(got, wanted) << name; },
+               house.failed, expected);
 }
 
 TEST_F(SceneBakeTest, RefusesASceneWithoutATriangle) {

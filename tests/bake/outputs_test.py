@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What nlg-bake and nlg-view may replace: what they wrote themselves, and nothing else. outputs_test.py FOLDER_OF_TOOLS"""
+"""What nlg-bake and nlg-view may replace: what they wrote themselves, and nothing else; what a bake collects. outputs_test.py FOLDER_OF_TOOLS"""
 import json
 import os
 import subprocess
@@ -68,6 +68,35 @@ class Outputs(unittest.TestCase):
             self.assertEqual((self.folder / name).read_bytes(), before)
         (self.folder / "cornell_0.safetensors").write_bytes(OTHERS["weights"])
         self.assert_refused(self.bake(), "--out")
+
+    def test_a_shard_of_what_fails(self):
+        collect, shard = ["--out", "grid", "--json", "report", "--collect", "hard"], self.folder / "hard/cornell_0.collected.h5"
+        for _ in range(2):
+            done = self.bake(*collect)
+            self.assert_baked(done)
+            failing = json.loads((self.folder / "report").read_text())["still_failing"]
+            self.assertIn(f"hard/{shard.name}: {failing} of the {failing} functions above the limits of the check", done.stderr)
+        said = self.run_tool("nlg-datagen", "info", "--json", f"hard/{shard.name}")
+        self.assert_baked(said)
+        self.assertEqual([json.loads(said.stdout)[key] for key in ("scene", "jitter", "functions", "visited_probes")], ["cornell_0", 0, failing, failing])
+        self.assertGreater(failing, 0)
+        # the scene's file is known by its geometry, as in other shards
+        (self.folder / "room.obj").write_text(A_WALL, encoding="utf-8")
+        self.assert_baked(self.run_tool("nlg-bake", "room.obj", *QUICK, "--tau-rmse", "1e-6", *collect))
+        info = json.loads(self.run_tool("nlg-datagen", "info", "--json", "hard/room.collected.h5").stdout)
+        self.assertEqual(info["origin"]["inputs"]["scene"], self.run_tool("nlg-datagen", "info", "--digest", "room.obj").stdout.split()[0])
+        # what is no shard stays, and is refused before the bake
+        shard.write_bytes(OTHERS["diary.txt"])
+        self.assert_refused(self.bake(*collect), "--collect")
+        shard.unlink()
+        done = self.run_tool("nlg-bake", "cornell:0", *QUICK[:6], "--tau-rmse", "1", "--tau-blend", "1", *collect)
+        self.assert_baked(done)
+        self.assertIn("no function fails", done.stderr)
+        self.assertFalse(shard.exists())
+        for other in (["--draft"], ["--check", "grid"], ["--relight", "grid"]):
+            done = self.bake("--collect", "hard", *other)
+            self.assertEqual(done.returncode, USAGE_ERROR, done.stderr)
+            self.assertIn(f"--collect cannot be combined with {other[0]}", done.stderr)
 
     def test_names_that_are_no_utf_8(self):
         name = "w\udce4nd.png"
