@@ -124,6 +124,7 @@ if [ -n "${NLG_BIN:-}" ]; then
 else
   build "$purpose" "${tools[@]}"
 fi
+python workflow/copies.py "$config" "${changes[@]}" --bin "${NLG_BIN:-build/release/bin}"
 if [ -n "$plan" ]; then
   python workflow/plan.py "$config" "${changes[@]}" --bin "${NLG_BIN:-build/release/bin}"
   exit

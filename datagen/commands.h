@@ -75,7 +75,11 @@ bool isShardRequest(const std::string& request);
 // throws   as loadScene does
 nlohmann::ordered_json describeScene(const std::string& request, const SceneReading& reading);
 
-// The same for people, on a dozen lines and one for each thing that was not read.
+// SHA-256 of the scene's geometry as a shard of it names it, by which copies are known; images are read only where it depends on them.
+// throws   as loadScene does
+std::string sceneDigest(const std::string& request, SceneReading reading);
+
+// What describeScene returns for people, on a dozen lines and one for each thing that was not read.
 std::string sceneText(const nlohmann::ordered_json& scene);
 
 // A shard's counts as the tool's results name them.

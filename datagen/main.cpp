@@ -13,6 +13,7 @@
 #include "tool/command/file_info.h"
 #include "tool/command/tool_main.h"
 #include "tool/output_path.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {
@@ -76,14 +77,19 @@ int sceneInfoMain(int argc, char** argv) {
                "nlg-datagen info"};
   std::vector<std::string> scenes;
   SceneReading reading;
-  bool json = false;
+  bool json = false, digest = false;
   OptionTable table("datagen");
   describe(reading, table);
   table.common({"unit", "transmissive_cover", "cavity_m"});
   app.add_option("scenes", scenes, sceneForms())->required();
   app.add_flag("--json", json, "print one line of JSON per scene");
+  app.add_flag("--digest", digest, "print only the SHA-256 of each scene's geometry, which copies have in common");
   return runTool(argc, argv, app, table, [&] {
     for (const std::string& scene : scenes) {
+      if (digest) {
+        std::cout << sceneDigest(scene, reading) << "  " << printable(scene) << '\n';
+        continue;
+      }
       const nlohmann::ordered_json found = describeScene(scene, reading);
       std::cout << (json ? found.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n'
                          : sceneText(found));

@@ -107,7 +107,7 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
                {"sky", scene.light.sky.zenith != glm::vec3(0.0f) || scene.light.sky.horizon != glm::vec3(0.0f)},
                {"baked_light", !scene.light.baked.empty()},
                {"viewpoints", scene.viewpoints.size()},
-               {"sha256", source.sha256.empty() ? sceneSha256(scene) : source.sha256}};
+               {"sha256", sceneSha256(scene)}};
   // what was changed, skipped or guessed on reading
   Json notes = Json::array();
   for (const std::string& note : source.notes) notes.push_back(note);
@@ -122,6 +122,11 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
   for (const std::string& line : source.counts) notes.push_back(line);
   json["notes"] = notes;
   return json;
+}
+
+std::string sceneDigest(const std::string& request, SceneReading reading) {
+  reading.images = ImageNeed::geometry;
+  return sceneSha256(loadScene(request, reading).scene);
 }
 
 std::string sceneText(const Json& scene) {

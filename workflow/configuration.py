@@ -27,7 +27,6 @@ from tool.errors import UsageError, run
 from entries import files_in, under_root
 from furniture import find_interiors
 from levels import find_levels, is_texts, level_name
-from origins import sha256_of
 from plain_yaml import ConfigurationError, parsed, read, require, require_plain, text_of
 from settings import MAX_SHARDS, OWN, REPRESENTATIONS, ROOT, TOOL_ROWS, default, judged, kind_of, number_of, rows_of
 
@@ -112,6 +111,7 @@ class Run:
         self._take_scenes(self.sections["scenes"], environment)
         self._take_references(environment)
         self._take_split(config.get("split") or {})
+        self._take_collected(self.sections["scenes"]["collected"])
         self._take_report(self.sections["report"])
         self._take_light(self.sections["validate_light"])
 
@@ -193,18 +193,18 @@ class Run:
                 "some of the scenes held out, but not all; held_out names them, held_out_share draws them")
         for scene in sorted({*self.held_out} & {*self.evaluation}):
             raise ConfigurationError(f"split: {scene} is in held_out and in evaluation; a scene can be in one of them")
-        self._refuse_copies()
 
-    def _refuse_copies(self):
-        """A level of the same bytes under another name, or a link to it, is the same level; other kinds of copies nlg-train refuses."""
-        alike = {}
-        for scene, (asked, files) in self.scenes.items():
-            if asked in files:
-                alike.setdefault(os.path.getsize(asked), []).append(scene)
-        for scenes in alike.values():
-            for kept, other in itertools.product(*([scene for scene in scenes if (scene in self.training) == trained] for trained in (False, True))):
-                if sha256_of(self.scenes[kept][0]) == sha256_of(self.scenes[other][0]):
-                    raise ConfigurationError(f"split: {kept} is not to be trained on, and {other} is the same level: take one of them away, or hold out both")
+    def _take_collected(self, folders):
+        """Shards of nlg-bake --collect, SCENE.collected.h5, which are trained on beside those that the run makes; not those of other splits."""
+        found = []
+        for folder in folders:
+            shards = [os.path.abspath(path) for path in files_in(folder, ".h5")[0]]
+            require("scenes: collected", "none", shards, f"shards of nlg-bake --collect, .h5 files, in {folder}")
+            found += shards
+        for path in found:
+            require("scenes: collected", path, path.isprintable() and not set(path) & set("{}"), "names of one line without braces")
+        self.not_collected = [path for path in found if os.path.basename(path).rsplit(".", 2)[0] in {*self.held_out, *self.evaluation}]
+        self.collected = [path for path in found if path not in self.not_collected]
 
     def _draw_held_out(self, share, seed):
         """Holds out a share of the scenes of the folder, or of all scenes where there is none; whole scenes, the same ones for the same names and
@@ -454,8 +454,9 @@ def main():
             print(folder, *(f"--set={setting}" for setting in settings), sep="\t")
         return
     run_of_file = judge_arguments(arguments, content)
-    if run_of_file.empty and not arguments.write:
-        print(f"pipeline.sh: left out, because they are empty: {listed(run_of_file.empty)}", file=sys.stderr)
+    for left_out, why in (run_of_file.empty, "empty"), (run_of_file.not_collected, "of levels that are not to be trained on"):
+        if left_out and not arguments.write:
+            print(f"pipeline.sh: left out, because they are {why}: {listed(left_out)}", file=sys.stderr)
     is_changed = bool(arguments.levels or arguments.set)
     path = os.path.join(run_of_file.folder, "configuration.yaml") if is_changed else arguments.config
     if arguments.write and is_changed:

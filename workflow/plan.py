@@ -34,12 +34,20 @@ SAMPLED_OF_A_KIND, SAMPLED_FUNCTIONS = 4, 100  # scenes; functions of each that 
 WORD_OF = {"training": "trained on", "held_out": "held out", "evaluation": "for the evaluation"}
 
 
-class SampleError(ToolError):
-    """A scene that nlg-datagen refuses, in its own line."""
+class RefusedError(ToolError):
+    """A scene or shard that nlg-datagen refuses, in its own line."""
 
     def __init__(self, line, exit_code):
         super().__init__(line)
         self.exit_code = exit_code
+
+
+def told(binaries, *words):
+    """What nlg-datagen prints."""
+    done = subprocess.run([os.path.join(binaries, "nlg-datagen"), *words], capture_output=True, text=True, env={**os.environ, "NLG_PROGRESS": "off"})
+    if done.returncode != 0:
+        raise RefusedError((done.stderr.strip().splitlines() or [f"nlg-datagen {words[0]} failed"])[-1], done.returncode)
+    return done.stdout
 
 
 def kind_of(scene, asked):
@@ -67,12 +75,8 @@ def sampled(of_run):
 
 
 def plan_of(binaries, config, of_run, split, scene):
-    command = [os.path.join(binaries, "nlg-datagen"), "plan", "--json", f"--sample={SAMPLED_FUNCTIONS}", "--config", config, *shlex.split(of_run.flags_over("datagen", of_run.scene_options(scene))),
-               "--scene", of_run.scenes[scene][0], *([] if split == "training" else ["--held-out"])]
-    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "NLG_PROGRESS": "off"})
-    if done.returncode != 0:
-        raise SampleError((done.stderr.strip().splitlines() or ["nlg-datagen plan failed"])[-1], done.returncode)
-    return json.loads(done.stdout)
+    return json.loads(told(binaries, "plan", "--json", f"--sample={SAMPLED_FUNCTIONS}", "--config", config, *shlex.split(of_run.flags_over("datagen", of_run.scene_options(scene))),
+                           "--scene", of_run.scenes[scene][0], *([] if split == "training" else ["--held-out"])))
 
 
 PARALLEL = ("datagen", "export")  # rules whose jobs run beside each other
@@ -129,6 +133,8 @@ def text(found, of_run):
             yield f"  {'':19} {configuration.listed(names)}"
         elif 0 < data["own_functions"] < data["functions"]:
             yield f"  {'':19} {100 * data['own_functions'] / data['functions']:.0f} % of the functions are of your levels, the others of made scenes (scenes.per_family)"
+    if of_run.collected:
+        yield f"  {'collected':19} {len(of_run.collected)} shards of functions that failed in bakes: {configuration.listed(map(os.path.basename, of_run.collected))}"
     cache_bytes = found["splits"]["training"]["functions"] * 11e3
     yield f"  disk                {sum(data['bytes'] for data in found['splits'].values()) / 1e6:,.0f} MB; while it trains {cache_bytes / 1e6:,.0f} MB more"
     yield f"\n{'stage':28}{'one core':>12}"

@@ -26,6 +26,7 @@ class Resources:
         costs = Costs(run, {})
         self.functions_a_shard = max(costs.setting("datagen", "max_functions", own) for own in [{}, *run.by_scene.values()])
         self.functions = {split: len(run.shards(split)) * self.functions_a_shard for split in ("training", "held_out", "evaluation")}
+        self.functions["training"] += len(run.collected) * self.functions_a_shard
         self.costs = Costs(run, self.functions)
         stages = self.costs.stages(1)
         # of one core, whatever a job can use

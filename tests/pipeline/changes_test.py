@@ -51,6 +51,11 @@ def gltf(text, uri):
     return json.dumps(level).encode(), positions + triangles
 
 
+def write_collected(path):
+    """A shard as a bake collects one."""
+    subprocess.run([BIN / "nlg-datagen", "--scene", "maze:1", "--max-functions", "30", "--spacing-min-m", "1", "--out", path], check=True, capture_output=True)
+
+
 def write_levels(folder):
     for path in ("data", "mats"):
         (folder / path).mkdir(parents=True)
@@ -69,6 +74,8 @@ class World:
     def __init__(self, folder):
         self.folder, self.levels, self.out, self.run = folder, folder / "levels", folder / "out", folder / "out/run"
         self.configuration, self.tools, self.root = json.loads(json.dumps(CONFIGURATION)), BIN, ROOT
+        self.hard = folder / "hard/maze_1.collected.h5"
+        self.set("scenes", collected=[str(folder / "hard")])
 
     def set(self, section, **values):
         self.configuration.setdefault(section, {}).update(values)
@@ -244,6 +251,12 @@ CHANGES = {
     "another checkout": (other_checkout, ""),
     "another script in it": (lambda w: (other_checkout(w), (w.root / "workflow/training_so_far.py").open("a").write("# x\n")), "train"),
     "tools of another revision": (other_revision, "said: of revision"),
+    "a collected shard": (lambda w: flip(w.hard), "pca"),
+    "… its time kept": (lambda w: flip(w.hard, times=True), "pca"),
+    "… gets another name": (lambda w: w.hard.rename(w.folder / "hard/maze.collected.h5"), "pca"),
+    "one more is collected": (lambda w: shutil.copy(w.hard, w.folder / "hard/more.collected.h5"), "pca"),
+    "… of a held-out level": (lambda w: shutil.copy(w.hard, w.folder / "hard/held.collected.h5"), ""),
+    "nothing is collected": (lambda w: w.set("scenes", collected=[]), "pca"),
     "a shard of no run": (lambda w: shutil.copy(w.run / "dataset/training/plain.0.h5", w.run / "dataset/training/left.0.h5"), "said: left.0.h5"),
 }
 
@@ -288,6 +301,7 @@ def main():
         folder, failures, changes = Path(folder), [], list(CHANGES.items())[:: 4 if IS_SHORT else 1]
         world = World(folder / "base")
         write_levels(world.levels)
+        write_collected(world.hard)
         world.make()
         for number, (name, (change, expected)) in enumerate(changes):
             world = changed(folder / "base", folder / f"{number}")
@@ -313,7 +327,9 @@ def main():
         for name in ("a level, by one with an older time", "an alpha image", "basis.components"):
             CHANGES[name][0](world)
         shutil.copytree(world.levels, fresh.levels)
+        shutil.copytree(world.hard.parent, fresh.hard.parent)
         fresh.configuration = json.loads(json.dumps(world.configuration))
+        fresh.set("scenes", collected=[str(fresh.hard.parent)])
         for one in (world, fresh):
             one.make()
         found, wanted = results(world.run), results(fresh.run)

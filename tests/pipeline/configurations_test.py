@@ -34,6 +34,10 @@ def check_sound(tools):
                 archive.writestr(entry, b"")
     os.mkdir("homes")
     write("homes/Big Shop.sh3f", "")
+    # of a trained-on scene, a held-out one and one for the evaluation
+    os.mkdir("hard")
+    for name in ("house_0", "house_1", "house_2"):
+        write(f"hard/{name}.collected.h5", "x")
     os.mkdir("named")
     for name, text in (("house_0.OBJ", "v 0 0 0"), ("room_0.obj", "v 0 0 1"), ("empty.glb", ""), ("empty.pk3", "")):
         write(f"named/{name}", text)
@@ -46,6 +50,7 @@ def check_sound(tools):
             (own, "held_out_share: 0.17, seed: 4", "", ["/game:one --jitter 0 --held-out", "dataset/training/two.0.h5", "dataset/training/house_2.0.h5"], []),
             # beside a procedural scene of its name a level keeps its ending; an empty one is left out
             (named, "held_out: [house_0, room_0]", "", ["dataset/held_out/house_0.0.h5", "dataset/training/house_0.obj.0.h5", "dataset/held_out/room_0.0.h5"], ["empty"]),
+            (BASIS + f", collected: [{os.path.abspath('hard')}]", HELD_OUT + ", evaluation: [house_1]", "", ["hard/house_0.collected.h5 --held-out"], ["house_1.collected", "house_2.collected"]),
             (homes, HELD_OUT + ", evaluation: ['villa_*_big-shop']", "",
              ["/homes/Big Shop.sh3f:flat:5", "dataset/training/flat_6_big-shop.0.h5", "dataset/training/house_0.2.h5", "dataset/evaluation/villa_6_big-shop.0.h5"],
              ["dataset/training/villa", "big-shop.1.h5"]),
@@ -71,15 +76,9 @@ def check_refused(tools):
     write("bad_game/a.pk3", "no archive")
     os.mkdir("hollow")
     write("hollow/a.glb", "")
-    os.mkdir("copies")
-    for name, text in (("a", "v 0 0 0"), ("b", "v 0 0 1"), ("backup", "v 0 0 0")):
-        write(f"copies/{name}.obj", text)
-    os.symlink("b.obj", "copies/linked.obj")
-    copies = BASIS.replace("''", os.path.abspath("copies"))
     shop, own = "archives: [/homes/Big Shop.sh3f]", BASIS.replace("''", os.path.abspath("homes"))
     furniture, archives = (lambda text, key=key: f"{BASIS}, {key}: [{text}]" for key in ("furniture", "archives"))
     for scenes, split, more, words in [
-            (copies, "held_out: [a]", "", "a is not to be trained on, and backup is the same level"), (copies, HELD_OUT + ", evaluation: [b]", "", "b is not to be trained on, and linked is the same level"),
             *((BASIS, HELD_OUT, more, words) for more, words in [
                 ("effort: half", "one of short, full, got 'half'"), ("full: {train: {Steps: 1}}", "unknown key 'Steps' (did you mean 'steps'?)"), ("train: [steps]", "a map of settings"),
                 ("bake: {spacing_m: -1}", "bake: spacing_m: expected a number from 0 to 100000, got -1"), ("frontier: {corrected_lm_steps: 8}", "a list, got 8"), ("colour: red", "unknown key 'colour'"),
@@ -100,6 +99,7 @@ def check_refused(tools):
                 (archives("{folder: /game, maps: [four]}"), "got 'four'"), (archives("{folder: /game, maps: ['*']}, {folder: /game, maps: [one]}"), "two levels are named one"),
                 (archives("{folder: /nowhere, maps: ['*'], install: apt install some-game}"), "nowhere, got none; install them: apt install some-game"),
                 (archives("{folder: /bad_game, maps: ['*']}"), "bad_game/a.pk3"), (BASIS + ", by_scene: {castle: {max_functions: 3}}", "expected a pattern of some scene, got 'castle'"),
+                (BASIS + ", collected: [hollow]", "collected: expected shards of nlg-bake --collect, .h5 files, in hollow, got 'none'"), (BASIS + ", collected: hollow", "a list of texts, got 'hollow'"),
                 (BASIS + ", by_scene: {house_1: {out: x}}", "unknown key 'out'")])]:
         tools.cases += 1
         try:

@@ -45,6 +45,16 @@ def main():
         assert "room7" in refused and "room0, room1" in refused and refused.split(": ")[2].startswith("--set"), refused
         overruled = run(*pipeline, "--set", "representations={tent_mlp4: {steps: 7}}", "--set", "train.steps=9", str(levels), code=2).stderr
         assert "representations.tent_mlp4.steps" in overruled, overruled
+        # a copy has the same geometry in other bytes, under another name
+        copy = levels / "backup.obj"
+        copy.write_text("# backup\n" + room(0))
+        for more in (["--plan"], []):
+            refused = run(*pipeline, "--set", "split.held_out=[room0]", *more, str(levels), code=2).stderr
+            assert "room0 is not to be trained on, and backup is the same level" in refused, refused
+        assert not (folder / "out").exists(), "a refused run that makes something"
+        said = run(*pipeline, "--set", "split.held_out=[room1]", "--plan", str(levels)).stderr
+        assert "backup, room0: the same level" in said, said
+        copy.unlink()
         plan = run(*pipeline, str(levels), "--plan").stdout
         assert re.search(r" [1-9]\d % of the functions are of your levels", plan), plan
         for words in ("six_rooms", "held out", "data set", "basis", "train tent_mlp4", "validate", "frontier", "report", "functions"):
@@ -72,9 +82,22 @@ def main():
         assert counted["all"]["functions"] == sum(row["functions"] for row in counted["scenes"]) == sum(b["functions"] for b in counted["all"]["tent_blend_rmse"]) > 0
 
         weights = out / "weights/tent_mlp4.safetensors"
-        run(str(BIN / "nlg-bake"), str(levels / "room0.obj"), "--weights", str(weights), "--spacing-m", "1.5", "--light", "none",
+        run(str(BIN / "nlg-bake"), str(levels / "room0.obj"), "--weights", str(weights), "--spacing-m", "1.5", "--light", "none", "--refine-rounds", "0", "--tau-rmse", "1e-6", "--collect", str(folder / "hard"),
             "--out", str(folder / "room0.safetensors"), "--json", str(folder / "room0.json"))
-        assert json.loads((folder / "room0.json").read_text())["functions"], "a bake without functions"
+        baked = json.loads((folder / "room0.json").read_text())
+        assert baked["still_failing"] == baked["functions"] > 0, "a bake of which everything was to fail"
+        # what it collected is trained on, unless the level is held out, under whatever name
+        collecting = [*pipeline, "--set", f"scenes.collected=[{folder / 'hard'}]", "--plan", str(levels)]
+        planned = run(*collecting, "--set", "split.held_out=[room1]").stdout
+        assert "1 shards of functions that failed in bakes: room0.collected.h5" in planned, planned
+        left_out = run(*collecting, "--set", "split.held_out=[room0]")
+        assert "left out, because they are of levels that are not to be trained on" in left_out.stderr and "room0.collected.h5" in left_out.stderr and "failed in bakes" not in left_out.stdout, left_out
+        (folder / "hard/room0.collected.h5").rename(folder / "hard/attic.collected.h5")
+        for name in ("room0", "cellar"):
+            (levels / "room0.obj").rename(levels / f"{name}.obj")
+            refused = run(*collecting, "--set", f"split.held_out=[{name}]", code=2).stderr
+            assert f"attic.collected.h5 is of {name}, which is not to be trained on" in refused, refused
+        (levels / "cellar.obj").rename(levels / "room0.obj")
         # another folder of the same name does not replace the results of this one
         other = folder / "elsewhere" / "six rooms"
         other.mkdir(parents=True)

@@ -70,7 +70,9 @@ def stage_rows(plan, times):
 def tables(run, card_path):
     """(title, what it says, rows); the last two only of a run that was planned."""
     card = read_json(card_path)
-    result = [("The data", f"{card['shards'].count()} shards. Probes that no function was made of, by reason; of the functions, how many are of each kind.", list(card_rows(card))),
+    collected = sorted({scene["scene"].text() for scene in card["scenes"].items() if scene["split"].text() not in SPLITS})
+    of_bakes = f" Functions that failed in bakes were collected of {', '.join(collected)}." * bool(collected)
+    result = [("The data", f"{card['shards'].count()} shards.{of_bakes} Probes that no function was made of, by reason; of the functions, how many are of each kind.", list(card_rows(card))),
               ("How hard functions are", "Share of the functions. Where held-out scenes have more of the hard kind than the training saw, more such levels help.", list(hardness_rows(card)))]
     files = [os.path.join(run or "", name) for name in ("plan.json", "times.json")]
     if not run or not os.path.isfile(files[0]):
