@@ -252,10 +252,10 @@ CHANGES = {
     "another script in it": (lambda w: (other_checkout(w), (w.root / "workflow/training_so_far.py").open("a").write("# x\n")), "train"),
     "tools of another revision": (other_revision, "said: of revision"),
     "a collected shard": (lambda w: flip(w.hard), "pca"),
-    "… its time kept": (lambda w: flip(w.hard, times=True), "pca"),
-    "… gets another name": (lambda w: w.hard.rename(w.folder / "hard/maze.collected.h5"), "pca"),
+    "a collected shard, its time kept": (lambda w: flip(w.hard, times=True), "pca"),
+    "a collected shard gets another name": (lambda w: w.hard.rename(w.folder / "hard/maze.collected.h5"), "pca"),
     "one more is collected": (lambda w: shutil.copy(w.hard, w.folder / "hard/more.collected.h5"), "pca"),
-    "… of a held-out level": (lambda w: shutil.copy(w.hard, w.folder / "hard/held.collected.h5"), ""),
+    "one of a held-out level is collected": (lambda w: shutil.copy(w.hard, w.folder / "hard/held.collected.h5"), ""),
     "nothing is collected": (lambda w: w.set("scenes", collected=[]), "pca"),
     "a shard of no run": (lambda w: shutil.copy(w.run / "dataset/training/plain.0.h5", w.run / "dataset/training/left.0.h5"), "said: left.0.h5"),
 }
