@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "light/air.h"
 #include "render/camera.h"
 #include "render/lit_picture.h"
 #include "render/panel.h"
