@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -24,25 +23,49 @@ constexpr std::string_view kKnownExtensions[] = {
     "KHR_materials_pbrSpecularGlossiness",
     // choices between looks; mirrors and how they bend, of which diffuse light knows nothing
     "KHR_materials_variants", "KHR_materials_specular", "KHR_materials_ior", "KHR_materials_iridescence",
-    "KHR_materials_anisotropy", "KHR_materials_dispersion", "KHR_materials_clearcoat", "ADOBE_materials_clearcoat",
-    "MSFT_packing_",
+    "KHR_materials_anisotropy", "KHR_materials_dispersion", "ADOBE_materials_clearcoat", "MSFT_packing_",
     // what is done with nodes, heard of them and known of them
     "KHR_animation_pointer", "KHR_node_", "KHR_interactivity", "KHR_physics_", "KHR_implicit_shapes", "KHR_audio", "OMI_",
     "KHR_xmp", "EXT_mesh_manifold", "EXT_mesh_primitive_edge_visibility", "CESIUM_primitive_outline", "FB_geometry_metadata",
     "EXT_structural_metadata", "EXT_mesh_features", "EXT_instance_features", "GODOT_single_root", "AGI_", "GRIFFEL_bim_data"};
 
-// Extensions that make something wrong, and how.
-constexpr std::pair<std::string_view, const char*> kWrongBy[] = {
-    {"KHR_materials_volume", "absorbs nothing of what goes through, where it should"},
-    {"KHR_materials_diffuse_transmission", "lets no light through, where it should"},
-    {"KHR_materials_sheen", "sends back its base colour alone, without its sheen"},
+// Extensions that make something wrong. Most change nothing of a material until a factor is another than this.
+struct WrongBy {
+  std::string_view name;
+  const char *how, *factor = "";
+  double nothing = 0.0;
+};
+constexpr WrongBy kWrongBy[] = {
+    {"KHR_materials_volume", "absorbs nothing of what goes through, where it should", "attenuationColor", 1.0},
+    {"KHR_materials_diffuse_transmission", "lets no light through, where it should", "diffuseTransmissionFactor"},
+    {"KHR_materials_sheen", "sends back its base colour alone, without its sheen", "sheenColorFactor"},
+    {"KHR_materials_clearcoat", "shines as without its coat, which takes 4 % of it or more", "clearcoatFactor"},
     {"ADOBE_materials_thin_transparency", "lets no light through, where it should"},
     {"EXT_lights_ies", "shines all round or not at all, not by its profile"},
     {"EXT_lights_image_based", "lacks the light of its image (--sky gives one)"}};
 
+// Whether a number, or any of a colour's, is another than what changes nothing.
+bool isOther(const tinygltf::Value& object, const std::string& key, double nothing) {
+  const tinygltf::Value& value = object.Get(key);
+  const auto is = [&](const tinygltf::Value& number) { return number.IsNumber() && number.GetNumberAsDouble() != nothing; };
+  bool is_other = is(value);
+  for (size_t i = 0; value.IsArray() && i < value.ArrayLen(); ++i) is_other = is_other || is(value.Get(static_cast<int>(i)));
+  return is_other;
+}
+
+bool isWrong(const WrongBy& by, const tinygltf::Value& extension, const tinygltf::Material& material) {
+  const std::vector<double>& emission = material.emissiveFactor;
+  // what is solid absorbs all, what is thin nothing, and without a distance nor does the rest; a coat is a mirror but to what shines
+  const bool absorbs = material.extensions.count("KHR_materials_transmission") > 0 &&
+                       isOther(extension, "thicknessFactor", 0.0) && extension.Has("attenuationDistance");
+  if (by.name == "KHR_materials_volume" && !absorbs) return false;
+  if (by.name == "KHR_materials_clearcoat" && *std::max_element(emission.begin(), emission.end()) <= 0.0) return false;
+  return *by.factor == '\0' || isOther(extension, by.factor, by.nothing);
+}
+
 // Of one that is used and not read: the materials, objects and lamps that have it, and how they are wrong; empty where none is.
 std::string wrongLine(const tinygltf::Model& model, const std::set<int>& used_materials, const std::string& name) {
-  const auto known = std::find_if(std::begin(kWrongBy), std::end(kWrongBy), [&](const auto& by) { return by.first == name; });
+  const auto known = std::find_if(std::begin(kWrongBy), std::end(kWrongBy), [&](const WrongBy& by) { return by.name == name; });
   const bool is_known = known != std::end(kWrongBy);
   std::map<std::string, std::vector<std::string>> wrong;  // by what they are
   const auto collect = [&](const char* what, const auto& parts) {
@@ -50,13 +73,13 @@ std::string wrongLine(const tinygltf::Model& model, const std::set<int>& used_ma
       if (parts[i].extensions.count(name) > 0) wrong[what].push_back(parts[i].name.empty() ? std::to_string(i) : parts[i].name);
     }
   };
-  // of materials only those that triangles have; a volume absorbs nothing without a distance, and glass has many such
+  // of materials only those that triangles have, and of these only where the extension changes the picture
   for (const int m : used_materials) {
     if (static_cast<size_t>(m) >= model.materials.size()) continue;  // that of triangles without
     const tinygltf::Material& material = model.materials[static_cast<size_t>(m)];
     const auto extension = material.extensions.find(name);
     if (extension == material.extensions.end()) continue;
-    if (name == "KHR_materials_volume" && !extension->second.Has("attenuationDistance")) continue;
+    if (is_known && !isWrong(*known, extension->second, material)) continue;
     wrong["material"].push_back(material.name.empty() ? std::to_string(m) : material.name);
   }
   const auto hasIt = [&](const auto& part) { return part.extensions.count(name) > 0; };
@@ -80,7 +103,7 @@ std::string wrongLine(const tinygltf::Model& model, const std::set<int>& used_ma
   for (const auto& [what, names] : wrong)
     line += (line.empty() ? "" : ", ") + counted(names.size(), what, what + "s") + " (" + listed(names) + ")";
   if (wrong.empty()) return is_known ? "" : name + " is not read; no material, object or lamp has it";
-  return fmt::format("{} is not read: {}: {}", name, line, is_known ? known->second : "may be wrong");
+  return fmt::format("{} is not read: {}: {}", name, line, is_known ? known->how : "may be wrong");
 }
 
 // Images of base colour, emission and transmission.
