@@ -214,7 +214,7 @@ class Results(unittest.TestCase):
 
     def test_files_of_results_may_be_of_several_revisions_until_a_release(self):
         self.filled("tent_mlp.stored.theta.rmse.mean:.4")
-        (self.root / "docs/results/other.json").write_text(json.dumps({"run": "other", "revision": "4567def"}))
+        (self.root / "docs" / "results" / "other.json").write_text(json.dumps({"run": "other", "revision": "4567def"}))
         self.assertEqual(self.run_results("check").returncode, 0)
         result = self.run_results("check", "--release")
         self.assertEqual(result.returncode, 6)
