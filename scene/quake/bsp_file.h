@@ -12,7 +12,7 @@
 namespace nlg {
 
 struct BspShader {
-  std::string name;  // as written, up to the first NUL: what follows it is garbage
+  std::string name;                               // as written, up to the first NUL: what follows it is garbage
   uint32_t surface_flags = 0, content_flags = 0;  // as the game's compiler stored them: bsp_shader.cpp
 };
 
