@@ -101,7 +101,8 @@ Json sliceJson(const TellingFunction& telling, const FunctionError& error, const
   AlignedFloats support_values(support.padded_count);
   evaluate(representation, support, theta, support_values.data());
   const int axis = mostTellingAxis(set, telling.function, support_values);
-  const PointSet points = makePointSet(planePoints(axis, kSlicePixels));
+  const std::vector<LocalPoint> plane = planePoints(axis, kSlicePixels);
+  const PointSet points = makePointSet(plane);
   AlignedFloats values(points.padded_count);
   evaluate(representation, points, theta, values.data());
   Json slice = {{"which", telling.which},
@@ -116,7 +117,7 @@ Json sliceJson(const TellingFunction& telling, const FunctionError& error, const
   // beside what theta gives: the target at the nearest support point, since phi is known nowhere else; and the difference there, so
   // that it has no trace of the mosaic
   int pixel = 0;
-  for (const LocalPoint& point : planePoints(axis, kSlicePixels)) {
+  for (const LocalPoint& point : plane) {
     const size_t nearest = nearestSupportPoint(point);
     const uint64_t at = telling.function * kSupportPointCount + nearest;
     const float phi = static_cast<float>(set.phi[at]) / 255.0f;

@@ -25,6 +25,11 @@ bool isCounted(const LightPlace& place) {
   return place.group == PlaceGroup::air || (is_before && place.surface_class >= kFirstFarClass);
 }
 
+// What excess light is measured at: places where next to none should be.
+bool isDark(const LightPlaces& places, const LightTruth& truth, size_t i) {
+  return isCounted(places.places[i]) && channelMean(truth.at[i].irradiance) < kDarkShare * truth.mean;
+}
+
 // What a method answered, beside truth.
 struct Measured {
   const LightPlaces& places;
@@ -101,10 +106,9 @@ GroupFigures groupFigures(const Measured& of, const WeightOf& weightOf) {
 ExcessFigures darkFigures(const Measured& of) {
   ExcessFigures dark;
   for (size_t i = 0; i < of.answers.size(); ++i) {
-    const double light = channelMean(of.expected(i));
-    if (!isCounted(of.places.places[i]) || light >= kDarkShare * of.truth.mean) continue;
+    if (!isDark(of.places, of.truth, i)) continue;
     ++dark.places;
-    dark.excess += channelMean(of.answered(i)) - light;
+    dark.excess += channelMean(of.answered(i)) - channelMean(of.expected(i));
   }
   dark.excess = quotient(dark.excess, static_cast<double>(dark.places) * of.truth.mean);
   return dark;
@@ -221,8 +225,7 @@ LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport
   truth.rms = std::sqrt(quotient(light, count));
   truth.noise = std::sqrt(quotient(noise, light));
   // places that count as dark, for the reader to know how many leaks are measured on
-  for (size_t i = 0; i < truth.at.size(); ++i)
-    truth.dark += isCounted(places.places[i]) && channelMean(truth.at[i].irradiance) < kDarkShare * truth.mean;
+  for (size_t i = 0; i < truth.at.size(); ++i) truth.dark += isDark(places, truth, i);
   return truth;
 }
 

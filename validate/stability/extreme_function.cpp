@@ -1,7 +1,6 @@
 #include "validate/stability/extreme_function.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -19,32 +18,40 @@ constexpr double kConstantFactor = 1.01;
 // Sums of another kernel: the same theta may differ in the last digits.
 constexpr double kOtherKernel = 1.0 + 1e-6;
 
+// Sums over points of squared errors of c times a shape, for every c.
+struct ConstantSums {
+  double shape_shape = 0.0, shape_phi = 0.0, phi_phi = 0.0;
+  int count = 0;
+
+  void add(double shape, double phi) {
+    shape_shape += shape * shape;
+    shape_phi += shape * phi;
+    phi_phi += phi * phi;
+    ++count;
+  }
+  double best() const { return shape_shape > 0.0 ? shape_phi / shape_shape : 0.0; }
+  double rmse(double c) const {
+    return count > 0 ? std::sqrt(std::max(0.0, phi_phi - 2.0 * c * shape_phi + c * c * shape_shape) / count) : 0.0;
+  }
+};
+
 // What the check finds of c, of c tent(x) where the representation has the tent, for the c of the lowest blend RMSE that it can output.
 FunctionCheck checkOfConstant(const Representation& representation, const StoredFunction& stored, const CheckOptions& check) {
   const LossWeights weights(check.loss());
-  const bool is_limited = !representation.isNetwork() || representation.shape().output == OutputFunction::sigmoid;
-  double shape_shape = 0.0, shape_phi = 0.0;
-  std::vector<std::array<double, 3>> points;  // squared weight, shape, phi
+  ConstantSums alike, blend;
   for (int p = 0; p < kSupportPointCount; ++p) {
     if (!stored.isValid(p)) continue;
     const float bare = tent(pointAt(p));
     const double root = weights.root(stored.phi[p], bare, stored.blendSum(p));
     const double shape = representation.tentFactor() ? bare : 1.0, phi = stored.phi[p] / 255.0;
-    points.push_back({root * root, shape, phi});
-    shape_shape += root * root * shape * shape;
-    shape_phi += root * root * shape * phi;
+    alike.add(shape, phi);
+    blend.add(root * shape, root * phi);
   }
+  const bool is_limited = !representation.isNetwork() || representation.shape().output == OutputFunction::sigmoid;
+  const double c = is_limited ? std::min(blend.best(), 1.0) : blend.best();
   FunctionCheck found;
-  if (points.empty()) return found;
-  const double best = shape_shape > 0.0 ? shape_phi / shape_shape : 0.0, c = is_limited ? std::min(best, 1.0) : best;
-  double square = 0.0, blend_square = 0.0;
-  for (const auto& [weight, shape, phi] : points) {
-    const double error = c * shape - phi;
-    square += error * error;
-    blend_square += weight * error * error;
-  }
-  found.rmse = std::sqrt(square / static_cast<double>(points.size()));
-  found.blend_rmse = std::sqrt(blend_square / static_cast<double>(points.size()));
+  found.rmse = alike.rmse(c);
+  found.blend_rmse = blend.rmse(c);
   return found;
 }
 
