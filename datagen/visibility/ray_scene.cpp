@@ -56,7 +56,9 @@ struct RayScene::Impl {
     glm::vec3 direction;
     bool front = false, back = false, both = false;
   };
+  static Facing facingOfHit(const RTCFilterFunctionNArguments* arguments);
   static void collectFacing(const RTCFilterFunctionNArguments* arguments);
+  static void passBacks(const RTCFilterFunctionNArguments* arguments);
 
   static void attach(RTCScene to, unsigned number, const std::vector<glm::vec3>& corners, const std::vector<glm::uvec3>& faces);
   RTCScene newScene(const TriangleChoice& choice) const;
@@ -67,7 +69,9 @@ struct RayScene::Impl {
   // geometry   kSurfaces or kSky
   Facing facing(unsigned geometry, uint32_t triangle, const glm::vec3& direction) const;
   Facing firstFacing(RTCScene against, const TriangleChoice& surfaces, const glm::vec3& origin, const glm::vec3& direction) const;
-  Facing allFacing(RTCScene against, const TriangleChoice& surfaces, RTCRayHit hit, const glm::vec3& direction) const;
+  // What the filter makes of all that is met where a ray ended.
+  static RTCRayHit retrace(RTCScene against, RTCRayHit hit, RTCFilterFunctionN filter, FacingCollector* collector);
+  Facing allFacing(RTCScene against, const TriangleChoice& surfaces, const RTCRayHit& hit, const glm::vec3& direction) const;
   LightHit lightHit(const glm::vec3& origin, const glm::vec3& direction, float far) const;
 
   ~Impl() {
@@ -242,15 +246,23 @@ Facing RayScene::Impl::facing(unsigned geometry, uint32_t triangle, const glm::v
   return glm::dot(out, direction) < 0.0f ? Facing::front : Facing::back;
 }
 
+Facing RayScene::Impl::facingOfHit(const RTCFilterFunctionNArguments* arguments) {
+  const auto& collector = *reinterpret_cast<const FacingCollector*>(arguments->context);
+  const unsigned geometry = RTCHitN_geomID(arguments->hit, 1, 0), primitive = RTCHitN_primID(arguments->hit, 1, 0);
+  return collector.scene->facing(geometry, geometry == kSky ? primitive : (*collector.surfaces)[primitive], collector.direction);
+}
+
 void RayScene::Impl::collectFacing(const RTCFilterFunctionNArguments* arguments) {
   FacingCollector& collector = *reinterpret_cast<FacingCollector*>(arguments->context);
-  const unsigned geometry = RTCHitN_geomID(arguments->hit, 1, 0), primitive = RTCHitN_primID(arguments->hit, 1, 0);
-  const Facing facing =
-      collector.scene->facing(geometry, geometry == kSky ? primitive : (*collector.surfaces)[primitive], collector.direction);
+  const Facing facing = facingOfHit(arguments);
   collector.front |= facing == Facing::front;
   collector.back |= facing == Facing::back;
   collector.both |= facing == Facing::both;
   arguments->valid[0] = 0;  // go on to the next one
+}
+
+void RayScene::Impl::passBacks(const RTCFilterFunctionNArguments* arguments) {
+  if (facingOfHit(arguments) == Facing::back) arguments->valid[0] = 0;
 }
 
 glm::vec3 RayScene::Impl::normal(uint32_t triangle) const {
@@ -258,17 +270,22 @@ glm::vec3 RayScene::Impl::normal(uint32_t triangle) const {
   return glm::cross(positions[corners.y] - positions[corners.x], positions[corners.z] - positions[corners.x]);
 }
 
-// Which of coincident faces comes first is up to the traversal: this asks for all of them.
-Facing RayScene::Impl::allFacing(RTCScene against, const TriangleChoice& surfaces, RTCRayHit hit,
-                                 const glm::vec3& direction) const {
-  FacingCollector collector{{}, this, &surfaces, direction};
-  rtcInitIntersectContext(&collector.context);
-  collector.context.filter = collectFacing;
+// Which of coincident faces comes first is up to the traversal.
+RTCRayHit RayScene::Impl::retrace(RTCScene against, RTCRayHit hit, RTCFilterFunctionN filter, FacingCollector* collector) {
+  rtcInitIntersectContext(&collector->context);
+  collector->context.filter = filter;
   const float distance = hit.ray.tfar;
   hit.ray.tnear = distance * (1.0f - 0x1p-18f);
   hit.ray.tfar = distance * (1.0f + 0x1p-18f);
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(against, &collector.context, &hit);
+  rtcIntersect1(against, &collector->context, &hit);
+  return hit;
+}
+
+Facing RayScene::Impl::allFacing(RTCScene against, const TriangleChoice& surfaces, const RTCRayHit& hit,
+                                 const glm::vec3& direction) const {
+  FacingCollector collector{{}, this, &surfaces, direction};
+  retrace(against, hit, collectFacing, &collector);
   if (collector.both || (collector.front && collector.back)) return Facing::both;
   return collector.back ? Facing::back : Facing::front;
 }
@@ -308,11 +325,20 @@ float RayScene::justBehind(const LightHit& hit) { return std::nextafter(hit.dist
 
 LightHit RayScene::Impl::lightHit(const glm::vec3& origin, const glm::vec3& direction, float far) const {
   for (float near = 0.0f;;) {
-    const RTCRayHit hit = firstRayHit(lightScene(), origin, direction, near, far);
+    RTCRayHit hit = firstRayHit(lightScene(), origin, direction, near, far);
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+    const auto facingOf = [&] {
+      return facing(hit.hit.geomID, hit.hit.geomID == kSky ? hit.hit.primID : opaque[hit.hit.primID], direction);
+    };
+    // lava has a face up and one down in the same place, and sheets are often modelled so: light is that of the one towards it
+    if (facingOf() == Facing::back) {
+      FacingCollector collector{{}, this, &opaque, direction};
+      const RTCRayHit front = retrace(lightScene(), hit, passBacks, &collector);
+      if (front.hit.geomID != RTC_INVALID_GEOMETRY_ID) hit = front;
+    }
     if (hit.hit.geomID != kSky) return surfaceHit(hit, opaque[hit.hit.primID], direction);
     const LightHit result{LightHit::Kind::sky, true, hit.hit.primID, hit.ray.tfar};
-    if (glm::dot(sky_normals[hit.hit.primID], direction) < 0.0f) return result;
+    if (facingOf() == Facing::front) return result;
     // from behind: on, past this face
     near = justBehind(result);
     if (!(near <= far && std::isfinite(near))) return {};

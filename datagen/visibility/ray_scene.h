@@ -47,8 +47,8 @@ class RayScene {
   // The same for whom backs alone count: what it calls front may be `both`, which saves a second search.
   Facing firstBackWithSky(const glm::vec3& origin, const glm::vec3& direction) const;
 
-  // The first surface, or front of a sky face, that a ray of light meets; sky faces let rays through from behind, and
-  // transmissive surfaces are not looked at.
+  // The first surface, or front of a sky face, that a ray of light meets; of faces in the same place one that looks towards it. Sky
+  // faces let rays through from behind, and transmissive surfaces are not looked at.
   LightHit lightHit(const glm::vec3& origin, const glm::vec3& direction) const;
 
   bool hasTransmissive() const;

@@ -127,5 +127,45 @@ TEST(RayScene, AThinTransmissiveSurfaceIsAirForFunctionsAndADenseOneASheet) {
   }
 }
 
+// Lava's surface in a level, or a sheet with a face for each side: which of them the traversal meets first says nothing.
+TEST(RayScene, LightMeetsTheFaceTowardsItOfTwoInOnePlace) {
+  SceneOfFaces faces;
+  faces.addRoom({-8, -1, -8}, {8, 8, 8}, 0.2f);
+  SkyFaces lava;
+  const auto add = [](std::vector<glm::uvec3>* triangles, uint32_t first) {
+    for (const glm::uvec3 corners : {glm::uvec3(0, 1, 2), glm::uvec3(0, 2, 3)}) triangles->push_back(corners + first);
+  };
+  for (int i = 0; i < 16; ++i) {
+    const float x = -6.0f + static_cast<float>(i % 4) * 3.0f, z = -6.0f + static_cast<float>(i / 4) * 3.0f;
+    const glm::vec3 a(x, 0, z), b(x, 0, z + 2), c(x + 2, 0, z + 2), d(x + 2, 0, z);
+    if (i % 2 == 0) {
+      faces.addQuad(a, b, c, d).addQuad(a, d, c, b);
+      continue;
+    }
+    const auto first = static_cast<uint32_t>(lava.positions.size());
+    // parted along the other diagonal, as a compiler may part its other side
+    lava.positions.insert(lava.positions.end(), {a, b, c, d, b, a, d, c});
+    add(&lava.triangles, first);
+    add(&lava.triangles, first + 4);
+  }
+  lava.shine.assign(lava.triangles.size(), glm::vec3(1.0f));
+  Scene scene = faces.finish();
+  scene.light.sky_faces = lava;
+  const RayScene rays(scene);
+  Random random(5);
+  for (int i = 0; i < 20000; ++i) {
+    const int quad = static_cast<int>(random.below(16));
+    const glm::vec3 target(-6.0f + static_cast<float>(quad % 4) * 3.0f + static_cast<float>(random.uniform(0.05, 1.95)), 0.0f,
+                           -6.0f + static_cast<float>(quad / 4) * 3.0f + static_cast<float>(random.uniform(0.05, 1.95)));
+    const float height = i % 2 == 0 ? 3.0f : -0.5f;
+    const glm::vec3 from(target.x + static_cast<float>(random.uniform(-1.0, 1.0)), height,
+                         target.z + static_cast<float>(random.uniform(-1.0, 1.0)));
+    const LightHit hit = rays.lightHit(from, glm::normalize(target - from));
+    ASSERT_EQ(hit.kind, quad % 2 == 0 ? LightHit::Kind::surface : LightHit::Kind::sky) << i;
+    ASSERT_TRUE(hit.is_front) << i;
+    ASSERT_NEAR(hit.distance, glm::distance(from, target), 1e-3f) << i;
+  }
+}
+
 }  // namespace
 }  // namespace nlg
