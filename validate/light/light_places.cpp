@@ -66,7 +66,7 @@ class SurfacePoints {
   std::vector<double> area_sums_;
 };
 
-// What a scene is lit by from inside: lamps, and the brightest of its faces.
+// What a scene is lit by from inside: lamps, the brightest of its faces, and what shines without being geometry, as lava does.
 class Sources {
  public:
   Sources(const Scene& scene, double distance_m)
@@ -89,6 +89,12 @@ class Sources {
     shining.positions = scene.positions;
     for (size_t t = 0; t < scene.triangles.size(); ++t) {
       if (shine(t) > 0.0f && shine(t) >= kSourceShare * brightest) shining.triangles.push_back(scene.triangles[t]);
+    }
+    const SkyFaces& faces = scene.light.sky_faces;
+    const auto first = glm::uvec3(static_cast<uint32_t>(shining.positions.size()));
+    shining.positions.insert(shining.positions.end(), faces.positions.begin(), faces.positions.end());
+    for (uint32_t t = 0; t < faces.triangles.size(); ++t) {
+      if (faces.shines(t)) shining.triangles.push_back(faces.triangles[t] + first);
     }
     return shining;
   }

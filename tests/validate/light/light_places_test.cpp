@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "light/air.h"
 #include "light/light_transport.h"
 #include "scene/procedural/procedural.h"
+#include "tests/datagen/hand_built_scenes.h"
 #include "tests/validate/light/lit_scenes.h"
 
 namespace nlg {
@@ -110,6 +113,24 @@ TEST(LightPlaces, OfEdgesAreUnderARoofAndNotInTheSun) {
     const glm::vec3 at(place.position_m);
     EXPECT_TRUE(glm::all(glm::greaterThan(at, glm::vec3(0.0f))) && glm::all(glm::lessThan(at, glm::vec3(5.0f, 3.0f, 4.2f))));
     EXPECT_TRUE(glm::dot(to_sun, place.normal) <= 0.0f || rays.isLightBlocked(at, at + 100.0f * to_sun));
+  }
+}
+
+// A room of 10 x 4 x 10 m with lava over half of its floor, which is no geometry.
+TEST(LightPlaces, KeepAwayFromWhatShinesWithoutBeingGeometry) {
+  constexpr double kLavaM = 0.4;
+  Scene scene = SceneOfFaces().addRoom({0, 0, 0}, {10, 4, 10}, 0.2f).finish();
+  SkyFaces& lava = scene.light.sky_faces;
+  lava.positions = {{0, kLavaM, 0}, {0, kLavaM, 10}, {5, kLavaM, 10}, {5, kLavaM, 0}};
+  lava.triangles = {{0, 1, 2}, {0, 2, 3}};
+  lava.shine.assign(2, glm::vec3(1.0f));
+  LightPlaceOptions options;
+  const LightPlaces places = drawLightPlaces(scene, RayScene(scene), lightExtent(scene, {}), options);
+  EXPECT_EQ(places.in_air, options.air);
+  EXPECT_GT(places.near_source, 0u);
+  for (const LightPlace& place : places.places) {
+    if (place.group == PlaceGroup::air && place.position_m.x < 5.0)
+      EXPECT_GE(std::fabs(place.position_m.y - kLavaM), places.source_distance_m - 1e-5);
   }
 }
 
