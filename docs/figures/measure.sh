@@ -52,6 +52,10 @@ build "train tests" nlg-bake nlg-datagen nlg-validate nlg-render nlg-pca nlg-cac
 bin=$source/build/release/bin
 mkdir -p "$root/openarena"
 simd=$(grep -qw avx512f /proc/cpuinfo && echo AVX-512 || echo AVX2)
+# a level without its game's images and scripts has other light, and says so in one line only
+for archive in pak0.pk3 pak1-maps.pk3 pak4-textures.pk3 pak6-patch085.pk3 pak6-patch088.pk3 z_oacmp-volume1-v3.pk3; do
+  [ -f "$levels/$archive" ] || { echo "measure.sh: $levels/$archive: expected Debian's openarena-data openarena-088-data openarena-oacmp1, got no such file" >&2; exit 2; }
+done
 machine="$(sed -n '0,/^model name/s/^model name[^:]*: //p' /proc/cpuinfo), $simd, $(nproc) cores"
 [ -f "$root/openarena/machine.txt" ] || echo "$machine" > "$root/openarena/machine.txt"
 known=$(cat "$root/openarena/machine.txt")
