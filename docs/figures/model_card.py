@@ -49,9 +49,7 @@ Trained generators, one for each representation: a way to store a weighting func
 | representation | formula |
 |---|---|
 | `mlp` | the network of the talk: 3 → 8 → 8 → 1 units, LeakyReLU |
-| `tent_mlp` | the same network, times the tent, the pyramid around the probe |
-| `tent_mlp44` | the tent times the sigmoid of a network of 3 → 4 → 4 → 1 units |
-| `tent_mlp4` | the tent times the sigmoid of a network of 3 → 4 → 1 units |
+| `tent_mlp4` | the tent, the pyramid around the probe, times the sigmoid of a network of 3 → 4 → 1 units |
 | `pf3` … `pf9` | a product field: a clamped grid of 3³ … 9³ nodes times the sigmoid of another, both interpolated |
 | `code16` … `code128` | the tent times the sigmoid of a weighted sum of so many logits, which all functions share; θ holds the weights |
 
