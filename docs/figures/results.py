@@ -16,7 +16,7 @@ write makes docs/reference/results.md, docs/reference/light.md, docs/reference/r
 What a run's folder does not have by itself, and is taken when it is there:
     nlg-bake LEVEL --threads 1 --out GRID --json RUN/bakes/LEVEL.json
     bench_runtime_eval --benchmark_repetitions=7 --benchmark_out=RUN/benchmarks/runtime_eval.json --benchmark_out_format=json
-check changes nothing; exit code 6 when a text disagrees or figures are of several revisions, 3 when a text quotes what no results file holds.
+check changes nothing; exit code 6 when a text disagrees, or a results file is of several revisions (with --release: of other sources than the present ones), 3 when a text quotes what no results file holds.
 """
 import argparse
 import subprocess
@@ -98,21 +98,31 @@ def revisions(found):
     return own.union(*map(revisions, found.values()))
 
 
-def of_other_revisions(all_results, is_release):
-    """A line for every revision of figures that belong together, where these are several, or one that nobody can look up.
-
-    is_release   whether all figures belong together, or those of one file, whose page names their revision
-    """
-    together = [list(all_results)] if is_release else [[name] for name in all_results]
+def of_several_revisions(all_results):
+    """A line for every revision of a results file that has several, or one that nobody can look up: its page names one."""
     lines = []
-    for names in together:
-        files = {}
-        for name in names:
-            for revision in revisions(all_results[name]):
-                files.setdefault(revision, []).append(name)
-        if len(files) > 1 or any(revision.endswith("-dirty") for revision in files):
-            lines += [f"docs/results: expected one revision without changes in {'all results' if is_release else names[0]}, got {revision} in {', '.join(sorted(found))}"
-                      for revision, found in sorted(files.items())]
+    for name, results in all_results.items():
+        found = revisions(results)
+        if len(found) > 1 or any(revision.endswith("-dirty") for revision in found):
+            lines += [f"docs/results: expected one revision without changes in {name}, got {revision}" for revision in sorted(found)]
+    return lines
+
+
+# What tools are built from, and the weights that are measured. A page or a test may change without changing a figure.
+MEASURED_FILES = ["*.cpp", "*.h", "*.def", "weights/*.safetensors", ":!tests", ":!viewer", ":!examples"]
+
+
+def older_than_sources(all_results):
+    """A line for every results file that describes other sources than those of this commit."""
+    lines = []
+    for name, results in all_results.items():
+        for revision in sorted(revisions(results)):
+            changed = subprocess.run(["git", "-C", ROOT, "diff", "--name-only", revision, "HEAD", "--", *MEASURED_FILES], capture_output=True, text=True)
+            files = changed.stdout.split()
+            if changed.returncode != 0:
+                lines.append(f"docs/results: expected {name} of a revision of this repository, got {revision}")
+            elif files:
+                lines.append(f"docs/results: expected {name} of the present sources, got {revision}, since which {len(files)} files changed: {', '.join(files[:3])}{' …' if len(files) > 3 else ''}")
     return lines
 
 
@@ -122,7 +132,7 @@ def write(all_results):
         if not path.exists() or read_text(path) != text:
             write_atomically(path, text.encode())
             print(path.relative_to(ROOT))
-    for line in of_other_revisions(all_results, is_release=False):
+    for line in of_several_revisions(all_results):
         print(line)
     return report(problems, only_keys=True)
 
@@ -186,7 +196,7 @@ def main():
     collecting_cycles.add_argument("folder", type=Path, help="--out of docs/figures/cycles/compare.py")
     commands.add_parser("write", help="docs/results → every text")
     checking = commands.add_parser("check", help="names every text that says something else, and figures of another revision")
-    checking.add_argument("--release", action="store_true", help="expects all figures to be of one revision, not only those of one file")
+    checking.add_argument("--release", action="store_true", help="expects all figures to be of the present sources: no file that tools are built from has changed since")
     arguments = parser.parse_args()
     if arguments.command == "collect":
         return collect(arguments.run, arguments.config, not arguments.no_pictures, arguments.made_by)
@@ -200,7 +210,7 @@ def main():
         return write(load_results(RESULTS))
     problems, all_results = [], load_results(RESULTS)
     expected_texts(all_results, problems)
-    problems += [(line, False) for line in of_other_revisions(all_results, arguments.release)]
+    problems += [(line, False) for line in of_several_revisions(all_results) + (older_than_sources(all_results) if arguments.release else [])]
     return report(problems, only_keys=False)
 
 

@@ -212,13 +212,28 @@ class Results(unittest.TestCase):
             self.assertEqual(result.returncode, 6)
             self.assertIn(f"expected one revision without changes in openarena, got {'4567def' if '4567def' in new else '0123abc-dirty'}", result.stderr)
 
-    def test_files_of_results_may_be_of_several_revisions_until_a_release(self):
+    def test_a_release_has_figures_of_its_own_sources(self):
+        def git(*arguments):
+            named = ("-c", "user.name=a", "-c", "user.email=a@b")
+            return subprocess.run(["git", "-C", self.root, *named, *arguments], check=True, capture_output=True, text=True).stdout.strip()
+
+        def commit(path, content):
+            self.write(path, content)
+            git("add", path)
+            git("commit", "-qm", path)
+            return git("rev-parse", "HEAD")
+        git("init", "-q")
+        measured = commit("light/solve.cpp", "int x;")
         self.filled("tent_mlp.stored.theta.rmse.mean:.4")
-        (self.root / "docs" / "results" / "other.json").write_text(json.dumps({"run": "other", "revision": "4567def"}))
-        self.assertEqual(self.run_results("check").returncode, 0)
-        result = self.run_results("check", "--release")
-        self.assertEqual(result.returncode, 6)
-        self.assertIn("got 4567def in other", result.stderr)
+        self.write("docs/results/other.json", {"run": "other", "revision": measured})
+        stale = f"expected other of the present sources, got {measured}, since which 1 files changed: light/solve.cpp"
+        for path, is_stale in (("docs/a.md", False), ("tests/a.cpp", False), ("light/solve.cpp", True)):
+            commit(path, "int y;")
+            said = self.run_results("check", "--release").stderr
+            self.assertEqual(stale in said, is_stale, f"{path}: {said}")
+            self.assertNotIn("present sources", self.run_results("check").stderr)
+        self.write("docs/results/other.json", {"run": "other", "revision": "4567def4567d"})
+        self.assertIn("expected other of a revision of this repository, got 4567def4567d", self.run_results("check", "--release").stderr)
 
     def test_all_rows_of_a_table_have_the_cells_of_its_head(self):
         self.assertEqual(self.collect().returncode, 0)
