@@ -43,7 +43,7 @@ ADDED = [
     ("nlg-train", "--rank 2 --processes 2", "--rank"), ("nlg-train", "--processes 2", "--rendezvous"), ("nlg-train", "--batch 1 --processes 2 --rendezvous meeting", "processes"),
     ("nlg-bake", "--extent-m=1,2,3", "extent_m"), ("nlg-bake", "--spacing-m 0.0001", ["1000000 probes", "finest spacing"]), ("nlg-bake", "--max-probes 100", "at most 100 probes"),
     ("nlg-render", "--method grid", "--grid"), ("nlg-render", "--show weights", "--show"), ("nlg-render", "--look 1,2,3", "--eye"),
-    ("nlg-render", "--bake --grid weights.safetensors", "--bake"), ("nlg-view", "--baselines unity", "unity"), ("nlg-view", "--light none", "--light"),
+    ("nlg-render", "--bake --grid weights.safetensors", "--bake"), ("nlg-view", "--baselines unity", "unity"), ("nlg-view", "--light none --extent-m=0,0,0,2,2,2", "--light"),
 ]
 # whole calls
 REFUSED = [
