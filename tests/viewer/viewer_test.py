@@ -22,6 +22,7 @@ LEVELS = "/usr/share/games/openarena/baseoa"
 SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
 WIDTH, HEIGHT = 320, 180  # of pictures that are compared
 SETTINGS = {"cornell": ["--spacing-m", "0.5"], "level": []}
+VIEWS = {"cornell": 2, "level": 5}
 BASELINES = {"cornell": ["valid-trilinear", "ddgi"], "level": ["valid-trilinear"]}
 # Edges are drawn by four samples here and there, at other places; a surface stands at the same offset before what is near. What lies
 # between is the same light to a step of 255.
@@ -90,14 +91,13 @@ def check_states(browser, tool, folder, out):
     rows = """JSON.stringify([...document.querySelectorAll('#groups label')].map(row => [row.textContent.trim(), row.querySelector('input').value]))"""
     brightest = {}
     for name, query in {"day": {}, "night": {"light": "day:0&light=night:1"}, "mixed": {"light": "day:0.5&light=night:1&light=night/emission:0"}}.items():
-        page.open(640, 360, divider=1, **query)
+        # what is hidden stands in the page
+        page.open(WIDTH, HEIGHT, ui=0, divider=1, **query)
         shown = json.loads(browser.value(rows))
         day, night, emission = {"day": ("1", "0", "1"), "night": ("0", "1", "1"), "mixed": ("0.5", "1", "0")}[name]
         if shown != [["day", day], ["night", night], ["emission", emission]]:
             failures.append(f"states, {name}: the sliders are {shown}")
-        browser.picture(os.path.join(out, f"states_{name}.png"), 640, 360)
-        page.open(WIDTH, HEIGHT, ui=0, divider=1, **query)
-        picture = os.path.join(out, f"states_{name}_bare.png")
+        picture = os.path.join(out, f"states_{name}.png")
         browser.picture(picture, WIDTH, HEIGHT)
         pixels = Image.open(picture).convert("L").tobytes()
         brightest[name] = sum(pixels) / len(pixels)
@@ -129,7 +129,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         grid, view = os.path.join(folder, "grid.safetensors"), os.path.join(folder, "view")
         run(tool("nlg-bake"), scene, *SETTINGS[which], "--out", grid)
-        run(tool("nlg-view"), scene, "--grid", grid, "--out", view, "--baselines", ",".join(BASELINES[which]), "--truth-views", "5", "--truth-width", "64",
+        run(tool("nlg-view"), scene, "--grid", grid, "--out", view, "--baselines", ",".join(BASELINES[which]), "--truth-views", str(VIEWS[which]), "--truth-width", "64",
             "--truth-rays", "8", "--truth-samples", "100")
         page_bytes = sum(os.path.getsize(os.path.join(view, name)) for name in ("index.html", "viewer.js"))
         if page_bytes > 2e6:
