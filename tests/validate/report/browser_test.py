@@ -1,22 +1,19 @@
 #!/usr/bin/python3
 """The report in a real browser, at desktop and phone width: no console error, no request, nothing wider than the window.
 
-    browser_test.py [SCREENSHOT_FOLDER [REPORT_HTML]]
+    browser_test.py SCREENSHOT_FOLDER REPORT_HTML
 
-Without a page it draws one from made-up inputs. Leaves desktop.png, phone.png (whole pages) and first screens in the folder; exit
+Leaves desktop.png, phone.png (whole pages) and first screens in the folder; exit
 code 77, a skipped test, where there is no browser.
 """
 import os
-import subprocess
 import sys
 import tempfile
 
 sys.dont_write_bytecode = True
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
-import made_up
 from browser import BROWSERS, SKIPPED, Browser, complaints, find_browser
 
-REPORT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "validate", "report", "report.py")
 SIZES = {"desktop": (1280, 800), "phone": (390, 844)}
 # the boxes that stick out, so that a failure names them; what scrolls inside its own box may
 STICKING_OUT = """[...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > innerWidth + 0.5
@@ -44,13 +41,9 @@ def main():
     if not program:
         print(f"skipped: none of {', '.join(BROWSERS)} is installed")
         return SKIPPED
+    screenshots, page = sys.argv[1:]
+    os.makedirs(screenshots, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
-        screenshots = sys.argv[1] if len(sys.argv) > 1 else folder
-        os.makedirs(screenshots, exist_ok=True)
-        page = sys.argv[2] if len(sys.argv) > 2 else os.path.join(folder, "report.html")
-        if len(sys.argv) <= 2:
-            needed, proof = made_up.write_all(folder)
-            subprocess.run(["/usr/bin/python3", REPORT, *needed, *proof, "--out", page], check=True)
         browser = Browser(program, os.path.join(folder, "profile"), ["--disable-gpu"])
         try:
             failures = [text for name in SIZES for text in check(browser, name, "file://" + os.path.abspath(page), screenshots)]
@@ -58,7 +51,7 @@ def main():
             browser.close()
     for text in failures:
         print("FAILED:", text)
-    print(f"{len(SIZES)} widths, {len(failures)} failures; screenshots in {screenshots}" if len(sys.argv) > 1 else f"{len(SIZES)} widths, {len(failures)} failures")
+    print(f"{len(SIZES)} widths, {len(failures)} failures; screenshots in {screenshots}")
     return 1 if failures else 0
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The report from made-up inputs: what it says, that it loads nothing, that it repeats itself, and what it refuses.
 
-    report_test.py
+    report_test.py PAGE          the page is left there for browser_test.py
 """
 import base64
 import csv
@@ -300,10 +300,12 @@ def check_refusals(needed):
 
 
 def main():
+    left = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         needed, proof = made_up.write_all("")
         check_page(needed, proof)
+        shutil.copy("whole.html", left)
         check_verdict(needed)
         check_undecided(needed)
         check_comparison(needed)
