@@ -74,7 +74,7 @@ GeneratorNetwork& trained(const Representation& representation) {
   const auto known = networks.find(representationName(representation));
   if (known != networks.end()) return known->second;
   TrainOptions options;
-  options.steps = 300;
+  options.steps = 200;
   options.batch = 32;
   options.learning_rate = 3e-3;
   options.average_decay = 0.98;
@@ -156,7 +156,7 @@ TEST(ThetaStages, LearnFunctionsThatTrainingHasNotSeen) {
     GeneratorNetwork untrained(smallShape(), startTheta(representation), 1);
     const HeldOutError before = heldOutError(untrained, representation, heldOut(), kUnweighed, kHeldOutCount);
     const HeldOutError after = heldOutError(trained(representation), representation, heldOut(), kUnweighed, kHeldOutCount);
-    // 300 steps on 150 functions: the generator has not come far
+    // 200 steps on 150 functions: the generator has not come far
     EXPECT_LT(after.network, 0.9 * before.network) << representationName(representation);
     EXPECT_LT(after.final, 0.9 * before.final) << representationName(representation);
     if (solveCount(representation) == 1) {
