@@ -72,7 +72,8 @@ TEST(LightBake, FurnaceGivesEveryProbeTheSame) {
 }
 
 TEST(LightBake, SaysWhatIsBlackNearlyBlackOrTooBrightForEngines) {
-  const BakeOptions options = roomOptions("integrated");
+  BakeOptions options = roomOptions("integrated");
+  options.light_rays = 8;
   PreparedScene scene("two_rooms:0", options);
   LightGrid grid = tentGrid(scene);
   // all light is 2 times the factor
@@ -108,6 +109,7 @@ TEST(LightBake, SaysWhatIsBlackNearlyBlackOrTooBrightForEngines) {
 TEST(LightBake, NamesRoomsThatNoLightReaches) {
   BakeOptions options = roomOptions("integrated");
   options.spacing_m = 0.5;
+  options.light_rays = 8;
   PreparedScene scene("kitchen:0", options);
   LightGrid grid = tentGrid(scene);
   LightStatistics statistics = bakeLight(scene, options, &grid);
