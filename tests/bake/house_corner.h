@@ -13,7 +13,7 @@ namespace nlg {
 inline BakeOptions houseCornerOptions(int refine_rounds = 0) {
   BakeOptions options;
   options.spacing_m = 1.5;
-  options.extent_m = {"0", "0", "0", "6", "6", "3"};
+  options.extent_m = {"0", "0", "0", "4.5", "4.5", "3"};
   options.policy.theta_precision = ThetaPrecision::float32;  // rounding solves last layers again, which hides what stages do
   options.policy.refine_rounds = refine_rounds;
   options.policy.refine_first_steps = 4;

@@ -13,6 +13,7 @@ namespace {
 
 BakeOptions corner(const std::string& groups) {
   BakeOptions options = houseCornerOptions();
+  options.extent_m = {"0", "0", "0", "6", "6", "3"};  // where the sun comes in
   options.light_rays = 16;
   options.light_error = kLeastLightError;
   options.scene_light.light_groups = groups;
