@@ -54,7 +54,7 @@ PYTHON
 
 # --- a bake with the generators that it made: the same bytes on any number of threads, and figures that add up
 weights=("$out/weights/tent_mlp.safetensors" "$out/weights/mlp.safetensors")
-bake=(--weights "${weights[@]}" --config configs/smoke.yaml --extent-m=0,0,0,6,6,3)
+bake=(--weights "${weights[@]}" --config configs/smoke.yaml --spacing-m 1.5 --extent-m=0,0,0,6,6,3)
 "$NLG_BIN/nlg-bake" house:3 "${bake[@]}" --threads 1 --out "$temporary/one.safetensors" --json "$temporary/one.json" 2>/dev/null
 "$NLG_BIN/nlg-bake" house:3 "${bake[@]}" --threads 2 --out "$temporary/two.safetensors" >/dev/null 2>&1
 cmp "$temporary/one.safetensors" "$temporary/two.safetensors" || fail "two threads baked another light grid than one"
