@@ -24,7 +24,7 @@ Errors against path tracing. All [methods](json.md#lightjson) have the same prob
 - **surface**: 5 to 50 cm before surfaces, with the surface's normal.
 - **turned**: the same points, any normal.
 
-Probe light is *point*, gathered at the probe; *solved*, least squares over other points in air; or the method's *own* form. *Dark*: mean light beyond truth at points that should be dark, over the level's mean. *Edges*: mean light beyond truth within 10 cm of edges, over truth there. Parentheses hold 95 % intervals, by bootstrap over scenes. DDGI has two [rules](json.md#lightjson) for backs of double-sided faces; the better one in each scene counts. Results of `669535a110a1` have `backless sheets` alone, to DDGI's disadvantage: probes inside double-sided walls stay active. APV is measured without rendering layers, Unity's own cure for leaks, because artists assign them.
+Probe light is *point*, gathered at the probe; *solved*, least squares over other points in air; or the method's *own* form. *Dark*: mean light beyond truth at points that should be dark, over the level's mean. *Edges*: mean light beyond truth within 10 cm of edges, over truth there. Parentheses hold 95 % intervals, by bootstrap over scenes. DDGI has two [rules](json.md#lightjson) for backs of double-sided faces; the better one in each scene counts. APV is measured without rendering layers, Unity's own cure for leaks, because artists assign them.
 """
 
 
@@ -248,7 +248,7 @@ def methods_section(by_kind):
         of_kinds = lambda write: "; ".join(write(entry) if entry else "" for entry in of_light)
         return [of_kinds(lambda entry: number(entry["dark"]["value"], 3)), of_kinds(lambda entry: number(entry["edge"], 2) if "edge" in entry else ""), per_probe(of_light), of_kinds(lambda entry: f"{entry['seconds']:,.1f}")]
 
-    return (f"\n### By method\nMean errors, probes {spacing_text(SHOWN_SPACING)} apart (number of scenes). Dark, edges and processor seconds of the bake are in the order of the kinds.\n"
+    return (f"\n### By method\nMean errors, probes {spacing_text(SHOWN_SPACING)} apart (number of scenes). Dark, edges and processor seconds of the bake (on a shared machine) are in the order of the kinds.\n"
             + table(["weights", "light", *kind_heads(by_kind, kinds), "dark", "edges", "bytes a probe", "bake, s"], methods_rows(by_kind, kinds, further)))
 
 
@@ -287,7 +287,7 @@ def seen_section(results):
         entries = [found["methods"][kind].get(slug) for kind in kinds]
         rows.append([name, light, *("; ".join([number(entry["all"]["hyab"], 1), percents(entry["all"]["off_2"]), percents(entry["edge"]["off_2"]) if "edge" in entry else "", percents(entry["all"]["ringing"])])
                                     if entry else "" for entry in entries)])
-    offsets = f" Means over {found['offsets']} offsets of the lattice (`--seed`)." if "offsets" in found else ""
+    offsets = {None: "", 1: " Of one offset of the lattice (`--seed 1`)."}.get(found.get("offsets"), f" Means over {found.get('offsets')} offsets of the lattice (`--seed`).")
     return (SEEN_INTRODUCTION.rstrip("\n") + f"{offsets}\n" + seen_targets(found, results["ours"])
             + f"\n*ΔE; off; edges; rings*, shares in per cent, probes as far apart as the bake chooses (number of scenes).\n"
             + table(["method", "light", *(f"{KIND_TITLES[kind].lower()} ({count})" for kind, count in kinds.items())], rows))
@@ -298,7 +298,7 @@ def scenes_section(scenes):
     noise = max(scenes.values(), key=lambda entry: entry["truth"]["noise"])
     floors = "; ".join(f"{group} {number(min(values), 3)} to {number(max(values), 3)}" for group in GROUPS for values in [[entry["floor"][group] for entry in scenes.values()]])
     places = next(iter(scenes.values()))["truth"]["places"]
-    return (f"\n## Scenes\n{', '.join(sorted(entry['name'] for entry in scenes.values()))}; {places['air']:,} points in air of each and {places['surface']:,} before surfaces. Truth's noise is at most "
+    return (f"\n## Scenes\n{', '.join(sorted(entry['name'] for entry in scenes.values()))}; {places['air']:,} points in air of each and {places['surface']:,} before surfaces. Levels have the images, skies and suns of their game (`openarena-data`; figures of 1.0 were of levels without them). Truth's noise is at most "
             f"{percent(noise['truth']['noise'])} of its root mean square ({noise['name']}). Harmonics gathered at the sample point itself, a lower bound for probes, err: {floors}.\n")
 
 

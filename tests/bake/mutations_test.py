@@ -291,7 +291,7 @@ FROM = {
 SETTINGS = [["--spacing-m", "1"], ["--density-growth", "0"], ["--align-lattice"], ["--seed", "2"], ["--extent-m=-2,.2,-1,2,2,1"], ["--air-only=false"], ["--unit", "1.1"], ["--transmissive-cover", ".3"], ["--cavity-m", "0"], ["--sky", "sky.hdr,90"],
             ["--sky", "0"], ["--sun", "40,50,1,1,1"], ["--light-unit", "watt"], ["--intensity", "2"], ["--light-groups", "kind"], ["--light-groups", "one"], ["--light-state", "dusk"], ["--light", "point"], ["--light", "none"],
             ["--light-direct", "none"], ["--light-samples", "3"], ["--light-rays", "16"], ["--light-cache=false"], ["--light-pull", ".5"], ["--light-error", ".1"], ["--thin-error", ".05"], ["--adam-steps", "5"], ["--duplicate-rms", "2"],
-            ["--theta-precision", "float32"], ["--bare-tent-rmse", ".05"], ["--representation", "tent_mlp"], ["--max-probes", "99999"], ["--threads", "2"]]
+            ["--theta-precision", "float32"], ["--bare-tent-rmse", ".05"], ["--representation", "mlp"], ["--max-probes", "99999"], ["--threads", "2"]]
 
 
 # ---- what is done with each

@@ -27,7 +27,7 @@ def table(path):
 
 
 def check_short_form(_):
-    weights = [os.path.join(WEIGHTS, f"{name}.safetensors") for name in ["tent_mlp", "pf5", "code64"]]
+    weights = [os.path.join(WEIGHTS, f"{name}.safetensors") for name in ["tent_mlp4", "pf5", "code64"]]
     result = stability("--short", "--weights", *weights, "--out", "stability.json")
     check(result.returncode == 0, f"the short form ended with {result.returncode}: {result.stderr}")
     whole = table("stability.json")

@@ -225,14 +225,15 @@ class Results(unittest.TestCase):
         git("init", "-q")
         measured = commit("light/solve.cpp", "int x;")
         self.filled("tent_mlp.stored.theta.rmse.mean:.4")
-        self.write("docs/results/other.json", {"run": "other", "revision": measured})
+        other = self.root / "docs" / "results" / "other.json"
+        other.write_text(json.dumps({"run": "other", "revision": measured}))
         stale = f"expected other of the present sources, got {measured}, since which 1 files changed: light/solve.cpp"
-        for path, is_stale in (("docs/a.md", False), ("tests/a.cpp", False), ("light/solve.cpp", True)):
+        for path, is_stale in (("a.md", False), ("tests/a.cpp", False), ("light/solve.cpp", True)):
             commit(path, "int y;")
             said = self.run_results("check", "--release").stderr
             self.assertEqual(stale in said, is_stale, f"{path}: {said}")
             self.assertNotIn("present sources", self.run_results("check").stderr)
-        self.write("docs/results/other.json", {"run": "other", "revision": "4567def4567d"})
+        other.write_text(json.dumps({"run": "other", "revision": "4567def4567d"}))
         self.assertIn("expected other of a revision of this repository, got 4567def4567d", self.run_results("check", "--release").stderr)
 
     def test_all_rows_of_a_table_have_the_cells_of_its_head(self):

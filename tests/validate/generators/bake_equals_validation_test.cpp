@@ -122,7 +122,7 @@ void BakeEqualsValidation::expectTheSame(const std::vector<std::string>& represe
   }
 }
 
-TEST_F(BakeEqualsValidation, ForANetwork) { expectTheSame({"tent_mlp"}, ThetaPrecision::float32); }
+TEST_F(BakeEqualsValidation, ForANetwork) { expectTheSame({"mlp"}, ThetaPrecision::float32); }
 TEST_F(BakeEqualsValidation, ForANetworkInHalfPrecision) { expectTheSame({"mlp"}, ThetaPrecision::float16); }
 TEST_F(BakeEqualsValidation, ForAProductField) { expectTheSame({"pf3"}, ThetaPrecision::float32); }
 TEST_F(BakeEqualsValidation, ForTheChoiceBetweenRepresentations) { expectTheSame({"pf3", "pf5"}, ThetaPrecision::float16); }
