@@ -66,8 +66,8 @@ struct RayScene::Impl {
   RTCScene opaqueScene() const { return opaque_scene != nullptr ? opaque_scene : scene; }
   RTCScene lightScene() const { return light_scene != nullptr ? light_scene : opaqueScene(); }
   LightHit surfaceHit(const RTCRayHit& hit, uint32_t triangle, const glm::vec3& direction) const;
-  // geometry   kSurfaces or kSky
-  Facing facing(unsigned geometry, uint32_t triangle, const glm::vec3& direction) const;
+  // geometry, primitive   of a hit; surfaces   that the geometry kSurfaces holds
+  Facing facing(unsigned geometry, unsigned primitive, const TriangleChoice& surfaces, const glm::vec3& direction) const;
   Facing firstFacing(RTCScene against, const TriangleChoice& surfaces, const glm::vec3& origin, const glm::vec3& direction) const;
   // What the filter makes of all that is met where a ray ended.
   static RTCRayHit retrace(RTCScene against, RTCRayHit hit, RTCFilterFunctionN filter, FacingCollector* collector);
@@ -240,16 +240,17 @@ RayScene::RayScene(const Scene& scene) : impl_(std::make_unique<Impl>()) {
 
 RayScene::~RayScene() = default;
 
-Facing RayScene::Impl::facing(unsigned geometry, uint32_t triangle, const glm::vec3& direction) const {
-  if (geometry == kSurfaces && double_sided[triangle]) return Facing::both;
-  const glm::vec3 out = geometry == kSky ? sky_normals[triangle] : normal(triangle);
+Facing RayScene::Impl::facing(unsigned geometry, unsigned primitive, const TriangleChoice& surfaces,
+                              const glm::vec3& direction) const {
+  if (geometry == kSurfaces && double_sided[surfaces[primitive]]) return Facing::both;
+  const glm::vec3 out = geometry == kSky ? sky_normals[primitive] : normal(surfaces[primitive]);
   return glm::dot(out, direction) < 0.0f ? Facing::front : Facing::back;
 }
 
 Facing RayScene::Impl::facingOfHit(const RTCFilterFunctionNArguments* arguments) {
   const auto& collector = *reinterpret_cast<const FacingCollector*>(arguments->context);
-  const unsigned geometry = RTCHitN_geomID(arguments->hit, 1, 0), primitive = RTCHitN_primID(arguments->hit, 1, 0);
-  return collector.scene->facing(geometry, geometry == kSky ? primitive : (*collector.surfaces)[primitive], collector.direction);
+  return collector.scene->facing(RTCHitN_geomID(arguments->hit, 1, 0), RTCHitN_primID(arguments->hit, 1, 0), *collector.surfaces,
+                                 collector.direction);
 }
 
 void RayScene::Impl::collectFacing(const RTCFilterFunctionNArguments* arguments) {
@@ -310,8 +311,7 @@ Facing RayScene::firstBackWithSky(const glm::vec3& origin, const glm::vec3& dire
   const RTCScene against = impl_->lightScene();
   const RTCRayHit hit = firstRayHit(against, origin, direction);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return Facing::nothing;
-  const uint32_t triangle = hit.hit.geomID == kSky ? hit.hit.primID : impl_->opaque[hit.hit.primID];
-  const Facing first = impl_->facing(hit.hit.geomID, triangle, direction);
+  const Facing first = impl_->facing(hit.hit.geomID, hit.hit.primID, impl_->opaque, direction);
   return first == Facing::back ? impl_->allFacing(against, impl_->opaque, hit, direction) : first;
 }
 
@@ -327,18 +327,17 @@ LightHit RayScene::Impl::lightHit(const glm::vec3& origin, const glm::vec3& dire
   for (float near = 0.0f;;) {
     RTCRayHit hit = firstRayHit(lightScene(), origin, direction, near, far);
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    const auto facingOf = [&] {
-      return facing(hit.hit.geomID, hit.hit.geomID == kSky ? hit.hit.primID : opaque[hit.hit.primID], direction);
-    };
+    bool is_back = facing(hit.hit.geomID, hit.hit.primID, opaque, direction) == Facing::back;
     // lava has a face up and one down in the same place, and sheets are often modelled so: light is that of the one towards it
-    if (facingOf() == Facing::back) {
+    if (is_back) {
       FacingCollector collector{{}, this, &opaque, direction};
       const RTCRayHit front = retrace(lightScene(), hit, passBacks, &collector);
-      if (front.hit.geomID != RTC_INVALID_GEOMETRY_ID) hit = front;
+      is_back = front.hit.geomID == RTC_INVALID_GEOMETRY_ID;
+      if (!is_back) hit = front;
     }
     if (hit.hit.geomID != kSky) return surfaceHit(hit, opaque[hit.hit.primID], direction);
     const LightHit result{LightHit::Kind::sky, true, hit.hit.primID, hit.ray.tfar};
-    if (facingOf() == Facing::front) return result;
+    if (!is_back) return result;
     // from behind: on, past this face
     near = justBehind(result);
     if (!(near <= far && std::isfinite(near))) return {};
