@@ -160,7 +160,7 @@ PreparedScene prepareScene(const BakeRequest& request, const BakeOptions& option
   SceneSource source = loadLitScene(request.scene, options);
   // before its probes are placed: they may say why there are too many
   tellNotes("nlg-bake", source);
-  for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
+  tellLightNotes(source);
   return {std::move(source), options, known, [&](const PlacedScene& placed) {
             for (const std::string& path : request.weights) std::cerr << "weights: " << path << '\n';
             std::cerr << toText(planBake(placed, options, generators), placed, options);

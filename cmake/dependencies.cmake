@@ -46,7 +46,7 @@ if(NLG_BUILD_TOOLS OR NLG_BUILD_FUZZERS)
   nlg_plain_library(httplib cpp-httplib httplib.h)
   if(NLG_BUILD_TRAINING)
     find_package(Eigen3 3.4 CONFIG REQUIRED)
-    find_package(BLAS REQUIRED)
+    find_package(LAPACK REQUIRED)  # and with it BLAS
     # ONNX's messages and its own checker; protobuf first, which ONNX's CMake files name and do not look for
     find_package(Protobuf REQUIRED)
     find_package(ONNX CONFIG REQUIRED)

@@ -81,6 +81,9 @@ LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
 
 RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& options)
     : request_(request), options_(options), threads_(options.threads > 0 ? options.threads : machineThreadCount()) {
+  // before anything is baked
+  if (request.bake && options.light == "none")
+    throw UsageError("--light", "solved, integrated or point", "none, and a view needs light");
   const std::vector<std::string> names = methodNames(request);
   const bool has_baselines = std::any_of(names.begin(), names.end(), MethodSet::isBaseline);
   if (request.bake || has_baselines) {
@@ -90,9 +93,9 @@ RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& op
     rays_ = std::make_unique<RayScene>(source_.scene);
   }
   tellNotes(request.program, source());
+  if (request.bake) tellLightNotes(source());
   transport_ = std::make_unique<LightTransport>(scene(), baked_scene_ ? baked_scene_->rays : *rays_);
   makeGrid(has_baselines);
-  if (has_baselines) makeBaselines();
 }
 
 void RenderedScene::makeGrid(bool has_baselines) {
@@ -108,11 +111,10 @@ void RenderedScene::makeGrid(bool has_baselines) {
     warnings_ = differencesOf(request_.grid, baked, asked, has_baselines);
     for (const std::string& warning : warnings_) std::cerr << request_.program << ": " << warning << '\n';
   }
-  if (request_.bake && grid_->light.empty())
-    throw UsageError("--light", "solved, integrated or point", "none, and a view needs light");
 }
 
-void RenderedScene::makeBaselines() {
+const MethodSet& RenderedScene::baselines() const {
+  if (baselines_) return *baselines_;
   MethodSetOptions options;
   options.solve = probeLightOptions(options_, baked_scene_->air.places.size());
   options.probe = options.solve.probe;
@@ -120,6 +122,7 @@ void RenderedScene::makeBaselines() {
   options.seed = mixSeed(options_.seed, kBaselineStream);
   baselines_ = std::make_unique<MethodSet>(MethodScene{*transport_, baked_scene_->tree, baked_scene_->air}, options);
   for (const std::string& name : methodNames(request_)) baselines_->addNamed(name);
+  return *baselines_;
 }
 
 LightAt RenderedScene::light(const std::string& name) const {
@@ -132,9 +135,9 @@ LightAt RenderedScene::light(const std::string& name) const {
 }
 
 const LightMethod& RenderedScene::baseline(const std::string& name) const {
-  if (const LightMethod* method = baselines_->named(name)) return *method;
+  if (const LightMethod* method = baselines().named(name)) return *method;
   std::string known = "truth, grid";
-  for (const LightMethod& method : baselines_->methods()) known += " or " + MethodSet::commandName(method);
+  for (const LightMethod& method : baselines().methods()) known += " or " + MethodSet::commandName(method);
   throw UsageError(request_.panel.empty() ? "--method" : request_.panel_flag, known, "'" + name + "'");
 }
 

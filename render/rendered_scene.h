@@ -26,7 +26,7 @@ LightGrid readGrid(const std::string& path, GridMetadata* metadata);
 
 class RenderedScene {
  public:
-  // Loads the scene, loads or bakes the grid, and makes the baselines that the request names. Both must outlive this object.
+  // Loads the scene, and loads or bakes the grid. Both must outlive this object.
   // throws   UsageError, InputError
   RenderedScene(const RenderRequest& request, const BakeOptions& options);
 
@@ -43,11 +43,11 @@ class RenderedScene {
   const LightMethod& baseline(const std::string& name) const;
   // What of a grid's file says that it is not of this scene, or not of its light here; told on stderr as well.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  const MethodSet* baselines() const { return baselines_.get(); }  // null when none was asked for
+  // Of requests that name baselines; made when first asked for, by one thread.
+  const MethodSet& baselines() const;
 
  private:
   void makeGrid(bool has_baselines);
-  void makeBaselines();
 
   const RenderRequest& request_;
   const BakeOptions& options_;
@@ -57,7 +57,7 @@ class RenderedScene {
   std::optional<PreparedScene> baked_scene_;  // in place of both: with what a bake and baselines need beside
   std::unique_ptr<LightTransport> transport_;
   std::optional<LightGrid> grid_;
-  std::unique_ptr<MethodSet> baselines_;
+  mutable std::unique_ptr<MethodSet> baselines_;
   std::vector<std::string> warnings_;
 };
 

@@ -300,4 +300,8 @@ void tellNotes(const std::string& tool, const SceneSource& source) {
   for (const std::string& note : source.notes) std::cerr << printable(tool + ": " + source.id + ": " + note) << '\n';
 }
 
+void tellLightNotes(const SceneSource& source) {
+  for (const std::string& note : source.light_notes) std::cerr << "light: " << note << '\n';
+}
+
 }  // namespace nlg

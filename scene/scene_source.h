@@ -68,5 +68,7 @@ std::string sceneForms();
 
 // Says on stderr what a tool's user should know of the scene, a line each.
 void tellNotes(const std::string& tool, const SceneSource& source);
+// The same of where its light comes from: "light: sky …".
+void tellLightNotes(const SceneSource& source);
 
 }  // namespace nlg

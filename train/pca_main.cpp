@@ -81,6 +81,15 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
   read.insert(read.end(), request.held_out.begin(), request.held_out.end());
   read.push_back(request.from);
   refuseToReplace(request.out, read, kBasisFiles);
+  requireOutputFile(request.out);
+  // of which is measured how much the basis keeps of functions that it has not seen
+  FunctionSet held_out;
+  if (!request.held_out.empty()) {
+    held_out = readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount);
+    if (held_out.functionCount() == 0) {
+      throw InputError(request.held_out.front(), "functions", "at least one in all held-out shards", "none");
+    }
+  }
   BasisFit fit;
   MeanFunction mean;
   std::map<std::string, std::string> inputs;
@@ -109,12 +118,7 @@ void fitBasis(const Request& request, const PcaOptions& options, const OptionTab
     is_taken = takeBasis(request.from, &wide);
     inputs["weights"] = fileSha256(request.from);
   }
-  // how much the basis keeps of functions that it has not seen
-  if (!request.held_out.empty()) {
-    const FunctionSet held_out = readFunctionSet(request.held_out, supportPattern().hash, kSupportPointCount);
-    if (held_out.functionCount() == 0) {
-      throw InputError(request.held_out.front(), "functions", "at least one in all held-out shards", "none");
-    }
+  if (held_out.functionCount() > 0) {
     file.kept_variance = keptVariance(wide, held_out.phi.data(), held_out.functionCount(), counts);
     file.kept_counts.assign(counts.begin(), counts.end());
   }

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
 
 #include <fmt/format.h>
 
@@ -107,51 +108,59 @@ class ViewFolder {
     const glm::dvec3& origin_m = scene_.scene().origin_m;
     grid_.tree.moveBy({-origin_m.x, -origin_m.y, -origin_m.z});
     said_ = {{"schema_version", 1}, {"scene", scene_.id()}, {"out", request.out}};
-    for (const std::string& name : request.baselines) baselines_.emplace_back(name, &scene_.baseline(name));
   }
 
   Json write() {
     // the page last: it is there when all that it reads is, and one of an earlier run goes first
     std::error_code gone;
-    fs::remove(fs::path(request_.out) / "index.html", gone);
+    fs::remove(page(), gone);
     const std::vector<View> views = chooseViews(scene_, request_, options_);
     DataScript script("scene");
     addGeometry(&script);
-    script.facts["scene"] = scene_.id();
-    script.facts["revision"] = sourceRevision();
-    script.facts["origin_m"] = numbers(scene_.scene().origin_m);
-    script.facts["look_up"] = kLookUpText;
-    script.facts["light"] = scene_.lightNotes();
-    script.facts["warnings"] = scene_.warnings();
-    script.facts["has_truth"] = request_.truth_views > 0;
+    addFacts(&script);
     script.facts["views"] = Json::array();
-    Progress views_done("views", static_cast<int64_t>(views.size()));
-    for (size_t v = 0; v < views.size(); ++v) {
-      views_done.update(static_cast<int64_t>(v));
-      script.facts["views"].push_back(placeJson(views[v].name, views[v].camera));
-      if (request_.truth_views > 0) write(truthScript(v, views[v].camera));
-    }
-    script.facts["starts"] = Json::array();
-    for (const Viewpoint& viewpoint : scene_.scene().viewpoints) {
-      if (viewpoint.fov_y > 0.0f) continue;
-      script.facts["starts"].push_back(
-          placeJson(viewpoint.name, cameraAlong(glm::dvec3(viewpoint.position), glm::dvec3(viewpoint.forward), kFov)));
-    }
-    writeMethods(&script);
+    for (const View& view : views) script.facts["views"].push_back(placeJson(view.name, view.camera));
     std::vector<uint8_t> in_air;
     for (size_t p = 0; p < grid_.tree.probeCount(); ++p) {
       const PositionM at = grid_.tree.probePosition(p);
       in_air.push_back(isInAir(scene_.transport().rays(), {at[0], at[1], at[2]}));
     }
     write(probesScript(grid_, in_air));
-    write(script);
+    write(gridScript("method-grid", grid_));
+    if (request_.truth_views > 0 || request_.places > 0 || !request_.baselines.empty()) writeFirstPage(script);
+    Progress views_done("views", request_.truth_views > 0 ? static_cast<int64_t>(views.size()) : 0);
+    for (size_t v = 0; request_.truth_views > 0 && v < views.size(); ++v) {
+      views_done.update(static_cast<int64_t>(v));
+      write(truthScript(v, views[v].camera));
+    }
+    script.facts["has_truth"] = request_.truth_views > 0;
+    addMethods(&script);
+    writePage(script);
     removeOthers();
-    for (const PageFile& file : pageFiles()) writeText(file.name, file.text);
-    said_["page"] = (fs::path(request_.out) / "index.html").string();
+    said_["page"] = page();
     return said_;
   }
 
  private:
+  std::string page() const { return (fs::path(request_.out) / "index.html").string(); }
+
+  // The grid alone, which is there long before what it is compared with.
+  void writeFirstPage(DataScript script) {
+    script.facts["has_truth"] = false;
+    script.facts["warnings"].push_back(
+        "Not here yet: baselines, path tracing and errors. nlg-view still computes them: reload when it has ended.");
+    script.facts["methods"] = Json::array({gridEntry()});
+    script.facts["air_samples"] = script.facts["surface_samples"] = 0;
+    script.facts["worst"] = Json::array();
+    writePage(script);
+    std::cerr << "open " << page() << ": the light grid; baselines, path tracing and errors follow\n";
+  }
+
+  void writePage(const DataScript& script) {
+    write(script);
+    for (const PageFile& file : pageFiles()) writeText(file.name, file.text);
+  }
+
   // What a run before left that this one has not.
   void removeOthers() const {
     std::error_code error;
@@ -193,6 +202,22 @@ class ViewFolder {
     script->add("sky_shine", sky_shine);
     addShine(script);
     said_["triangles"] = scene.triangles.size();
+  }
+
+  void addFacts(DataScript* script) const {
+    Json& facts = script->facts;
+    facts["scene"] = scene_.id();
+    facts["revision"] = sourceRevision();
+    facts["origin_m"] = numbers(scene_.scene().origin_m);
+    facts["look_up"] = kLookUpText;
+    facts["light"] = scene_.lightNotes();
+    facts["warnings"] = scene_.warnings();
+    facts["starts"] = Json::array();
+    for (const Viewpoint& viewpoint : scene_.scene().viewpoints) {
+      if (viewpoint.fov_y > 0.0f) continue;
+      facts["starts"].push_back(
+          placeJson(viewpoint.name, cameraAlong(glm::dvec3(viewpoint.position), glm::dvec3(viewpoint.forward), kFov)));
+    }
   }
 
   // What is seen to shine: sky, and materials, each with the group of light that it is of.
@@ -274,12 +299,20 @@ class ViewFolder {
                         answersAt(scene_.light(method), receiversAt(measured.places), scene_.threads()));
   }
 
-  void writeMethods(DataScript* script) {
+  static Json entryOf(const std::string& name, const std::string& title, size_t bytes, size_t probes) {
+    return {{"name", scriptName(name)}, {"title", title}, {"bytes", bytes}, {"probes", probes}};
+  }
+  Json gridEntry() const {
+    const size_t bytes = request_.grid.empty()
+                             ? lightGridBytes(grid_, {options_.policy.theta_precision, options_.light_error}).total()
+                             : fs::file_size(request_.grid);
+    return entryOf("grid", "light grid", bytes, grid_.tree.probeCount());
+  }
+
+  void addMethods(DataScript* script) {
     const Measured measured = request_.places > 0 ? measureTruth() : Measured{};
     script->facts["methods"] = Json::array();
-    const auto add = [&](const std::string& name, const std::string& title, const DataScript& method, size_t bytes,
-                         size_t probes) {
-      Json entry = {{"name", scriptName(name)}, {"title", title}, {"bytes", bytes}, {"probes", probes}};
+    const auto add = [&](const std::string& name, Json entry) {
       LightFigures figures;
       if (request_.places > 0) {
         figures = figuresOf(measured, name);
@@ -288,13 +321,9 @@ class ViewFolder {
       }
       script->facts["methods"].push_back(entry);
       said_["methods"].push_back(entry);
-      write(method);
       return figures;
     };
-    const size_t bytes = request_.grid.empty()
-                             ? lightGridBytes(grid_, {options_.policy.theta_precision, options_.light_error}).total()
-                             : fs::file_size(request_.grid);
-    const LightFigures ours = add("grid", "light grid", gridScript("method-grid", grid_), bytes, grid_.tree.probeCount());
+    const LightFigures ours = add("grid", gridEntry());
     script->facts["air_samples"] = ours.air.places;
     script->facts["surface_samples"] = ours.surface.places;
     script->facts["worst"] = Json::array();
@@ -308,8 +337,11 @@ class ViewFolder {
       entry["error"] = worst.error;
       script->facts["worst"].push_back(entry);
     }
-    for (const auto& [name, baseline] : baselines_)
-      add(name, titleOf(name), baselineScript(name, *baseline), baseline->bytes.total(), baseline->probes);
+    for (const std::string& name : request_.baselines) {
+      const LightMethod& baseline = scene_.baseline(name);
+      add(name, entryOf(name, titleOf(name), baseline.bytes.total(), baseline.probes));
+      write(baselineScript(name, baseline));
+    }
   }
 
   static std::string titleOf(const std::string& name) {
@@ -321,8 +353,8 @@ class ViewFolder {
   DataScript baselineScript(const std::string& name, const LightMethod& baseline) const {
     DataScript script =
         name == "ddgi"
-            ? ddgiScript(scene_.baselines()->probes(), *scene_.baselines()->shippedDdgi())
-            : gridScript(name, trilinearGrid(scene_.baselines()->probes(), *baseline.probe_light, !name.starts_with("valid")));
+            ? ddgiScript(scene_.baselines().probes(), *scene_.baselines().shippedDdgi())
+            : gridScript(name, trilinearGrid(scene_.baselines().probes(), *baseline.probe_light, !name.starts_with("valid")));
     script.rename("method-" + scriptName(name));
     return script;
   }
@@ -331,7 +363,6 @@ class ViewFolder {
   const BakeOptions& options_;
   const RenderedScene scene_;
   LightGrid grid_;  // in the scene's coordinates
-  std::vector<std::pair<std::string, const LightMethod*>> baselines_;
   Json said_;
 };
 

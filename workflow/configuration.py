@@ -147,7 +147,7 @@ class Run:
         (or the bakes' first, where there are none of these), and those that trainings begin with."""
         folder = environment.get("NLG_WEIGHTS") or os.path.join(ROOT, "weights")
         supplied = [path for name in self.representations if os.path.isfile(path := os.path.join(folder, f"{name}.safetensors"))]
-        supplied = supplied or [path for path in [os.path.join(folder, "tent_mlp4.safetensors")] if os.path.isfile(path)]
+        supplied = supplied or [path for name in default("bake", "representation") if os.path.isfile(path := os.path.join(folder, f"{name}.safetensors"))]
         references = {"supplied": supplied if self.own_levels else [], "init": list(self.init.values())}
         if list(map(os.path.realpath, references["init"])) == list(map(os.path.realpath, references["supplied"])):
             references["init"] = []  # once

@@ -287,7 +287,11 @@ def seen_section(results):
         entries = [found["methods"][kind].get(slug) for kind in kinds]
         rows.append([name, light, *("; ".join([number(entry["all"]["hyab"], 1), percents(entry["all"]["off_2"]), percents(entry["edge"]["off_2"]) if "edge" in entry else "", percents(entry["all"]["ringing"])])
                                     if entry else "" for entry in entries)])
-    offsets = {None: "", 1: " Of one offset of the lattice (`--seed 1`)."}.get(found.get("offsets"), f" Means over {found.get('offsets')} offsets of the lattice (`--seed`).")
+    offsets = ""
+    if found.get("offsets") == 1:
+        offsets = " Of one offset of the lattice (`--seed 1`)."
+    elif "offsets" in found:
+        offsets = f" Means over {found['offsets']} offsets of the lattice (`--seed`)."
     return (SEEN_INTRODUCTION.rstrip("\n") + f"{offsets}\n" + seen_targets(found, results["ours"])
             + f"\n*ΔE; off; edges; rings*, shares in per cent, probes as far apart as the bake chooses (number of scenes).\n"
             + table(["method", "light", *(f"{KIND_TITLES[kind].lower()} ({count})" for kind, count in kinds.items())], rows))

@@ -8,6 +8,7 @@ level.
 """
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -81,6 +82,22 @@ def waited(browser, expression):
     return False
 
 
+def made_with_first_page(command, page):
+    """The page is there before what the grid is compared with, and says that this follows."""
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as making:
+        lines = iter(making.stderr.readline, "")
+        if not any(line.endswith("errors follow\n") for line in lines):
+            sys.exit(f"{command}: no line says that there is a page")
+        making.send_signal(signal.SIGSTOP)
+        page.open(WIDTH, HEIGHT)
+        shown = json.loads(page.browser.value("JSON.stringify([document.getElementById('warnings').textContent, document.getElementById('left').options.length])"))
+        making.send_signal(signal.SIGCONT)
+        rest = making.stderr.read()
+        if making.wait() != 0:
+            sys.exit(f"{command}: {rest}")
+    return [] if "Not here yet" in shown[0] and shown[1] == 1 else [f"the first page shows {shown}"]
+
+
 def check_states(browser, tool, folder, out):
     """A grid of two states of light is shown by its first; the other one is a slider away."""
     view, day, both = (os.path.join(folder, name) for name in ("states", "day.safetensors", "both.safetensors"))
@@ -129,14 +146,15 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         grid, view = os.path.join(folder, "grid.safetensors"), os.path.join(folder, "view")
         run(tool("nlg-bake"), scene, *SETTINGS[which], "--out", grid)
-        run(tool("nlg-view"), scene, "--grid", grid, "--out", view, "--baselines", ",".join(BASELINES[which]), "--truth-views", str(VIEWS[which]), "--truth-width", "64",
-            "--truth-rays", "8", "--truth-samples", "100")
+        browser = Browser(find_browser(), os.path.join(folder, "profile"), ["--enable-unsafe-swiftshader"])
+        page = Page(browser, "file://" + os.path.join(view, "index.html"))
+        command = [tool("nlg-view"), scene, "--grid", grid, "--out", view, "--baselines", ",".join(BASELINES[which]), "--truth-views", str(VIEWS[which]), "--truth-width", "64",
+                   "--truth-rays", "8", "--truth-samples", "100"]
+        failures += made_with_first_page(command, page)
         page_bytes = sum(os.path.getsize(os.path.join(view, name)) for name in ("index.html", "viewer.js"))
         if page_bytes > 2e6:
             failures.append(f"the page has {page_bytes} bytes; 2 MB are what it may have")
         facts = facts_of(view)
-        browser = Browser(find_browser(), os.path.join(folder, "profile"), ["--enable-unsafe-swiftshader"])
-        page = Page(browser, "file://" + os.path.join(view, "index.html"))
         for name, (width, height) in SIZES.items():
             state = page.open(width, height)
             print(f"{which}, {name}: first frame, a quarter as sharp, after {state['firstFrameMs']} ms; the whole one after {state['fullFrameMs']} ms")

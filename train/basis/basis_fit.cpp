@@ -9,6 +9,11 @@
 #include "tool/error.h"
 #include "tool/parallel_for.h"
 
+// LAPACK's own name: eigenvalues by rising size and eigenvectors of a symmetric matrix, which the eigenvectors replace. By divide and
+// conquer, at a fifth of the time of Eigen's solver at 1024.
+extern "C" void dsyevd_(const char* job, const char* triangle, const int* size, double* matrix, const int* stride, double* values,
+                        double* work, const int* work_size, int* integers, const int* integer_count, int* info);
+
 namespace nlg {
 namespace {
 
@@ -33,6 +38,24 @@ Matrix classRows(const std::vector<float>& classes, int count, int c) {
     for (int i = 0; i < kSize; ++i) rows(n, i) = kClassScale * source[i];
   }
   return rows;
+}
+
+// The eigenvectors of a symmetric matrix of kSize rows, in its place, as columns; the eigenvalues by rising size.
+Eigen::VectorXd solveEigen(Eigen::MatrixXd* matrix) {
+  Eigen::VectorXd values(kSize);
+  // asked for its sizes, then run
+  std::vector<double> work(1);
+  std::vector<int> integers(1);
+  for (const bool is_asked : {true, false}) {
+    const int work_size = is_asked ? -1 : static_cast<int>(work.size());
+    const int integer_count = is_asked ? -1 : static_cast<int>(integers.size());
+    int info = 0;
+    dsyevd_("V", "L", &kSize, matrix->data(), &kSize, values.data(), work.data(), &work_size, integers.data(), &integer_count, &info);
+    if (info != 0) throw NumericalError("basis: the covariance: no eigenvectors found");
+    work.resize(static_cast<size_t>(work[0]));
+    integers.resize(static_cast<size_t>(integers[0]));
+  }
+  return values;
 }
 
 struct Component {
@@ -82,9 +105,9 @@ Basis BasisFit::fit(int component_count) const {
   forEachClass([&](int c) {
     Eigen::MatrixXd covariance = scale * Eigen::Map<const Matrix>(products_[c].data(), kSize, kSize);
     if (c == 0) covariance -= (scale * sum) * (scale * sum).transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-    vectors[c] = solver.eigenvectors().rowwise().reverse();
-    for (int i = 0; i < kSize; ++i) basis.spectrum[size_t(c) * kSize + i] = std::max(0.0, solver.eigenvalues()[kSize - 1 - i]);
+    const Eigen::VectorXd values = solveEigen(&covariance);
+    vectors[c] = covariance.rowwise().reverse();
+    for (int i = 0; i < kSize; ++i) basis.spectrum[size_t(c) * kSize + i] = std::max(0.0, values[kSize - 1 - i]);
   });
 
   // the largest of all classes together, without directions that no function spans; then class by class, as files hold them

@@ -153,6 +153,44 @@ TEST(BasisFit, DoesNotDependOnTheOrderOfAdditions) {
   for (int k = 0; k < 20; ++k) EXPECT_NEAR(dot(backwards.data, k, forwards.data, k), 1.0, 1e-5) << "component " << k;
 }
 
+// Three components, added with both signs in all eight combinations to a mean: each an amplitude at point p.
+Basis fitOfThree(int mean, const std::function<int(int component, int p)>& amplitude) {
+  std::vector<uint8_t> phi;
+  for (int combination = 0; combination < 8; ++combination) {
+    for (int p = 0; p < kSupportPointCount; ++p) {
+      int value = mean;
+      for (int k = 0; k < 3; ++k) value += (combination >> k & 1 ? -1 : 1) * amplitude(k, p);
+      phi.push_back(static_cast<uint8_t>(value));
+    }
+  }
+  BasisFit fit;
+  fit.add(phi.data(), 8);
+  return fit.fit(64);
+}
+
+TEST(BasisFit, RecoversAnExplicitSmallRankExactly) {
+  // phi = 100 + 40 a s_0 + 20 b s_1 + 10 c s_6 with a, b, c in {-1, 1} in all eight combinations, s_k = a checkerboard of the
+  // octant times the signs of parity class k: three components of known direction; variance (amplitude / 255)² * 8192
+  const auto checker = [](int k, int i) { return (i >> k) & 1 ? -1 : 1; };
+  const int classes[] = {0, 1, 6}, amplitude[] = {40, 20, 10};
+  const BasisData data =
+      fitOfThree(100, [&](int k, int p) {
+        return amplitude[k] * checker(k, p % kOctantPointCount) * static_cast<int>(mirrorSign(classes[k], p / kOctantPointCount));
+      }).data;
+  ASSERT_EQ(data.coefficientCount(), 3);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(classOf(data, k), classes[k]);
+    const double deviation = amplitude[k] / 255.0 * std::sqrt(8192.0);
+    EXPECT_NEAR(data.deviation[k], deviation, 2 * kFloatRounding * deviation) << "component " << k;
+    const float sign = data.components[size_t(k) * kOctantPointCount] > 0 ? 1.0f : -1.0f;
+    for (int i = 0; i < kOctantPointCount; ++i) {
+      ASSERT_NEAR(data.components[size_t(k) * kOctantPointCount + i], sign * checker(k, i) / 32.0, 1e-8)
+          << "component " << k << ", " << i;
+    }
+  }
+  for (int i = 0; i < kOctantPointCount; ++i) ASSERT_NEAR(data.mean[i], std::sqrt(8.0) * 100 / 255, 1e-6) << i;
+}
+
 TEST(BasisFit, HasNoEvenComponentOfOneLopsidedFunction) {
   // all of its variance is between its mirror images
   std::vector<uint8_t> one(kSupportPointCount);
@@ -197,41 +235,18 @@ TEST(BasisFit, FindsTheOneOtherFunctionAmongManyThatAreIdentical) {
       63, [](int i) { return i % 2; }, [](int) { return 255; });
 }
 
-TEST(BasisFit, RecoversDirectionsWhoseVariancesDifferTenMillionTimes) {
-  // phi = 120 + 100 a s_0 + b s_1 + c s_6 with a, b, c in {-1, 1} in all eight combinations, s_k = a pattern of the octant times
-  // the signs of a parity class: two checkerboards and a single point. Variance (amplitude / 255)² times the points
+TEST(BasisFit, FindsDirectionsWhoseVariancesDifferTenMillionTimes) {
+  // 100 steps at all points, 1 step at all points, 1 step at 8 points, in all combinations of signs
   const int classes[] = {0, 1, 6}, amplitude[] = {100, 1, 1}, points[] = {kSupportPointCount, kSupportPointCount, kMirrorCount};
-  const auto pattern = [](int k, int i) { return k == 2 ? int{i == 77} : (i >> k) & 1 ? -1 : 1; };
-  std::vector<uint8_t> phi;
-  for (int combination = 0; combination < 8; ++combination) {
-    for (int p = 0; p < kSupportPointCount; ++p) {
-      double value = 120.0;
-      for (int k = 0; k < 3; ++k) {
-        value += (combination >> k & 1 ? -1 : 1) * amplitude[k] * pattern(k, p % kOctantPointCount) *
-                 mirrorSign(classes[k], p / kOctantPointCount);
-      }
-      phi.push_back(static_cast<uint8_t>(value));
-    }
-  }
-  BasisFit fit;
-  fit.add(phi.data(), 8);
-  Basis basis = fit.fit(64);
-  const BasisData& data = basis.data;
+  Basis basis = fitOfThree(128, [&](int k, int p) {
+    if (k == 2 && p % kOctantPointCount != 77) return 0;
+    return amplitude[k] * static_cast<int>(mirrorSign(classes[k], p / kOctantPointCount));
+  });
   // no direction of rounding counts as a component
-  ASSERT_EQ(data.coefficientCount(), 3);
+  EXPECT_EQ(basis.data.coefficientCount(), 3);
   std::sort(basis.spectrum.rbegin(), basis.spectrum.rend());
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(basis.spectrum[k] / (std::pow(amplitude[k] / 255.0, 2) * points[k]), 1.0, 1e-6) << k;
   EXPECT_LE(basis.spectrum[3], 1e-9 * basis.spectrum[0]);
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_EQ(classOf(data, k), classes[k]);
-    const double variance = std::pow(amplitude[k] / 255.0, 2) * points[k];
-    EXPECT_NEAR(basis.spectrum[k] / variance, 1.0, 1e-6) << k;
-    EXPECT_NEAR(data.deviation[k] / std::sqrt(variance), 1.0, 1e-6) << k;
-    const float* row = &data.components[size_t(k) * kOctantPointCount];
-    const float sign = row[77] * static_cast<float>(pattern(k, 77)) > 0 ? 1.0f : -1.0f;
-    const double length = std::sqrt(points[k] / kMirrorCount);
-    for (int i = 0; i < kOctantPointCount; ++i) ASSERT_NEAR(row[i], sign * pattern(k, i) / length, 1e-8) << k << ", " << i;
-  }
-  for (int i = 0; i < kOctantPointCount; ++i) ASSERT_NEAR(data.mean[i], std::sqrt(8.0) * 120 / 255, 1e-6) << i;
 }
 
 TEST(TruncateBasis, KeepsTheComponentsOfLargestVariance) {

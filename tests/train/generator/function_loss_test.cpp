@@ -80,8 +80,7 @@ TEST(FunctionLoss, HasTheGradientOfFiniteDifferences) {
       std::vector<double> exact(row, row + ThetaLayout::count);
       float largest = 0.0f;
       for (int k = 0; k < ThetaLayout::count; ++k) largest = std::max(largest, std::fabs(gradient[k]));
-      // of samples of many points, which take as much longer, fewer numbers
-      for (int k = 0; k < ThetaLayout::count; k += kSamples[b].batch_count) {
+      for (int k = 0; k < ThetaLayout::count; ++k) {
         const double middle = exact[k];
         exact[k] = middle + step;
         const double above = meanSquare(representation, kSamples[b], exact);
