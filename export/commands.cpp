@@ -17,7 +17,7 @@ namespace {
 nlohmann::ordered_json describeWeights(const std::string& path) {
   WeightsFile file;
   GeneratorData data;
-  requireRead(path, readWeightsFile(path, &file), "the weights of a generator");
+  requireRead(path, readWeightsFile(path, &file), "the weights of a generator (nlg-bake info describes light grids)");
   requireRead(path, generatorFromWeights(file, &data), "the weights of a generator");
   nlohmann::ordered_json json = {{"representation", representationName(data.representation)},
                                  {"theta", data.representation.thetaCount()},

@@ -15,7 +15,7 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kBlockCells = 256;
-constexpr uint64_t kPlaceStream = 0x616972;
+constexpr uint64_t kAirStream = 0x616972;
 
 // Roberts's sequence, the golden ratio's kin in three dimensions: any number of its first points is evenly spread.
 glm::dvec3 spreadPoint(const glm::dvec3& shift, int i) {
@@ -100,7 +100,7 @@ class Surveyor {
     const bool is_of_one_kind = triangles_.empty() && !rays_.isSkyNearCube(middle, half_side_m);
     survey_.begin();
     // by seed and place of the cell alone, whatever thread or tree asks
-    Random random(mixSeed(options_.seed, kPlaceStream, mortonFromLattice(cell.low)));
+    Random random(mixSeed(options_.seed, kAirStream, mortonFromLattice(cell.low)));
     const glm::dvec3 shift(random.uniform(), random.uniform(), random.uniform());
     // a cell without a point in air so far is tried for longer: gaps are not lost to chance
     int in_air = 0, drawn = 0;

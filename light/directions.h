@@ -14,6 +14,8 @@
 
 namespace nlg {
 
+inline constexpr float kPi = std::numbers::pi_v<float>;
+
 // Fibonacci's lattice, shifted by a seed: its points cover the square far more evenly than random ones do, and so does every
 // eighth of them.
 class Lattice {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "light/direction_guide.h"
 #include "light/directions.h"
@@ -18,10 +17,9 @@ namespace nlg {
 namespace {
 
 constexpr float kLeastLampRadiusM = 0.002f;  // of one that touches a surface
-constexpr float kPi = std::numbers::pi_v<float>;
-constexpr int kSetCount = 8;          // of directions, whose means say how sure the whole is
-constexpr int kSurePathVertices = 3;  // no roulette before
-constexpr float kSurvival = 0.95f;    // at most
+constexpr int kSetCount = 8;                 // of directions, whose means say how sure the whole is
+constexpr int kSurePathVertices = 3;         // no roulette before
+constexpr float kSurvival = 0.95f;           // at most
 // Samples of one light at a place. They differ only in its penumbra: elsewhere one would do.
 constexpr int kRaysPerSample = 4, kMostOfSun = 32, kMostOfLamp = 64;
 // In bakes, where many places are averaged, a lamp has one sample at least for so many rays, and a small sun one for so many.

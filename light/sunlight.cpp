@@ -7,8 +7,6 @@
 namespace nlg {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // The first of the running sums that is above a number, and how far between it and the one before the number lies. A texel without
 // light has no share, and none is drawn.
 template <class T>
@@ -62,9 +60,9 @@ SkySampler::Drawn SkySampler::draw(double u, double v) const {
   const auto width = static_cast<size_t>(image_.width);
   const size_t column = drawn(&column_sums_[row * width], width, v, &column_share);
   // even over the solid angle of the texel
-  const double top = std::cos(kPi * static_cast<double>(row) / image_.height);
-  const double bottom = std::cos(kPi * (static_cast<double>(row) + 1.0) / image_.height);
-  const double place = std::acos(std::clamp(top + (bottom - top) * row_share, -1.0, 1.0)) / kPi;
+  const double top = std::cos(std::numbers::pi * static_cast<double>(row) / image_.height);
+  const double bottom = std::cos(std::numbers::pi * (static_cast<double>(row) + 1.0) / image_.height);
+  const double place = std::acos(std::clamp(top + (bottom - top) * row_share, -1.0, 1.0)) / std::numbers::pi;
   return {skyDirection((static_cast<double>(column) + column_share) / static_cast<double>(width), place),
           image_.texels[row * width + column]};
 }

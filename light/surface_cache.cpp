@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <numbers>
 #include <numeric>
 
 #include "light/directions.h"
@@ -13,13 +12,12 @@
 namespace nlg {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr uint64_t kBlock = 64, kDiscoveryBlock = 512;
 constexpr size_t kParts = 128;  // that the cells are put together in, by ranges of their keys
 constexpr int kCoordinateBits = 20;
 constexpr uint64_t kCubeBits = (uint64_t{1} << 3 * kCoordinateBits) - 1;  // of a key: without its side
 constexpr int kLampGrid = 8;                                              // points a side of a cell beside a lamp
-constexpr uint64_t kDiscoveryStream = 0x646973, kCellStream = 0x63656c6c, kPathStream = 0x72657374, kPointStream = 0x706f696e74;
+constexpr uint64_t kDiscoveryStream = 0x646973, kCellStream = 0x63656c6c, kRestStream = 0x72657374, kPointStream = 0x706f696e74;
 constexpr int kLeastRays = 8;  // of a point that gathers
 constexpr int kMostIterations = 64;
 constexpr float kSettled = 1e-4f;      // of the largest irradiance: a change that ends the exchange
@@ -342,7 +340,7 @@ void SurfaceCache::measure(const LightTransport& transport, const SurfaceCacheOp
           if (!hits[i].isSurface()) continue;
           const uint32_t other = cellAt(hits[i].position, hits[i].normal);
           if (other == kNone) {
-            addDirect(transport.reflected(hits[i], mixSeed(seed, kPathStream, i)), ray_share);
+            addDirect(transport.reflected(hits[i], mixSeed(seed, kRestStream, i)), ray_share);
             continue;
           }
           // in 16 bits a channel, since there are as many links as rays

@@ -14,10 +14,10 @@ namespace nlg {
 namespace {
 
 constexpr uint64_t kViewStream = 0x76696577;
-constexpr int kPlaceDraws = 2000;
+constexpr int kEyeDraws = 2000;
 constexpr size_t kPlaceCount = 64;
-constexpr int kColumns = 12, kRows = 7;  // rays of a view that is judged
-constexpr double kDownwards = -0.12;     // of the view's direction: floors are lit, skies are not looked at
+constexpr int kJudgedColumns = 12, kJudgedRows = 7;  // rays of a view that is judged
+constexpr double kDownwards = -0.12;                 // of the view's direction: floors are lit, skies are not looked at
 constexpr double kWorst = -1e9;
 
 // How much there is to see: the mean and the spread of the logarithm of depth, how many sides and surfaces there are, how much of
@@ -26,9 +26,10 @@ double judge(const LightTransport& transport, const Camera& camera, double aspec
   std::vector<double> depths;
   std::set<uint32_t> sides;
   int lit = 0;
-  for (int i = 0; i < kColumns * kRows; ++i) {
+  for (int i = 0; i < kJudgedColumns * kJudgedRows; ++i) {
     // a coarse grid of rays is enough to judge a view
-    const glm::vec3 direction = camera.direction((i % kColumns + 0.5) / kColumns, (i / kColumns + 0.5) / kRows, aspect);
+    const glm::vec3 direction =
+        camera.direction((i % kJudgedColumns + 0.5) / kJudgedColumns, (i / kJudgedColumns + 0.5) / kJudgedRows, aspect);
     const glm::vec3 eye(camera.eye_m);
     const LightHit hit = transport.rays().lightHit(eye, direction);
     if (hit.kind != LightHit::Kind::surface) continue;
@@ -42,12 +43,12 @@ double judge(const LightTransport& transport, const Camera& camera, double aspec
     lit += luminanceOf(transport.radianceAlong(eye, direction, 2, mixSeed(kViewStream, i))) > 0.0;
   }
   // mostly sky or nothing: not a view of the level
-  if (depths.size() < kColumns * kRows / 2) return kWorst;
+  if (depths.size() < kJudgedColumns * kJudgedRows / 2) return kWorst;
   // logarithms of depth: the mean for distance, the spread for variety
   double mean = 0.0, square = 0.0;
   for (const double depth : depths) mean += depth / static_cast<double>(depths.size());
   for (const double depth : depths) square += (depth - mean) * (depth - mean) / static_cast<double>(depths.size());
-  const double shown = static_cast<double>(depths.size()) / (kColumns * kRows);
+  const double shown = static_cast<double>(depths.size()) / (kJudgedColumns * kJudgedRows);
   const double lit_share = static_cast<double>(lit) / static_cast<double>(depths.size());
   return mean + std::sqrt(square) + 0.1 * static_cast<double>(sides.size()) + 2.0 * shown + lit_share;
 }
@@ -107,7 +108,7 @@ Camera chooseView(const LightTransport& transport, double fov_y, double aspect, 
   const glm::dvec3 low(bounds.min), side(bounds.max - bounds.min);
   Random random(mixSeed(seed, kViewStream));
   std::vector<glm::dvec3> places;
-  for (int draw = 0; draw < kPlaceDraws && places.size() < kPlaceCount; ++draw) {
+  for (int draw = 0; draw < kEyeDraws && places.size() < kPlaceCount; ++draw) {
     const double u = random.uniform(), v = random.uniform(), w = random.uniform();
     const glm::dvec3 place = low + side * glm::dvec3(u, v, w);
     if (isInAir(transport.rays(), place)) places.push_back(place);

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "light/directions.h"
 
 namespace nlg {
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 // The mean of what value(pixel) gives for all channels, over the pixels that have receivers; 0 without any.
 template <class Value>

@@ -13,9 +13,8 @@
 namespace nlg {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kFovY = 1.0;                          // radians
-constexpr double kFarthestM = 3.0;                     // of the camera
+constexpr double kFarthestCameraM = 3.0;               // of the camera
 constexpr double kFreeShare = 0.85;                    // of the free way that the camera goes back
 constexpr double kSmallBall = 0.07, kLargeBall = 0.1;  // its radius over the camera's distance
 constexpr int kLeastRays = 8;                          // of a sample: light/light_transport.h
@@ -31,9 +30,9 @@ std::vector<glm::dvec3> waysBack(const glm::dvec3& normal) {
   const glm::dvec3 across = glm::cross(normal, aside);
   std::vector<glm::dvec3> ways;
   for (const double tilt : {25.0, 45.0, 65.0}) {
-    const double angle = tilt * kPi / 180.0;
+    const double angle = tilt * std::numbers::pi / 180.0;
     for (int turn = 0; turn < kTurns; ++turn) {
-      const double about = 2.0 * kPi * turn / kTurns;
+      const double about = 2.0 * std::numbers::pi * turn / kTurns;
       ways.push_back(std::cos(angle) * normal + std::sin(angle) * (std::cos(about) * aside + std::sin(about) * across));
     }
   }
@@ -58,7 +57,7 @@ double seenShare(const RayScene& rays, const Camera& camera, const Ball& ball) {
   const glm::dvec3 up(camera.up), right = glm::cross(glm::dvec3(camera.forward), up);
   int seen = 0;
   for (int i = 0; i <= kPoints; ++i) {
-    const double angle = 2.0 * kPi * i / kPoints, radius = i < kPoints ? 0.9 * ball.radius_m : 0.0;
+    const double angle = 2.0 * std::numbers::pi * i / kPoints, radius = i < kPoints ? 0.9 * ball.radius_m : 0.0;
     const glm::dvec3 point = ball.centre_m + radius * (std::cos(angle) * right + std::sin(angle) * up);
     seen += !rays.isBlocked(glm::vec3(camera.eye_m), glm::vec3(point));
   }
@@ -79,7 +78,7 @@ void drawNeedle(Image& image, const PlaceView& view, const glm::vec3& normal) {
 // So that truth's median is middle grey, but the ball's colour at the needle's foot is cut off in neither picture.
 double exposureOf(const LitPicture& truth, const MeasuredPlace& place, double least) {
   const glm::vec3 brighter = glm::max(place.truth, place.answer);
-  const double radiance = kBallAlbedo * std::max({brighter.r, brighter.g, brighter.b}) / kPi;
+  const double radiance = kBallAlbedo * std::max({brighter.r, brighter.g, brighter.b}) / std::numbers::pi;
   const double most = radiance > 0.0 ? kBrightest / radiance : automaticExposure(truth, least);
   return irradianceRms(truth) > 0.0 ? std::min(automaticExposure(truth, least), most) : most;
 }
@@ -97,12 +96,12 @@ PlaceView viewOfPlace(const LightTransport& transport, const Receiver& place) {
   for (const glm::dvec3& way : waysBack(glm::dvec3(place.normal))) {
     const LightHit hit = transport.rays().lightHit(glm::vec3(place.position_m), glm::vec3(way));
     const double free_m = hit.kind == LightHit::Kind::nothing ? INFINITY : double{hit.distance};
-    const double distance_m = std::max(kLeastM, std::min(kFarthestM, kFreeShare * free_m));
+    const double distance_m = std::max(kLeastM, std::min(kFarthestCameraM, kFreeShare * free_m));
     PlaceView view{cameraAlong(place.position_m + distance_m * way, -way, kFovY),
                    ballAt(transport.rays(), place.position_m, distance_m)};
     // far rather than near, from a little above rather than along the vertical or from below
     const double height = 1.0 - std::abs(way.y - 0.35);
-    const double score = distance_m / kFarthestM + 0.5 * height + 2.0 * seenShare(transport.rays(), view.camera, view.ball);
+    const double score = distance_m / kFarthestCameraM + 0.5 * height + 2.0 * seenShare(transport.rays(), view.camera, view.ball);
     if (score > best_score) best_score = score, best = view;
   }
   return best;

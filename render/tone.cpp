@@ -15,7 +15,7 @@ namespace {
 using glm::vec3, std::max, std::min;
 #include "render/neutral_tone.glsl"
 
-constexpr double kPi = std::numbers::pi, kMiddleGrey = 0.18;
+constexpr double kMiddleGrey = 0.18;
 
 constexpr Colour kNoReceiver{120, 120, 120};
 
@@ -44,12 +44,12 @@ double errorOf(const LitPicture& picture, const LitPicture& truth, size_t pixel,
 double leastAdapted(const Scene& scene) {
   const SceneLight& light = scene.light;
   // irradiance that each source gives alone: sky and surfaces over a hemisphere, the sun facing it, a lamp a metre away
-  double most = kPi * max(luminance(light.sky.zenith), luminance(light.sky.horizon));
+  double most = std::numbers::pi * max(luminance(light.sky.zenith), luminance(light.sky.horizon));
   for (const Sun& sun : light.suns) most = max<double>(most, luminance(sun.irradiance));
   for (const Lamp& lamp : light.lamps) most = max<double>(most, luminance(lamp.intensity));
-  for (const glm::vec3& shine : light.sky_faces.shine) most = max(most, kPi * luminance(shine));
-  for (const glm::vec3& texel : light.baked.texels) most = max(most, kPi * luminance(texel));
-  for (const glm::vec3& vertex : light.baked.vertex_light) most = max(most, kPi * luminance(vertex));
+  for (const glm::vec3& shine : light.sky_faces.shine) most = max(most, std::numbers::pi * luminance(shine));
+  for (const glm::vec3& texel : light.baked.texels) most = max(most, std::numbers::pi * luminance(texel));
+  for (const glm::vec3& vertex : light.baked.vertex_light) most = max(most, std::numbers::pi * luminance(vertex));
   // a metre before a small surface; of a large one no more than the surface itself sends
   std::vector<double> brightest(scene.materials.size(), 0.0), power(scene.materials.size(), 0.0);
   for (uint32_t t = 0; t < scene.triangles.size(); ++t) {
@@ -62,7 +62,7 @@ double leastAdapted(const Scene& scene) {
     power[material] +=
         0.5 * shine * glm::length(glm::cross(scene.positions[corners.y] - corner, scene.positions[corners.z] - corner));
   }
-  for (size_t m = 0; m < power.size(); ++m) most = max(most, min(power[m], kPi * brightest[m]));
+  for (size_t m = 0; m < power.size(); ++m) most = max(most, min(power[m], std::numbers::pi * brightest[m]));
   return kLeastOfOpen * most;
 }
 
@@ -72,7 +72,7 @@ double automaticExposure(const LitPicture& picture, double least) {
     const double luminance = luminanceOf(picture.radiance[i]);
     if (picture.receiver_share[i] > 0.0f && luminance > 0.0) luminances.push_back(luminance);
   }
-  return luminances.empty() ? 1.0 : kMiddleGrey / max(medianOf(std::move(luminances)), least / kPi);
+  return luminances.empty() ? 1.0 : kMiddleGrey / max(medianOf(std::move(luminances)), least / std::numbers::pi);
 }
 
 double panelExposure(const std::vector<const LitPicture*>& pictures, double least) {

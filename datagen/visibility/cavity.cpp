@@ -10,9 +10,9 @@ namespace {
 
 constexpr uint64_t kWalkStream = 0x63617669747900;
 constexpr int kWalks = 12;
-constexpr int kWaysOut = 3;  // so many of the walks come out of what is open
-constexpr int kSteps = 16;   // of a walk
-constexpr int kLooks = 4;    // of a step: half of them anywhere, half of them onward
+constexpr int kWaysOut = 3;      // so many of the walks come out of what is open
+constexpr int kSteps = 16;       // of a walk
+constexpr int kLooksOfStep = 4;  // of a step: half of them anywhere, half of them onward
 
 // One walk, in gaps too narrow for a region: of a few points in sight to the one that is farthest from `fled`, and so on, until one lies
 // in wide air or in a region, or a ray meets nothing.
@@ -28,7 +28,7 @@ bool comesOut(const RayScene& rays, glm::vec3 at, float radius_m, glm::vec3* fle
     float farthest_m = -1.0f;
     glm::vec3 next = at;
     const float gone_m = glm::distance(at, from);
-    for (int look = 0; look < kLooks; ++look) {
+    for (int look = 0; look < kLooksOfStep; ++look) {
       glm::vec3 direction = randomDirection(random);
       // along a duct nearly all random rays are short
       if (look % 2 == 1 && gone_m > 0.0f) direction = glm::normalize((at - from) / gone_m + 0.3f * direction);

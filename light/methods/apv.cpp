@@ -11,7 +11,7 @@ namespace nlg {
 namespace {
 
 // The defaults of Unity 6.
-constexpr double kNormalBiasM = 0.05;
+constexpr double kApvNormalBiasM = 0.05;
 constexpr double kSearchShare = 0.2, kOutOfGeometryM = 0.01;  // of the spacing: how far a virtual offset looks
 constexpr double kDilationM = 1.0;                            // at least a spacing, or nothing would be reached
 constexpr float kInvalidShare = 0.25f;                        // of back faces
@@ -98,7 +98,7 @@ ProbeBlend Apv::blendAt(const glm::dvec3& position_m, const glm::vec3& normal) c
   ProbeBlend valid, all;
   ProbesAround around;
   // biased along the normal as in Unity, unless that leaves the grid
-  const glm::dvec3 biased = position_m + kNormalBiasM * glm::dvec3(normal);
+  const glm::dvec3 biased = position_m + kApvNormalBiasM * glm::dvec3(normal);
   if (!probes_.tree.lookUp({biased.x, biased.y, biased.z}, &around) &&
       !probes_.tree.lookUp({position_m.x, position_m.y, position_m.z}, &around)) {
     valid.reach = Reach::outside;

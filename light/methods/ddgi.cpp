@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kTwoPi = 2.0f * std::numbers::pi_v<float>;
 // RTXGI's cornell.ini, and what its shaders say
-constexpr double kNormalBiasM = 0.02;
+constexpr double kDdgiNormalBiasM = 0.02;
 constexpr float kGamma = 5.0f, kDepthExponent = 50.0f;
 constexpr float kBackfaceDepth = 0.2f;     // of the distance to a back face, so that probes in solid are hardly seen
 constexpr float kDepthReach = 1.5f;        // of a cell's diagonal
@@ -196,7 +196,7 @@ float Ddgi::probeWeight(const DdgiProbe& probe, const glm::dvec3& position_m, co
 
 ProbeBlend Ddgi::blendAt(const glm::dvec3& position_m, const glm::vec3& normal) const {
   ProbeBlend blend;
-  const glm::dvec3 biased = position_m + kNormalBiasM * glm::dvec3(normal);
+  const glm::dvec3 biased = position_m + kDdgiNormalBiasM * glm::dvec3(normal);
   ProbesAround around;
   if (!probes_.tree.lookUp({biased.x, biased.y, biased.z}, &around) &&
       !probes_.tree.lookUp({position_m.x, position_m.y, position_m.z}, &around)) {

@@ -5,7 +5,7 @@
 namespace nlg {
 namespace {
 
-std::string dtypeFault(const std::string&, const std::string& dtype) {
+std::string plainDtypeFault(const std::string&, const std::string& dtype) {
   return dtypeBytes(dtype) > 0 ? "" : "dtype is none of U8, U16, U32, U64, I8, I32, F16, F32, F64";
 }
 
@@ -27,7 +27,7 @@ FileResult TensorFileReader::open(ByteSource source) {
   if (source.size > kMaxTensorFileBytes) return refuse(FileStatus::cannot_read, "larger than 16 GiB");
   WeightsHeader header;
   uint64_t data_offset = 0;
-  const FileResult result = readLayout(source, TensorAlignment::element, dtypeFault, &header, &data_offset);
+  const FileResult result = readLayout(source, TensorAlignment::element, plainDtypeFault, &header, &data_offset);
   if (!result.ok()) return result;
   header_ = std::move(header);
   data_offset_ = data_offset;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = uint64_t{1} << 30;
 
-std::string dtypeFault(const std::string& name, const std::string& dtype) {
+std::string weightsDtypeFault(const std::string& name, const std::string& dtype) {
   if (isPadding(name)) return dtype == "U8" ? "" : "dtype is not U8";
   return dtype == "F16" || dtype == "F32" ? "" : "dtype is not F32 or F16";
 }
@@ -52,7 +52,7 @@ FileResult readTensor(const ByteSource& source, const std::string& name, const T
 FileResult readAll(const ByteSource& source, WeightsFile* file) {
   WeightsHeader header;
   uint64_t data_offset = 0;
-  FileResult opened = readLayout(source, TensorAlignment::line, dtypeFault, &header, &data_offset);
+  FileResult opened = readLayout(source, TensorAlignment::line, weightsDtypeFault, &header, &data_offset);
   if (!opened.ok()) return opened;
   // damage may have taken it away
   const bool is_generator = header.metadata.count("version") != 0;

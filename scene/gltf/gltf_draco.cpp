@@ -24,7 +24,6 @@
 namespace nlg {
 namespace {
 
-constexpr const char* kDraco = "KHR_draco_mesh_compression";
 // A regular surface takes about a bit a face, and has half a point a face, of at most 64 bytes of attributes: 256 for a byte. No
 // more memory is taken for a stream than for one eight, and four, times as dense, whatever it promises.
 constexpr uint64_t kMostFacesPerByte = 64;

@@ -10,6 +10,7 @@
 
 #include "scene/archive/pk3_archive.h"
 #include "scene/archive/scene_file.h"
+#include "scene/gltf/gltf_packed.h"
 #include "tool/base64.h"
 #include "tool/error.h"
 #include "tool/input_file.h"
@@ -21,7 +22,6 @@ using Json = nlohmann::json;
 
 constexpr int kDeepest = 64;  // nobody reads what is nested further down, as extras may be
 constexpr const char* kPlainData = "data:application/octet-stream;base64,";  // as tinygltf knows it
-constexpr const char* kDraco = "KHR_draco_mesh_compression";
 constexpr const char *kKhrMeshopt = kMeshoptExtensions[0], *kExtMeshopt = kMeshoptExtensions[1];
 
 // What a property is. index: below 2^31, as tinygltf keeps it; integer: below 2^53; from numbers on they are arrays, some of a length, since

@@ -16,7 +16,6 @@ namespace nlg {
 namespace {
 
 constexpr const char* kExtension = "KHR_lights_punctual";
-constexpr double kBrightest = 1e12;
 constexpr double kRightAngle = std::numbers::pi / 2.0;
 constexpr double kHair = 1e-3;  // of the outer cone: by how much the inner one stays inside
 

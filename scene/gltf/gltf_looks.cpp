@@ -22,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMostSets = 64;  // TEXCOORD_n
-constexpr double kBrightest = 1e12;
 constexpr const char* kGrey = "half of the factor instead";
 
 // What a material says of one of its images.

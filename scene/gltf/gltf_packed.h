@@ -13,6 +13,8 @@ class Model;
 
 namespace nlg {
 
+inline constexpr const char* kDraco = "KHR_draco_mesh_compression";
+
 // Unpacks every packed buffer view, which tinygltf leaves packed, into a buffer of its own, which the view then is the whole of.
 // Such a view names packed bytes elsewhere; where it lies itself (a "fallback" buffer) need not exist (gltf_json.h).
 //

@@ -26,7 +26,6 @@ namespace nlg {
 namespace {
 
 constexpr char kRead = 1, kLeftOut = 2;  // of nodes
-constexpr double kFarthest = 1e9;  // metres from the file's origin; beyond, a double no longer holds a tenth of a micrometre
 
 class GltfConverter {
  public:
@@ -286,7 +285,8 @@ class GltfConverter {
 
   void checkPosition(const glm::dvec3& world, const std::string& place) const {
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(std::abs(world[axis]) <= kFarthest)) fail(place, "positions within 1e9 m of the origin", std::to_string(world[axis]));
+      if (!(std::abs(world[axis]) <= kFarthestM))
+        fail(place, "positions within 1e9 m of the origin", std::to_string(world[axis]));
     }
   }
 

@@ -104,9 +104,9 @@ class PropertiesReader {
 };
 
 // The properties of one number.
-class Piece {
+class PieceProperties {
  public:
-  Piece(const std::string& path, uint32_t number, const std::map<std::string, std::string>& properties)
+  PieceProperties(const std::string& path, uint32_t number, const std::map<std::string, std::string>& properties)
       : path_(path), place_("piece " + std::to_string(number)), properties_(properties) {}
 
   CatalogueEntry read() const {
@@ -195,7 +195,7 @@ std::vector<CatalogueEntry> parseCatalogue(const std::string& path, std::string_
     pieces[number][key.substr(0, mark)] = value;
   }
   std::vector<CatalogueEntry> entries;
-  for (const auto& [number, properties] : pieces) entries.push_back(Piece(path, number, properties).read());
+  for (const auto& [number, properties] : pieces) entries.push_back(PieceProperties(path, number, properties).read());
   return entries;
 }
 

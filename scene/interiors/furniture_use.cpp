@@ -12,7 +12,7 @@ namespace {
 using Use = FurnitureUse;
 
 // Bounds on a piece's box in metres: a rule holds for pieces within.
-struct Size {
+struct SizeRange {
   double least_height = 0.0, most_height = 100.0;
   double least_side = 0.0, most_side = 100.0;  // of the longer side of the footprint
 };
@@ -23,7 +23,7 @@ struct Rule {
   const char* any_of;    // words of the name or the tags, one of which must be there; "": no condition
   const char* none_of;   // words, none of which may be there
   Use use;
-  Size size = {};
+  SizeRange size = {};
 };
 
 const std::vector<Rule>& rules() {
@@ -183,7 +183,7 @@ bool hasAny(const std::vector<std::string>& words, std::string_view wanted) {
   return false;
 }
 
-bool fits(const Size& bounds, const glm::dvec3& size_m) {
+bool fits(const SizeRange& bounds, const glm::dvec3& size_m) {
   const double side = std::max(size_m.x, size_m.z);
   return size_m.y >= bounds.least_height && size_m.y <= bounds.most_height && side >= bounds.least_side &&
          side <= bounds.most_side;

@@ -16,18 +16,18 @@ constexpr double kBetween = 0.12;    // wall that stays between two openings
 constexpr double kBeforeDoor = 0.7;  // what stays free before a doorway, where no leaf swings
 
 // The sides on which two rooms face each other, and what of their walls does.
-struct Facing {
+struct SharedWall {
   Side a = Side::north, b = Side::north;
   double from = 0.0, to = 0.0;
 };
 
-std::optional<Facing> facing(const Rect& a, const Rect& b) {
+std::optional<SharedWall> facing(const Rect& a, const Rect& b) {
   const auto near = [](double low, double high) { return high >= low - 1e-9 && high - low <= kThickest; };
   const double x0 = std::max(a.x0, b.x0), x1 = std::min(a.x1, b.x1), z0 = std::max(a.z0, b.z0), z1 = std::min(a.z1, b.z1);
-  if (x1 > x0 && near(a.z1, b.z0)) return Facing{Side::south, Side::north, x0, x1};
-  if (x1 > x0 && near(b.z1, a.z0)) return Facing{Side::north, Side::south, x0, x1};
-  if (z1 > z0 && near(a.x1, b.x0)) return Facing{Side::east, Side::west, z0, z1};
-  if (z1 > z0 && near(b.x1, a.x0)) return Facing{Side::west, Side::east, z0, z1};
+  if (x1 > x0 && near(a.z1, b.z0)) return SharedWall{Side::south, Side::north, x0, x1};
+  if (x1 > x0 && near(b.z1, a.z0)) return SharedWall{Side::north, Side::south, x0, x1};
+  if (z1 > z0 && near(a.x1, b.x0)) return SharedWall{Side::east, Side::west, z0, z1};
+  if (z1 > z0 && near(b.x1, a.x0)) return SharedWall{Side::west, Side::east, z0, z1};
   return std::nullopt;
 }
 
@@ -107,7 +107,7 @@ size_t Home::addRoom(HomeUse use, const Rect& floor, double floor_m, double clea
 bool Home::connect(size_t a_idx, size_t b_idx, const DoorShape& shape) {
   HomeRoom &a = rooms[a_idx], &b = rooms[b_idx];
   // the stretch of wall that both rooms share, less what the caller keeps free of doors
-  std::optional<Facing> found = facing(a.floor, b.floor);
+  std::optional<SharedWall> found = facing(a.floor, b.floor);
   if (!found) return false;
   found->from = std::max(found->from, shape.from);
   found->to = std::min(found->to, shape.to);

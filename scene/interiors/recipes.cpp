@@ -214,13 +214,13 @@ void furnishBedroom(Home& home, HomeRoom& room) {
 }
 
 // Where a screen and the seats that face it stand, across the room.
-struct Facing {
+struct ScreenFacing {
   Side tv_wall = Side::north;
   double along = 0.0, distance = 0.0;
 };
 
 // A place for a sofa opposite a place for a screen, both free.
-std::optional<Facing> drawFacing(Home& home, const HomeRoom& room, const Piece& sofa) {
+std::optional<ScreenFacing> drawFacing(Home& home, const HomeRoom& room, const Piece& sofa) {
   Random& random = home.level.random;
   for (int attempt = 0; attempt < 60; ++attempt) {
     const Side wall = kSides[random.below(4)];
@@ -234,12 +234,12 @@ std::optional<Facing> drawFacing(Home& home, const HomeRoom& room, const Piece& 
     const Rect screen_area = Rect{screen.x, screen.z, screen.x, screen.z}.grown(0.24);
     if (room.isFree({seat_area, room.floor_m, room.floor_m + 0.9}) &&
         room.isFree({screen_area, room.floor_m, room.floor_m + 0.6}))
-      return Facing{wall, along, distance};
+      return ScreenFacing{wall, along, distance};
   }
   return std::nullopt;
 }
 
-void addScreen(Home& home, HomeRoom& room, const Facing& facing) {
+void addScreen(Home& home, HomeRoom& room, const ScreenFacing& facing) {
   const std::optional<Piece> stand = drawPiece(home, Use::tv_stand, {2.0, 0.75, 0.8});
   const std::optional<Piece> tv = drawPiece(home, Use::tv, {1.6, 0.5, 1.2}),
                              flat = drawPiece(home, Use::wall_tv, {2.0, 0.4, 2.2});
@@ -262,7 +262,7 @@ void addSeatingGroup(Home& home, HomeRoom& room) {
   const std::optional<Piece> found = large ? large : drawPiece(home, Use::sofa, {3.0, 1.3, 1.4});
   if (!found) return;
   // the sofa looks at a screen across the room; where no wall allows that, it stands at a wall alone
-  const std::optional<Facing> facing = drawFacing(home, room, *found);
+  const std::optional<ScreenFacing> facing = drawFacing(home, room, *found);
   std::optional<Stood> seat;
   if (facing) {
     const Placement frame = onWall(room, facing->tv_wall, facing->along, room.floor_m);

@@ -19,7 +19,6 @@ namespace nlg {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr double kBrightest = 1e12;
 constexpr const char* kSkyForm =
     "r,g,b, or those of zenith, horizon and ground, each from 0 to 1e12; FILE.hdr or FILE.exr, which turn in degrees and factor "
     "may follow; or 0 for none";

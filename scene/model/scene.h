@@ -13,6 +13,9 @@
 
 namespace nlg {
 
+// Metres from a file's origin; beyond, a double no longer holds a tenth of a micrometre.
+inline constexpr double kFarthestM = 1e9;
+
 // Whether light passes through a surface: a fence of a cut-out image, a curtain, a pane. For weighting functions and for what lies
 // in solid a thin one is air, a dense one a sheet as any other (docs/theory/visibility.md). For rays of light both are what their
 // images say at the point.

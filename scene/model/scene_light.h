@@ -17,6 +17,9 @@ namespace nlg {
 // Luminance of linear red, green and blue by ITU-R BT.709.
 inline float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b; }
 
+// The largest radiance, intensity or factor that a file or an option may name: products of a few stay far inside a float.
+inline constexpr double kBrightest = 1e12;
+
 inline bool isBright(const glm::vec3& rgb) { return rgb.r > 0.0f || rgb.g > 0.0f || rgb.b > 0.0f; }
 
 // Radiance from beyond everything: a gradient from the horizon (y = 0) up to the zenith, and one colour for what lies below; or an

@@ -11,7 +11,6 @@ namespace nlg {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kBrightest = 1e12;
 constexpr double kSunPatch = 2.5 * kPi / 180.0;  // radians from the brightest texel: a sun of an image is blurred by its lens
 constexpr double kSunRing = 2.0 * kSunPatch;     // up to which what surrounds it is asked for
 constexpr double kSunShare = 0.05;               // of the image's light

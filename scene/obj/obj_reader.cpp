@@ -20,7 +20,6 @@
 namespace nlg {
 namespace {
 
-constexpr double kFarthest = 1e9;  // metres from the file's origin, as of glTF
 constexpr const char* kCorners = "vertices of the file, each three numbers within 1e9 m of the origin";
 
 std::string_view textOf(const std::vector<unsigned char>& bytes) {
@@ -288,7 +287,7 @@ class ObjConverter {
 
   bool isPlaced(const glm::dvec3& at) const {
     const glm::dvec3 size = glm::abs(unit_m_ * at);
-    return size.x <= kFarthest && size.y <= kFarthest && size.z <= kFarthest;
+    return size.x <= kFarthestM && size.y <= kFarthestM && size.z <= kFarthestM;
   }
 
   uint32_t vertexOf(const ObjCorner& corner, size_t material_idx, VertexMap* vertices) {

@@ -10,6 +10,7 @@
 
 #include "scene/archive/pk3_archive.h"
 #include "scene/archive/scene_file.h"
+#include "scene/model/scene_light.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -21,8 +22,7 @@ constexpr size_t kMaxCorners = 8192;
 constexpr size_t kMaxVertices = size_t{1} << 27;
 constexpr size_t kMaxLibraries = 1024;  // lines: each is looked for on the disk
 
-constexpr double kLargest = 1e30;    // of a position, in whatever unit
-constexpr double kBrightest = 1e12;  // as of glTF
+constexpr double kLargest = 1e30;  // of a position, in whatever unit
 
 constexpr std::string_view kBlank = " \t\v\f";
 

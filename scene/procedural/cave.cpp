@@ -24,7 +24,7 @@ struct ScalarGrid {
   size_t index(int x, int y, int z) const { return (static_cast<size_t>(z) * count.y + y) * count.x + x; }
 };
 
-constexpr uint32_t kNoVertex = ~0u;
+constexpr uint32_t kNoCaveVertex = ~0u;
 
 // Paths along the cube's edges from corner 0 to corner 7 (bit 0 is x, 1 is y, 2 is z): six tetrahedra that share the diagonal
 // and match across the faces of neighbouring cubes.
@@ -36,7 +36,7 @@ glm::ivec3 cornerOffset(int corner) { return {corner & 1, corner >> 1 & 1, corne
 class Marcher {
  public:
   Marcher(MeshBuilder& mesh, const Placement& placement, const ScalarGrid& grid, uint32_t material)
-      : mesh_(mesh), placement_(placement), grid_(grid), material_(material), vertices_(grid.values.size() * 8, kNoVertex) {}
+      : mesh_(mesh), placement_(placement), grid_(grid), material_(material), vertices_(grid.values.size() * 8, kNoCaveVertex) {}
 
   void marchCube(const glm::ivec3& cube) {
     for (const auto& tetrahedron : kTetrahedra) {
@@ -84,7 +84,7 @@ class Marcher {
     if (from > to) std::swap(from, to);
     const glm::ivec3 low = cube + cornerOffset(from);
     uint32_t& entry = vertices_[grid_.index(low.x, low.y, low.z) * 8 + static_cast<size_t>(from ^ to)];
-    if (entry == kNoVertex) {
+    if (entry == kNoCaveVertex) {
       const double a = value(cube, from);
       const double b = value(cube, to);
       const double t = std::clamp(a / (a - b), 0.1, 0.9);

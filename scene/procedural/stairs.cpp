@@ -60,14 +60,14 @@ void addSpiral(Level& level, const glm::dvec3& foot, double rise_m, double radiu
   }
 }
 
-struct Plan {
+struct StairPlan {
   Building building;
   std::vector<Deck> decks;
 };
 
 // Decks wind up around the walls: west, north, east; each higher than the last.
-Plan drawPlan(Level& level) {
-  Plan plan;
+StairPlan drawPlan(Level& level) {
+  StairPlan plan;
   Building& building = plan.building;
   const double width = level.pick(11.0, 16.0);
   const double depth = level.pick(10.0, 15.0);
@@ -87,7 +87,7 @@ Plan drawPlan(Level& level) {
   return plan;
 }
 
-void addFlights(Level& level, const Plan& plan) {
+void addFlights(Level& level, const StairPlan& plan) {
   const double width = level.pick(1.0, 1.5);
   const bool is_open = level.random.chance(0.6);
   // all flights have one slope, 1.45 along for 1 up
@@ -117,7 +117,7 @@ void addFlights(Level& level, const Plan& plan) {
   }
 }
 
-void addFurnishing(Level& level, const Plan& plan) {
+void addFurnishing(Level& level, const StairPlan& plan) {
   const Rect in = plan.building.inner();
   for (const Deck& deck : plan.decks) {
     const int count = level.pickCount(1, 3);
@@ -139,7 +139,7 @@ void addFurnishing(Level& level, const Plan& plan) {
 }  // namespace
 
 void buildStairs(Level& level) {
-  Plan plan = drawPlan(level);
+  StairPlan plan = drawPlan(level);
   Building& building = plan.building;
   addGround(level, building, 2.0);
   fillShell(level, building);

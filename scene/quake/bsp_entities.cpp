@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "scene/quake/bsp_file.h"
 #include "tool/error.h"
 
 namespace nlg {
@@ -12,13 +13,12 @@ namespace {
 bool isSpace(char c) { return static_cast<unsigned char>(c) <= ' '; }
 
 constexpr size_t kMaxEntities = size_t{1} << 16;
-constexpr double kFarthest = 1048576.0;
 
 // Reads a number from the text's start. returns   how many characters it took; 0 when none is there or it is too large
 size_t readNumber(std::string_view text, double* value) {
   const size_t sign = text.starts_with('+') ? 1 : 0;
   const auto [end, error] = std::from_chars(text.data() + sign, text.data() + text.size(), *value);
-  return error != std::errc() || !(std::abs(*value) <= kFarthest) ? 0 : static_cast<size_t>(end - text.data());
+  return error != std::errc() || !(std::abs(*value) <= kFarthestUnits) ? 0 : static_cast<size_t>(end - text.data());
 }
 
 }  // namespace

@@ -11,7 +11,6 @@ namespace {
 constexpr uint32_t kVersion = 46;
 constexpr size_t kLumpCount = 17;
 constexpr size_t kHeaderBytes = 8 + 8 * kLumpCount;
-constexpr float kFarthest = 1048576.0f;  // units; the game's own tools stop at 131072
 constexpr uint64_t kMaxFaceVertices = uint64_t{1} << 23;
 constexpr uint64_t kMaxFaceIndices = uint64_t{3} << 23;
 constexpr uint32_t kMaxPatchSide = 65;
@@ -113,13 +112,13 @@ class BspParser {
       glm::vec3 position;
       for (int axis = 0; axis < 3; ++axis) {
         position[axis] = number(at + 4 * axis);
-        if (!(std::abs(position[axis]) <= kFarthest))
+        if (!(std::abs(position[axis]) <= kFarthestUnits))
           fail(kVertices, i, "coordinates within 1048576 units", std::to_string(position[axis]));
       }
       file_.positions.push_back(position);
       // no numbers, in some levels, where no texture is shown
       const glm::vec2 place(number(at + 12), number(at + 16));
-      const bool is_place = std::abs(place.x) <= kFarthest && std::abs(place.y) <= kFarthest;
+      const bool is_place = std::abs(place.x) <= kFarthestUnits && std::abs(place.y) <= kFarthestUnits;
       file_.texture_places.push_back(is_place ? place : glm::vec2(0.0f));
       file_.vertex_light.push_back({{number(at + 20), number(at + 24)}, colour(at + 40)});
     }

@@ -11,6 +11,9 @@
 
 namespace nlg {
 
+// Of a level, in its units; the game's own tools stop at 131072.
+inline constexpr float kFarthestUnits = 1048576.0f;
+
 struct BspShader {
   std::string name;                               // as written, up to the first NUL: what follows it is garbage
   uint32_t surface_flags = 0, content_flags = 0;  // as the game's compiler stored them: bsp_shader.cpp

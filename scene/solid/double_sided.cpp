@@ -30,7 +30,7 @@ constexpr uint64_t kMostTests = uint64_t{1} << 33;
 constexpr uint64_t kMostBallTests = uint64_t{1} << 26;  // of a scene: by then it is held that a ball fits
 constexpr size_t kNamedObjects = 3;
 
-constexpr uint32_t kNone = ~0u;
+constexpr uint32_t kAbsent = ~0u;
 
 bool isDoubleSided(const Material& material) { return material.double_sided && material.transmissive == Transmissive::none; }
 
@@ -97,10 +97,10 @@ glm::dvec3 leaning(const glm::vec3& p) { return {p.x - 0.2371 * p.y, p.z - 0.171
 
 // What may lie in a shell: a part, a lamp, a viewpoint.
 struct Thing {
-  uint32_t part = kNone;
+  uint32_t part = kAbsent;
   uint32_t point_count = 0;
-  uint32_t container = kNone;  // the smallest shell around it
-  bool is_outside = true;      // of all shells, as far as any of its points says
+  uint32_t container = kAbsent;  // the smallest shell around it
+  bool is_outside = true;        // of all shells, as far as any of its points says
 };
 
 struct Point {
@@ -242,7 +242,7 @@ class Nesting {
     std::vector<Point> points;
     const auto addPlace = [&](const glm::vec3& position) {
       points.push_back({leaning(position), static_cast<uint32_t>(things_.size())});
-      things_.push_back({kNone, 1});
+      things_.push_back({kAbsent, 1});
     };
     for (const Lamp& lamp : scene_.light.lamps) addPlace(lamp.position);
     for (const Viewpoint& viewpoint : scene_.viewpoints) addPlace(viewpoint.position);
@@ -343,7 +343,7 @@ class Width {
   // container   by part
   Width(const Scene& scene, const Parts& parts, const std::vector<uint32_t>& container) : scene_(scene), parts_(parts) {
     for (uint32_t i = 0; i < container.size(); ++i) {
-      if (container[i] != kNone && parts.all[i].isInward()) inner_[container[i]].push_back(i);
+      if (container[i] != kAbsent && parts.all[i].isInward()) inner_[container[i]].push_back(i);
     }
   }
 
@@ -385,13 +385,13 @@ Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
   std::vector<char> is_part_outside(count, 0);
   size_t outside_count = 0;
   std::vector<char> holds_something(count, 0);
-  std::vector<uint32_t> container(count, kNone);
-  const auto isInward = [&](const Thing& thing) { return thing.part != kNone && parts.all[thing.part].isInward(); };
+  std::vector<uint32_t> container(count, kAbsent);
+  const auto isInward = [&](const Thing& thing) { return thing.part != kAbsent && parts.all[thing.part].isInward(); };
   for (const Thing& thing : things) {
-    if (thing.part != kNone) container[thing.part] = thing.container;
-    if (thing.part != kNone) is_part_outside[thing.part] = thing.is_outside;
+    if (thing.part != kAbsent) container[thing.part] = thing.container;
+    if (thing.part != kAbsent) is_part_outside[thing.part] = thing.is_outside;
     outside_count += thing.is_outside;
-    if (thing.container == kNone) continue;
+    if (thing.container == kAbsent) continue;
     holds_something[thing.container] = 1;
     // an inner surface leaves walls between itself and the outer one
     if (parts.all[thing.container].isOutward() && !isInward(thing)) verdict.is_hollow[thing.container] = 1;
@@ -422,7 +422,7 @@ Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
   // shells wound inward: the inner surface of thick walls, or a room around everything else
   for (uint32_t i = 0; i < count; ++i) {
     if (!parts.all[i].isInward()) continue;
-    const bool is_loose = container[i] == kNone;
+    const bool is_loose = container[i] == kAbsent;
     const bool is_cavity = !is_loose && verdict.is_solid[container[i]] && parts.all[container[i]].isOutward();
     verdict.is_solid[i] = is_cavity || (is_loose && holds_something[i] && !is_air_outside);
   }

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <functional>
 
+#include "light/directions.h"
 #include "light/sunlight.h"
 #include "tests/datagen/hand_built_scenes.h"
 #include "tool/error.h"
 
 namespace nlg {
 namespace {
-
-constexpr float kPi = 3.14159265f;
 
 Scene ground(float albedo, float half_side) {
   SceneOfFaces faces;

@@ -14,7 +14,7 @@
 namespace nlg {
 namespace {
 
-LightSh uniformLight(float value) {
+LightSh evenLight(float value) {
   LightSh light{};
   light[0] = glm::vec3(value);
   return light;
@@ -49,7 +49,7 @@ struct TentRoom {
   template <class ValueAt>
   std::vector<LightSh> placeLight(const ValueAt& value_at) const {
     std::vector<LightSh> light;
-    for (const glm::dvec3& place : air.places) light.push_back(uniformLight(static_cast<float>(value_at(place))));
+    for (const glm::dvec3& place : air.places) light.push_back(evenLight(static_cast<float>(value_at(place))));
     return light;
   }
   double blendAt(const glm::dvec3& place, const std::vector<LightSh>& light) const {
@@ -73,7 +73,7 @@ struct TentRoom {
 
 TEST(ProbeLight, IsTheLightOfPlacesWhereAllHaveTheSame) {
   const TentRoom room;
-  const ProbeLight lit = room.solved(std::vector<LightSh>(room.air.places.size(), uniformLight(2.0f)), {});
+  const ProbeLight lit = room.solved(std::vector<LightSh>(room.air.places.size(), evenLight(2.0f)), {});
   for (const LightSh& light : lit.light) EXPECT_NEAR(light[0].g, 2.0f, 1e-4f);
 }
 
@@ -99,8 +99,8 @@ TEST(ProbeLight, IsNotDarkForAHollowWall) {
 // them have, and with Cauchy's loss they do not.
 TEST(ProbeLight, IsNotRuledByOnePlaceBesideALamp) {
   const TentRoom room;
-  std::vector<LightSh> place_light(room.air.places.size(), uniformLight(1.0f));
-  place_light[place_light.size() / 2] = uniformLight(5.0f);
+  std::vector<LightSh> place_light(room.air.places.size(), evenLight(1.0f));
+  place_light[place_light.size() / 2] = evenLight(5.0f);
   const auto largest = [&](double outlier) {
     ProbeLightOptions options;
     options.outlier = outlier;
@@ -119,10 +119,10 @@ TEST(ProbeLight, IsNotRuledByOnePlaceBesideALamp) {
 TEST(ProbeLight, IsNotRuledByPlacesThatHardlyReadAnything) {
   const TentRoom room;
   const std::vector<glm::dvec3>& places = room.air.places;
-  std::vector<LightSh> place_light(places.size(), uniformLight(1.0f));
+  std::vector<LightSh> place_light(places.size(), evenLight(1.0f));
   std::map<std::array<double, 3>, bool> is_stray;
   for (size_t i = 1; i < places.size(); i += 2) {
-    place_light[i] = uniformLight(10.0f);
+    place_light[i] = evenLight(10.0f);
     is_stray[{places[i].x, places[i].y, places[i].z}] = true;
   }
   const WeightsAt tents = room.tents();
@@ -175,7 +175,7 @@ TEST(ProbeLight, IsLessNoisyThanThePlacesThatItIsMadeOf) {
   std::vector<LightSh> place_light;
   double noise_of_places = 0.0;
   for (size_t i = 0; i < room.air.places.size(); ++i) {
-    LightSh light = uniformLight(1.0f);
+    LightSh light = evenLight(1.0f);
     for (glm::vec3& value : light) value += glm::vec3(static_cast<float>(random.uniform(-0.2, 0.2)));
     noise_of_places += 0.04 / 3.0 / static_cast<double>(room.air.places.size());
     place_light.push_back(light);

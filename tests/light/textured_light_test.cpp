@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "light/directions.h"
 #include "light/emitters.h"
 #include "light/light_transport.h"
 #include "light/surface_cache.h"
@@ -12,8 +13,6 @@
 
 namespace nlg {
 namespace {
-
-constexpr float kPi = 3.14159265f;
 
 // An image of width x height texels: colour as sRGB codes, and alpha.
 template <class TexelOf>
@@ -37,8 +36,8 @@ void spreadImages(Scene* scene) {
   scene->emissive_places = scene->base_places;
 }
 
-struct Lit {
-  explicit Lit(const Scene& s) : scene(s), rays(scene), transport(scene, rays) {}
+struct TexturedLit {
+  explicit TexturedLit(const Scene& s) : scene(s), rays(scene), transport(scene, rays) {}
   GatheredIrradiance at(const glm::dvec3& position, const glm::vec3& normal, int ray_count = 4096) const {
     return transport.gatherIrradiance(position, glm::normalize(normal), {ray_count, 64}, 5);
   }
@@ -84,7 +83,7 @@ TEST(TexturedLight, AnImageOfOneColourIsItsFactorBitForBit) {
   image.vertex_colours.assign(image.positions.size(), glm::vec4(1.0f));
   // emission by a factor: patches of an image draw other points
   image.materials[0].emissive = factor.materials[0].emissive;
-  const Lit a(factor), b(image);
+  const TexturedLit a(factor), b(image);
   const glm::vec3 one = a.at({0.3, 0.2, 1}, {0, 1, 0}).irradiance, other = b.at({0.3, 0.2, 1}, {0, 1, 0}).irradiance;
   for (int c = 0; c < 3; ++c) EXPECT_EQ(one[c], other[c]);
 }
@@ -95,7 +94,7 @@ TEST(TexturedLight, ShiningStripesFillARoomAsTheirMeanDoes) {
   spreadImages(&scene);
   scene.images = {imageOf(16, 4, [](int x, int) { return grey(x % 2 == 0 ? 255 : 0); })};
   scene.materials[0].emissive_image.image = 0;
-  const GatheredIrradiance gathered = Lit(scene).at({0, 0, 0}, {0, 1, 0}, 16384);
+  const GatheredIrradiance gathered = TexturedLit(scene).at({0, 0, 0}, {0, 1, 0}, 16384);
   const float expected = kPi * 1.0f / (1.0f - 0.5f);
   EXPECT_NEAR(gathered.irradiance.g, expected, 4.0f * gathered.deviation.g + 0.01f * expected);
 }
@@ -111,7 +110,7 @@ TEST(TexturedLight, ASmallBrightSpotOfAnImageIsDrawnByItsPower) {
     spreadImages(&scene);
     scene.images = {imageOf(texels, texels, [&](int x, int y) { return grey(x == column && y == row ? 255 : 0); })};
     scene.materials[0].emissive_image.image = 0;
-    const GatheredIrradiance gathered = Lit(scene).at({0, 1, 0}, {0, -1, 0}, 512);
+    const GatheredIrradiance gathered = TexturedLit(scene).at({0, 1, 0}, {0, -1, 0}, 512);
     // area of a texel, seen from straight above but for its offset
     const float side = 4.0f / texels, x = -2.0f + (column + 0.5f) * side, z = -2.0f + (row + 0.5f) * side;
     const float squared = 1.0f + x * x + z * z;
@@ -160,7 +159,7 @@ TEST(TexturedLight, ATransmissiveSurfaceDimsSkySunLampAndPanelByWhatItLetsThroug
     lamp.position = {0.1f, 3.0f, 0.2f};
     lamp.intensity = glm::vec3(20.0f);
     if (source == 2) scene.light.lamps.push_back(lamp);
-    return Lit(scene).at({0, 0.05, 0}, {0, 1, 0}, 16384).irradiance;
+    return TexturedLit(scene).at({0, 0.05, 0}, {0, 1, 0}, 16384).irradiance;
   };
   for (int source = 0; source < 3; ++source) {
     const glm::vec3 whole = lit(open, source);
@@ -189,7 +188,7 @@ TEST(TexturedLight, ATransmissiveSurfaceThatLosesNothingLeavesAFurnaceAsItIs) {
   curtain.emissive = glm::vec3(0.2f * 2.0f);
   scene.materials.push_back(curtain);
   scene.triangle_material[scene.triangles.size() - 2] = scene.triangle_material[scene.triangles.size() - 1] = 2;
-  const Lit lit(scene);
+  const TexturedLit lit(scene);
   const std::vector<glm::dvec3> places = {{0, 0, 1}, {0, 0, -1}, {1, 1, 2}, {-1, 0.5, -2}};
   const SurfaceCache cache(lit.transport, places, {}, 1);
   for (const SurfaceCache* used : {static_cast<const SurfaceCache*>(nullptr), &cache}) {
@@ -215,8 +214,8 @@ TEST(TexturedLight, ACutOutLetsItsHolesShareThrough) {
   Material none = fence;
   none.base_image.image = -1;
   none.opacity = 0.0f;
-  const float whole = Lit(boxUnderLid(none)).at({0, 0.05, 0}, {0, 1, 0}, 16384).irradiance.g;
-  EXPECT_NEAR(Lit(scene).at({0, 0.05, 0}, {0, 1, 0}, 65536).irradiance.g / whole, 0.25f, 0.01f);
+  const float whole = TexturedLit(boxUnderLid(none)).at({0, 0.05, 0}, {0, 1, 0}, 16384).irradiance.g;
+  EXPECT_NEAR(TexturedLit(scene).at({0, 0.05, 0}, {0, 1, 0}, 65536).irradiance.g / whole, 0.25f, 0.01f);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ MeasuredPlace darkPlace(float answer) {
   return {"even", {{0.3, 0.2, -1.0}, {0, 0, 1}}, glm::vec3(0.0f), glm::vec3(answer), 1.0, answer};
 }
 
-PlacePictureOptions smallPicture() {
+PlacePictureOptions smallPlacePicture() {
   PlacePictureOptions options;
   options.width = 48;
   options.height = 32;
@@ -52,11 +52,11 @@ TEST(PlacePicture, ViewStandsInTheOpenOnTheNormalsSide) {
 
 // Three pictures of 48 x 32: truth is black, the answer is not; needles cover less than half of each.
 TEST(PlacePicture, LeakIsBrightBesideBlackTruthAndRedInTheError) {
-  const Image leaks = drawPlace(darkRoom().transport, darkPlace(3.0f), even(glm::vec3(3.0f)), smallPicture());
+  const Image leaks = drawPlace(darkRoom().transport, darkPlace(3.0f), even(glm::vec3(3.0f)), smallPlacePicture());
   EXPECT_GT(countOf(leaks, kBlack), 48 * 32 / 2);
   EXPECT_LE(countOf(leaks, kBlack), 48 * 32);
   EXPECT_GT(countOf(leaks, diverging(1.0)), 48 * 32 / 2);
-  const Image right = drawPlace(darkRoom().transport, darkPlace(3.0f), even(glm::vec3(0.0f)), smallPicture());
+  const Image right = drawPlace(darkRoom().transport, darkPlace(3.0f), even(glm::vec3(0.0f)), smallPlacePicture());
   EXPECT_GT(countOf(right, kBlack), 2 * 48 * 32 / 2);
   EXPECT_EQ(countOf(right, diverging(1.0)), 0);
 }

@@ -50,7 +50,8 @@ Eigen::VectorXd solveEigen(Eigen::MatrixXd* matrix) {
     const int work_size = is_asked ? -1 : static_cast<int>(work.size());
     const int integer_count = is_asked ? -1 : static_cast<int>(integers.size());
     int info = 0;
-    dsyevd_("V", "L", &kSize, matrix->data(), &kSize, values.data(), work.data(), &work_size, integers.data(), &integer_count, &info);
+    dsyevd_("V", "L", &kSize, matrix->data(), &kSize, values.data(), work.data(), &work_size, integers.data(), &integer_count,
+            &info);
     if (info != 0) throw NumericalError("basis: the covariance: no eigenvectors found");
     work.resize(static_cast<size_t>(work[0]));
     integers.resize(static_cast<size_t>(integers[0]));

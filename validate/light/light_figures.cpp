@@ -12,7 +12,7 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kTruthStream = 0x7472757468, kWalkStream = 0x77616c6b;
+constexpr uint64_t kTruthStream = 0x7472757468, kWalkTruthStream = 0x77616c6b;
 
 double channelMean(const glm::vec3& rgb) { return (double{rgb.r} + rgb.g + rgb.b) / 3.0; }
 double squares(const glm::vec3& rgb) { return (double{rgb.r} * rgb.r + double{rgb.g} * rgb.g + double{rgb.b} * rgb.b) / 3.0; }
@@ -208,8 +208,8 @@ LightTruth lightTruth(const LightPlaces& places, const LightTransport& transport
   parallelFor(places.places.size(), options.threads, [&](uint64_t i, int) {
     const LightPlace& place = places.places[i];
     // the same rays at all steps of a walk: what changes between steps is light, not noise
-    const uint64_t place_seed =
-        place.group == PlaceGroup::walk ? mixSeed(options.seed, kWalkStream, place.walk) : mixSeed(options.seed, kTruthStream, i);
+    const uint64_t place_seed = place.group == PlaceGroup::walk ? mixSeed(options.seed, kWalkTruthStream, place.walk)
+                                                                : mixSeed(options.seed, kTruthStream, i);
     truth.at[i] = transport.gatherIrradiance(place.position_m, place.normal, options.gather, place_seed);
   });
   // over points in air alone: those before surfaces are drawn by classes of distance

@@ -21,8 +21,6 @@ constexpr int kIterations = 300;
 constexpr double kProgress = 1e-9;
 // As CodeFit damps: every number counts as if it did so much of what the strongest does.
 constexpr double kLeastDiagonal = 1e-3;
-// As bakes are judged: what the ends may be above the best that is known of the function.
-constexpr double kBestKnownFactor = 1.5;
 
 struct NamedFunction {
   std::string name;

@@ -12,7 +12,6 @@
 namespace nlg {
 namespace {
 
-constexpr double kBestKnownFactor = 1.5;
 // Sigmoids come near their ends but never to them, and a fit near its minimum.
 constexpr double kConstantFactor = 1.01;
 // Sums of another kernel: the same theta may differ in the last digits.

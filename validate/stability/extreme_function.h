@@ -26,9 +26,12 @@ SampledFunction sampleFunction(
 // seed   the direction of the wall
 SampledFunction functionBesideWall(uint64_t seed, double distance);
 
+// What a bake may come to above the best that is known of a function.
+inline constexpr double kBestKnownFactor = 1.5;
+
 // What the stored error of a function may be where it fails the check.
 enum class ErrorBound {
-  // of functions that levels have: 1.5 times the best blend RMSE that is known of the function in this representation. Above both thresholds
+  // of functions that levels have: kBestKnownFactor times the best blend RMSE that is known of the function in this representation. Above both thresholds
   // and that, the bake has missed what the representation can do
   best_known,
   // of functions that no geometry makes: 1.01 times the blend RMSE or the trouble (check.h) of the best constant in the place of the network or

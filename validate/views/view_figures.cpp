@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <unordered_map>
 
+#include "light/directions.h"
 #include "render/tone.h"
 #include "runtime_eval/numbers/random.h"
 #include "tool/parallel_for.h"
 
 namespace nlg {
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 float labCurve(float share) {
   constexpr float kBreak = 216.0f / 24389.0f, kSlope = 24389.0f / 27.0f;

@@ -8,20 +8,20 @@
 namespace nlg {
 namespace {
 
-constexpr size_t kPoints = 512, kOctant = kPoints / 8;
+constexpr size_t kKnownPoints = 512, kOctant = kKnownPoints / 8;
 constexpr DuplicateRule kRule{0.5, 4};
 
 struct Function {
-  std::vector<uint8_t> phi = std::vector<uint8_t>(kPoints), validity = std::vector<uint8_t>(kPoints / 8, 0xff);
+  std::vector<uint8_t> phi = std::vector<uint8_t>(kKnownPoints), validity = std::vector<uint8_t>(kKnownPoints / 8, 0xff);
   StoredFunction samples() const { return {phi.data(), validity.data()}; }
 };
 
 // No two octants alike, some points in solid.
 Function randomFunction(std::mt19937& random) {
   Function function;
-  for (size_t i = 0; i < kPoints; ++i) function.phi[i] = static_cast<uint8_t>(20 * (i / kOctant) + random() % 60);
+  for (size_t i = 0; i < kKnownPoints; ++i) function.phi[i] = static_cast<uint8_t>(20 * (i / kOctant) + random() % 60);
   for (int n = 0; n < 20; ++n) {
-    const size_t point = random() % kPoints;
+    const size_t point = random() % kKnownPoints;
     function.phi[point] = 0;
     function.validity[point / 8] = static_cast<uint8_t>(function.validity[point / 8] & ~(1u << point % 8));
   }
@@ -47,7 +47,7 @@ Function changed(Function function, double rms, int amount) {
   size_t valid = 0;
   for (const uint8_t bits : function.validity) valid += static_cast<size_t>(__builtin_popcount(bits));
   auto count = static_cast<size_t>(rms * rms * static_cast<double>(valid) / (amount * amount));
-  for (size_t i = 0; i < kPoints && count > 0; ++i) {
+  for (size_t i = 0; i < kKnownPoints && count > 0; ++i) {
     if ((function.validity[i / 8] >> i % 8 & 1) == 0) continue;
     function.phi[i] = static_cast<uint8_t>(function.phi[i] + amount);
     --count;
@@ -57,7 +57,7 @@ Function changed(Function function, double rms, int amount) {
 
 FunctionSet setOf(const std::vector<Function>& functions) {
   FunctionSet set;
-  set.point_count = static_cast<int>(kPoints);
+  set.point_count = static_cast<int>(kKnownPoints);
   for (const Function& function : functions) {
     set.phi.insert(set.phi.end(), function.phi.begin(), function.phi.end());
     set.validity.insert(set.validity.end(), function.validity.begin(), function.validity.end());

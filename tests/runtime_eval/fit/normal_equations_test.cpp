@@ -11,10 +11,10 @@
 namespace nlg {
 namespace {
 
-const PointSet& points() { return stratifiedSupportPoints(); }
+const PointSet& stratified() { return stratifiedSupportPoints(); }
 
 // Two factors of 24 + 16 roundings, the sum of 1024 points in 4 or more lanes 256 + 2, strata in double.
-constexpr double kRoundings = 2 * (24 + 16) + 256 + 2;
+constexpr double kEquationRoundings = 2 * (24 + 16) + 256 + 2;
 
 // d representation / d theta at one point. The gradient of one point's squared residual is 2 r times it; with phi one half
 // below the output, r is positive and its square the loss.
@@ -58,17 +58,18 @@ TEST(NormalEquations, EqualTheExplicitProductOnEveryTarget) {
     const int theta_count = representation.thetaCount();
     const Theta theta = randomTheta(representation, 21);
     WeightingFunction function = decoded(wallSample(21).view());
-    maskKinks(representation, points(), theta, 1e-3, &function.mask);
+    maskKinks(representation, stratified(), theta, 1e-3, &function.mask);
     const std::vector<double> expected =
-        explicitHessian(representation.network(), representation.slope, points(), function.mask, toDouble(theta));
-    const std::vector<double> magnitude = explicitHessian(magnitudeNetwork(representation), representation.slope,
-                                                          magnitudes(points()), function.mask, magnitudes(representation, theta));
+        explicitHessian(representation.network(), representation.slope, stratified(), function.mask, toDouble(theta));
+    const std::vector<double> magnitude =
+        explicitHessian(magnitudeNetwork(representation), representation.slope, magnitudes(stratified()), function.mask,
+                        magnitudes(representation, theta));
     forEachTarget([&] {
       const NormalEquations got = equationsOf(representation, function, theta);
       for (int row = 0; row < theta_count; ++row) {
         for (int column = 0; column <= row; ++column) {
           const int i = row * theta_count + column;
-          ASSERT_NEAR(got.hessian.at(row, column), expected[i], kRoundings * kFloatRounding * magnitude[i])
+          ASSERT_NEAR(got.hessian.at(row, column), expected[i], kEquationRoundings * kFloatRounding * magnitude[i])
               << representationName(representation) << ", row " << row << ", column " << column;
         }
       }
@@ -77,7 +78,7 @@ TEST(NormalEquations, EqualTheExplicitProductOnEveryTarget) {
 }
 
 TEST(NormalEquations, HaveHalfTheGradientOfTheLossKernel) {
-  const PointSet absolute_points = magnitudes(points());
+  const PointSet absolute_points = magnitudes(stratified());
   for (const Representation& representation : kNetworkRepresentations) {
     for (uint64_t seed = 30; seed < 33; ++seed) {
       const Theta theta = randomTheta(representation, seed);
@@ -89,13 +90,13 @@ TEST(NormalEquations, HaveHalfTheGradientOfTheLossKernel) {
           function.mask.data(), magnitudes(representation, theta).data(), magnitude.data());
       forEachTarget([&] {
         std::vector<float> gradient(representation.thetaCount());
-        const double sum = networkLossAndGradient(representation, points(), 0, kSupportPointCount, function.phi.data(),
+        const double sum = networkLossAndGradient(representation, stratified(), 0, kSupportPointCount, function.phi.data(),
                                                   function.mask.data(), theta.data(), gradient.data());
         const NormalEquations got = equationsOf(representation, function, theta);
         // both share the forward pass, kinks included; each has its own roundings
-        EXPECT_NEAR(got.square_sum, sum, 2 * kRoundings * kFloatRounding * sum_magnitude) << "seed " << seed;
+        EXPECT_NEAR(got.square_sum, sum, 2 * kEquationRoundings * kFloatRounding * sum_magnitude) << "seed " << seed;
         for (int k = 0; k < representation.thetaCount(); ++k) {
-          ASSERT_NEAR(got.gradient[k], 0.5 * gradient[k], kRoundings * kFloatRounding * magnitude[k])
+          ASSERT_NEAR(got.gradient[k], 0.5 * gradient[k], kEquationRoundings * kFloatRounding * magnitude[k])
               << representationName(representation) << ", seed " << seed << ", theta " << k;
         }
       });

@@ -18,7 +18,6 @@ namespace {
 
 constexpr uint32_t kSkyFlag = 0x4, kLavaFlag = 0x8;  // of surfaces, of contents
 
-constexpr double kUnit = 0.0254;
 constexpr float kOfCode = 4.0f / 255.0f;
 constexpr float kPi = 3.14159265f;
 

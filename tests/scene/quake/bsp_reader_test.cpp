@@ -19,8 +19,6 @@
 namespace nlg {
 namespace {
 
-constexpr double kUnit = 0.0254;
-
 class BspReader : public testing::Test {
  protected:
   BspLevel read(const BspParts& parts) const { return readBsp(folder_.write("level.bsp", parts.bytes())); }

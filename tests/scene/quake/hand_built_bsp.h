@@ -17,6 +17,8 @@
 
 namespace nlg {
 
+inline constexpr double kUnit = 0.0254;  // metres
+
 // An .bsp file's parts, in the file's own terms: units, z up, polygons clockwise.
 struct BspParts {
   struct Shader {

@@ -16,7 +16,7 @@ namespace {
 constexpr int kFunctions = 80;
 constexpr int kResolution = 5;
 
-const TrainingData& data() {
+const TrainingData& orderingData() {
   static const TrainingData training(sampleSet(kFunctions, 1), codeBasis(), codeBasis());
   return training;
 }
@@ -25,7 +25,7 @@ torch::Tensor codesOf(GeneratorNetwork& network) {
   std::vector<Sample> samples;
   for (int n = 0; n < kFunctions; ++n) samples.push_back({n});
   const torch::NoGradGuard guard;
-  return network->forward(inputBatch(data(), samples)).contiguous();
+  return network->forward(inputBatch(orderingData(), samples)).contiguous();
 }
 
 Representation representationOf(GeneratorNetwork& network) {
@@ -40,7 +40,7 @@ TEST(OrderCodes, LeavesWhatIsPredictedAsItWas) {
   GeneratorNetwork network = codeNetwork(kResolution, 1);
   const torch::Tensor before = codesOf(network);
   const torch::Tensor dictionary = network->dictionary().detach().clone();
-  orderCodes(data(), codeBasis(), allFunctions(), &network);
+  orderCodes(orderingData(), codeBasis(), allFunctions(), &network);
   const torch::Tensor after = codesOf(network);
   EXPECT_FALSE(torch::allclose(before, after)) << "the numbers are others";
   // logits at the nodes: c and the sum over k
@@ -78,10 +78,10 @@ TEST(OrderCodes, MakesTheMeanEquationsTheIdentityUpToUnits) {
   const Representation before = representationOf(network);
   CodeFit fit;
   for (int n = 0; n < kFunctions; ++n) {
-    const WeightingFunction function = decoded(data().function(n), pointOrder(before), CodeOrderingOptions{}.loss);
+    const WeightingFunction function = decoded(orderingData().function(n), pointOrder(before), CodeOrderingOptions{}.loss);
     fit.iterate(before, function, {.iterations = 12, .prior = 1e-5}, kCodeCount, codes.data_ptr<float>() + n * kCodeCount);
   }
-  orderCodes(data(), codeBasis(), allFunctions(), &network);
+  orderCodes(orderingData(), codeBasis(), allFunctions(), &network);
   const Representation after = representationOf(network);
   const auto [old_nodes, old_c] = nodesOf(before);
   const auto [nodes, c] = nodesOf(after);
@@ -97,7 +97,7 @@ TEST(OrderCodes, MakesTheMeanEquationsTheIdentityUpToUnits) {
         Eigen::Map<const Eigen::VectorXf>(codes.data_ptr<float>() + n * kCodeCount, kCodeCount).cast<double>();
     const Eigen::VectorXd z = solver.solve(old_nodes * old + old_c - c);
     const Eigen::VectorXf as_floats = z.cast<float>();
-    const WeightingFunction function = decoded(data().function(n), pointOrder(after), CodeOrderingOptions{}.loss);
+    const WeightingFunction function = decoded(orderingData().function(n), pointOrder(after), CodeOrderingOptions{}.loss);
     fit.equationsAt(after, function, without_prior, as_floats.data(), &one);
     equations += Eigen::Map<const Eigen::MatrixXf>(one.matrix.data(), kCodeCount, kCodeCount).cast<double>() / kFunctions;
     mean += z / kFunctions;

@@ -10,7 +10,7 @@
 namespace nlg {
 namespace {
 
-const TrainingData& data() {
+const TrainingData& dictionaryData() {
   static const TrainingData training(sampleSet(6, 1), codeBasis(), codeBasis());
   return training;
 }
@@ -28,7 +28,7 @@ TEST(CodeMeanSquares, HaveTheGradientOfFiniteDifferences) {
   GeneratorNetwork network = codeNetwork(5, 3);
   torch::Tensor z = someCodes(4, 4).requires_grad_();
   const auto errorAt = [&] {
-    return codeMeanSquares(network, z, data(), samples(), -1, {.loss = {64.0, 1.0}}).to(torch::kDouble).sum();
+    return codeMeanSquares(network, z, dictionaryData(), samples(), -1, {.loss = {64.0, 1.0}}).to(torch::kDouble).sum();
   };
   network->zero_grad();
   errorAt().backward();

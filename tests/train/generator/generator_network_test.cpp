@@ -11,14 +11,14 @@
 namespace nlg {
 namespace {
 
-const BasisData& basis() {
+const BasisData& networkBasis() {
   static const BasisData data = sampleBasis(kSampleClasses, 2);
   return data;
 }
 
 GeneratorShape shapeOf(int width, int layers) {
   GeneratorShape shape;
-  shape.coefficient_count = basis().coefficientCount();
+  shape.coefficient_count = networkBasis().coefficientCount();
   shape.width = width;
   shape.layer_count = layers;
   return shape;
@@ -35,7 +35,7 @@ TEST(GeneratorNetwork, YieldsTheta0BeforeTraining) {
   const Theta theta0 = randomTheta({}, 1);
   for (const int layers : {1, 2, 6}) {
     GeneratorNetwork network(shapeOf(32, layers), theta0, 7);
-    const torch::Tensor theta = network->forward(torch::randn({5, basis().coefficientCount()}));
+    const torch::Tensor theta = network->forward(torch::randn({5, networkBasis().coefficientCount()}));
     ASSERT_EQ(theta.sizes(), torch::IntArrayRef({5, ThetaLayout::count}));
     for (int64_t i = 0; i < theta.numel(); ++i) {
       ASSERT_EQ(theta.data_ptr<float>()[i], theta0[i % ThetaLayout::count]) << layers << " layers, entry " << i;
@@ -46,7 +46,7 @@ TEST(GeneratorNetwork, YieldsTheta0BeforeTraining) {
 TEST(GeneratorNetwork, AgreesWithTheEvaluatorOnSamples) {
   BasisData trained{.input = GeneratorInput::samples, .deviation = std::vector<float>(24, 1.0f)};
   trained.class_count.fill(3);
-  const TrainingData data(sampleSet(40, 50), basis(), trained);
+  const TrainingData data(sampleSet(40, 50), networkBasis(), trained);
   GeneratorShape shape = shapeOf(32, 3);
   shape.input = GeneratorInput::samples;
   shape.coefficient_count = trained.coefficientCount();
@@ -71,12 +71,12 @@ TEST(GeneratorNetwork, AgreesWithTheEvaluatorOnSamples) {
 }
 
 TEST(GeneratorNetwork, AgreesWithTheEvaluator) {
-  const TrainingData data(sampleSet(40, 50), basis(), basis());
+  const TrainingData data(sampleSet(40, 50), networkBasis(), networkBasis());
   for (const int width : {17, 25, 64}) {  // 25 coefficients: the first layer has a skip then
     for (const int layers : {1, 2, 4}) {
       GeneratorNetwork network(shapeOf(width, layers), randomTheta({}, 4), 8);
       shake(network);
-      const Generator generator(network->toData(Representation::tentMlp(0.01f), basis()));
+      const Generator generator(network->toData(Representation::tentMlp(0.01f), networkBasis()));
       EXPECT_TRUE(generator.representation().tentFactor());
       GeneratorScratch scratch(generator);
       std::vector<Sample> samples;
@@ -106,7 +106,7 @@ TEST(GeneratorNetwork, TakesTheNumbersOfAGenerator) {
       representation.kind = RepresentationKind::code;
       representation.code_count = kCodeCount;
     }
-    GeneratorData data = first->toData(representation, basis());
+    GeneratorData data = first->toData(representation, networkBasis());
     std::fill(data.output_scale.begin(), data.output_scale.end(), 0.4f);
     const GeneratorShape shape = nlg::shapeOf(data, {});
     EXPECT_EQ(shape.width, 32);
@@ -114,7 +114,7 @@ TEST(GeneratorNetwork, TakesTheNumbersOfAGenerator) {
     EXPECT_EQ(shape.code_count, is_code ? kCodeCount : 0);
     GeneratorNetwork second(shape, Theta(data.theta0.size()), 99);
     second->takeNumbers(data);
-    const GeneratorData again = second->toData(data.representation, basis());
+    const GeneratorData again = second->toData(data.representation, networkBasis());
     EXPECT_EQ(again.theta0, data.theta0);
     if (is_code) {
       EXPECT_EQ(again.representation.dictionary->data(), data.representation.dictionary->data());

@@ -18,7 +18,7 @@
 namespace nlg {
 namespace {
 
-const Representation kTentMlp = Representation::tentMlp(0.01f);
+const Representation kTrainedKind = Representation::tentMlp(0.01f);
 const RunIdentity kIdentity{"tent_mlp", R"({"steps":40})", "basis", "training set"};
 
 // A small run: 24 functions, 25 coefficients.
@@ -54,7 +54,7 @@ TrainingState freshState() { return makeState(run().options, run().theta0); }
 struct Killed {};
 void trainUntil(TrainingState& state, int64_t killed_at, const std::string& path) {
   try {
-    train(run().options, kTentMlp, run().training, run().held_out, &state, [&] {
+    train(run().options, kTrainedKind, run().training, run().held_out, &state, [&] {
       if (!path.empty()) writeCheckpoint(path, kIdentity, state);
       if (state.step == killed_at) throw Killed{};
     });
@@ -86,17 +86,17 @@ class Checkpoint : public testing::Test {
 
 TEST(Train, LowersTheLoss) {
   TrainingState state = freshState();
-  const HeldOutError before = heldOutError(state.network, kTentMlp, run().training, CheckOptions().loss(), 24);
+  const HeldOutError before = heldOutError(state.network, kTrainedKind, run().training, CheckOptions().loss(), 24);
   int saves = 0;
-  const TrainReport report = train(run().options, kTentMlp, run().training, run().held_out, &state, [&] { ++saves; });
+  const TrainReport report = train(run().options, kTrainedKind, run().training, run().held_out, &state, [&] { ++saves; });
   EXPECT_EQ(state.step, 40);
   EXPECT_EQ(saves, 2);
   for (GeneratorNetwork* network : {&state.network, &state.average}) {  // the average follows
-    const HeldOutError after = heldOutError(*network, kTentMlp, run().training, CheckOptions().loss(), 24);
+    const HeldOutError after = heldOutError(*network, kTrainedKind, run().training, CheckOptions().loss(), 24);
     EXPECT_LT(after.network, before.network);
     EXPECT_LT(after.final, before.final);
   }
-  const HeldOutError held_out = heldOutError(state.average, kTentMlp, run().held_out, CheckOptions().loss(), 2048);
+  const HeldOutError held_out = heldOutError(state.average, kTrainedKind, run().held_out, CheckOptions().loss(), 2048);
   EXPECT_EQ(report.held_out.network, held_out.network);
   EXPECT_EQ(report.held_out.final, held_out.final);
   EXPECT_EQ(std::count(state.log_csv.begin(), state.log_csv.end(), '\n'), 3) << state.log_csv;
@@ -106,7 +106,7 @@ TEST(Train, RaisesOnNumbersThatAreNotFinite) {
   Theta theta0 = run().theta0;
   theta0[3] = NAN;
   TrainingState state = makeState(run().options, theta0);
-  EXPECT_THROW(train(run().options, kTentMlp, run().training, run().held_out, &state, [] {}), NumericalError);
+  EXPECT_THROW(train(run().options, kTrainedKind, run().training, run().held_out, &state, [] {}), NumericalError);
   EXPECT_EQ(state.step, 0);
   EXPECT_EQ(state.rollbacks, LossGuard::kMaxRollbacks);
   EXPECT_EQ(state.draw, LossGuard::kMaxRollbacks + 1) << "every attempt takes other samples";
@@ -117,7 +117,7 @@ TEST(Train, RaisesOnNumbersThatAreNotFinite) {
   TrainingState diverging = makeState(wild, run().theta0);
   wild.gradient_clip = 1e9;
   int saves = 0;
-  EXPECT_THROW(train(wild, kTentMlp, run().training, run().held_out, &diverging, [&] { ++saves; }), NumericalError);
+  EXPECT_THROW(train(wild, kTrainedKind, run().training, run().held_out, &diverging, [&] { ++saves; }), NumericalError);
   EXPECT_EQ(saves, 0) << "a state gone wrong must not replace a good one";
 }
 
@@ -128,7 +128,7 @@ TEST(TrainStep, CapsTheLossOfAThetaGoneAstray) {
   theta0[ThetaLayout::b3] = 1e4f;
   TrainingState state = makeState(options, theta0);
   const ProcessGroup alone;
-  TrainStep step(options, kTentMlp, run().training, state, alone);
+  TrainStep step(options, kTrainedKind, run().training, state, alone);
   const TrainStep::Result result = step.computeGradient(state);
   // the root of the weight of dark points, which is the largest
   EXPECT_EQ(result.loss, std::sqrt(options.loss.dark_weight));
@@ -139,9 +139,9 @@ TEST(Train, GivesTheSameParametersOnAnyNumberOfThreads) {
   TrainingState one = freshState(), three = freshState();
   TrainOptions options = run().options;
   options.steps = 10;
-  const TrainReport of_one = train(options, kTentMlp, run().training, run().held_out, &one, [] {});
+  const TrainReport of_one = train(options, kTrainedKind, run().training, run().held_out, &one, [] {});
   options.threads = 3;
-  const TrainReport of_three = train(options, kTentMlp, run().training, run().held_out, &three, [] {});
+  const TrainReport of_three = train(options, kTrainedKind, run().training, run().held_out, &three, [] {});
   expectSame(one.network->parameters(), three.network->parameters(), "network");
   expectSame(one.average->parameters(), three.average->parameters(), "average");
   EXPECT_EQ(of_one.held_out.final, of_three.held_out.final);
@@ -199,8 +199,8 @@ TEST_F(Checkpoint, ResumesAKilledRunBitForBit) {
   expectSame(whole.average->parameters(), resumed.average->parameters(), "average");
   EXPECT_EQ(whole.draw, resumed.draw);
   EXPECT_EQ(whole.recent_losses, resumed.recent_losses);
-  EXPECT_EQ(heldOutError(whole.average, kTentMlp, run().held_out, CheckOptions().loss(), 6).final,
-            heldOutError(resumed.average, kTentMlp, run().held_out, CheckOptions().loss(), 6).final);
+  EXPECT_EQ(heldOutError(whole.average, kTrainedKind, run().held_out, CheckOptions().loss(), 6).final,
+            heldOutError(resumed.average, kTrainedKind, run().held_out, CheckOptions().loss(), 6).final);
 }
 
 TEST_F(Checkpoint, OfAnotherRunIsRefused) {
@@ -276,10 +276,10 @@ TEST(FitTheta0, FitsTheMeanOfValidPoints) {
   options.finalists = 1;
   options.final_steps = 300;
   options.levenberg_iterations = 20;
-  const Theta theta = fitTheta0(kTentMlp, basis, options);
+  const Theta theta = fitTheta0(kTrainedKind, basis, options);
   // a quarter of the tent's own root mean square (1/3)^(3/2) = 0.19 would be a fit that has learnt; the masked zeros would cost
   // 0.11
-  EXPECT_LT(functionRmse(kTentMlp, tentFunction(), theta.data()), 0.25 * 0.19);
+  EXPECT_LT(functionRmse(kTrainedKind, tentFunction(), theta.data()), 0.25 * 0.19);
 }
 
 TEST(WorstFunctions, AreThoseOfTheLargestErrorWithWhatIsPredicted) {
@@ -289,7 +289,7 @@ TEST(WorstFunctions, AreThoseOfTheLargestErrorWithWhatIsPredicted) {
   Theta bare(ThetaLayout::count);
   bare[ThetaLayout::b3] = 1.0f;
   TrainingState state = makeState(options, bare);
-  const auto worst = worstFunctions(state.network, kTentMlp, run().held_out, options, 100);
+  const auto worst = worstFunctions(state.network, kTrainedKind, run().held_out, options, 100);
   ASSERT_EQ(worst.size(), 6u);
   double sum = 0.0, before = INFINITY;
   for (const WorstFunction& one : worst) {
@@ -304,8 +304,8 @@ TEST(WorstFunctions, AreThoseOfTheLargestErrorWithWhatIsPredicted) {
       EXPECT_GE(point.predicted, 0.87f * tent - 1e-5f);
     }
   }
-  EXPECT_NEAR(sum / 6.0, heldOutError(state.network, kTentMlp, run().held_out, options.loss, 6).network, 1e-6);
-  EXPECT_EQ(worstFunctions(state.network, kTentMlp, run().held_out, options, 2).size(), 2u);
+  EXPECT_NEAR(sum / 6.0, heldOutError(state.network, kTrainedKind, run().held_out, options.loss, 6).network, 1e-6);
+  EXPECT_EQ(worstFunctions(state.network, kTrainedKind, run().held_out, options, 2).size(), 2u);
 }
 
 }  // namespace

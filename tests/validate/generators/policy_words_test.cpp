@@ -11,13 +11,13 @@
 namespace nlg {
 namespace {
 
-constexpr int kTents = 3, kWalls = 9, kCount = kTents + kWalls, kTestPoints = 64;
+constexpr int kTents = 3, kWalls = 9, kCount = kTents + kWalls, kWordTestPoints = 64;
 
 // Bare tents first, then functions cut by walls; scenes in turn. What has weight is seen.
 FunctionSet smallSet() {
   FunctionSet set;
   set.point_count = kSupportPointCount;
-  set.test_point_count = kTestPoints;
+  set.test_point_count = kWordTestPoints;
   set.scene_ids = {"a", "b"};
   for (int i = 0; i < kCount; ++i) {
     const StoredSample sample = i < kTents ? tentSample() : wallSample(static_cast<uint64_t>(i));
@@ -32,9 +32,9 @@ FunctionSet smallSet() {
     // walls: some places are seen by this probe alone, others by all
     for (int p = 0; p < kSupportPointCount; ++p)
       set.blend_sum.push_back(static_cast<uint8_t>(i < kTents ? 255 : 32 * (p % 8) + 31));
-    set.phi_test.insert(set.phi_test.end(), kTestPoints, 128);
-    set.validity_test.insert(set.validity_test.end(), kTestPoints / 8, 255);
-    set.seen_test.insert(set.seen_test.end(), kTestPoints / 8, 255);
+    set.phi_test.insert(set.phi_test.end(), kWordTestPoints, 128);
+    set.validity_test.insert(set.validity_test.end(), kWordTestPoints / 8, 255);
+    set.seen_test.insert(set.seen_test.end(), kWordTestPoints / 8, 255);
   }
   return set;
 }

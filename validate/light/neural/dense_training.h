@@ -39,6 +39,9 @@ class DenseNetwork {
 // Each number as float16 holds it; what is beyond float16 becomes the largest of its sign. *clamped is raised by as many.
 std::vector<float> roundedToHalf(std::vector<float> numbers, size_t* clamped);
 
+// Streams of a training's seed: of its networks, and of the sample points that are held out.
+inline constexpr uint64_t kNetworkStream = 0x6e6574, kHeldOutStream = 0x68656c64;
+
 // Normal with variance 2 / inputs (He et al., 2015); biases are 0. Takes gradients.
 torch::Tensor initialParameters(const DenseShape& shape, uint64_t seed);
 

@@ -15,7 +15,7 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kSplitStream = 0x73706c6974, kVolumeStream = 0x766f6c, kGridStream = 0x67726964;
+constexpr uint64_t kPlaceSplitStream = 0x73706c6974, kVolumeStream = 0x766f6c, kGridStream = 0x67726964;
 constexpr size_t kFewestPlaces = 64;         // fewer tell nothing
 constexpr int kChecks = 40, kPatience = 15;  // of the held-out loss, over all steps
 constexpr float kVolumeRate = 5e-3f, kGridRate = 2e-2f;
@@ -58,7 +58,7 @@ LearnedMethod learnedRow(const Row& row) {
 
 std::vector<LearnedMethod> learnedMethods(const LitPlaces& lit, const LearnedOptions& options) {
   // held-out places stop training early; the split is the same for all methods
-  const PlaceSplit split = splitPlaces(lit.light.size(), mixSeed(options.seed, kSplitStream));
+  const PlaceSplit split = splitPlaces(lit.light.size(), mixSeed(options.seed, kPlaceSplitStream));
   if (split.learned.size() < kFewestPlaces)
     throw InputError("the scene", "air", fmt::format("{} sample points to learn light from", kFewestPlaces),
                      std::to_string(split.learned.size()));

@@ -13,7 +13,6 @@ namespace nlg {
 namespace {
 
 constexpr float kFirstDecay = 0.9f, kSecondDecay = 0.99f, kTiny = 1e-15f;
-constexpr double kPi = std::numbers::pi;
 
 class Adam {
  public:
@@ -75,7 +74,7 @@ TrainingRecord train(Learner* learner, const TrainingOptions& options) {
     // the rate falls along half a cosine; training ends early when checks no longer improve
     const double share = static_cast<double>(record.steps) / options.steps;
     learner->loss(&random).backward();
-    adam.step(learner->parameters(), options.rate * static_cast<float>(0.5 * (1.0 + std::cos(kPi * share))));
+    adam.step(learner->parameters(), options.rate * static_cast<float>(0.5 * (1.0 + std::cos(std::numbers::pi * share))));
     ++record.steps;
     if (record.steps % options.check_steps == 0 || record.steps == options.steps) check();
   }

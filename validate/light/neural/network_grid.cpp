@@ -11,7 +11,6 @@
 namespace nlg {
 namespace {
 
-constexpr uint64_t kNetworkStream = 0x6e6574, kHeldOutStream = 0x68656c64;
 constexpr int kBlended = 4;
 
 // Nodes of a lattice around the places, the middles of voxels.

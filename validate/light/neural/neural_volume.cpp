@@ -53,7 +53,7 @@ class HashFeatures : public torch::autograd::Function<HashFeatures> {
   }
 };
 
-constexpr uint64_t kTableStream = 0x7461626c65, kNetworkStream = 0x6e6574, kHeldOutStream = 0x68656c64;
+constexpr uint64_t kTableStream = 0x7461626c65;
 constexpr double kFirstFeature = 1e-4;  // features begin uniform within it, as the paper of hash grids has them
 
 DenseShape networkShape(int width) { return {{kHashOutputs + 3, width, width, kShChannels}}; }
