@@ -1,5 +1,7 @@
 // nlg-view: a level and its light grid → a page in which it is walked through.
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -41,6 +43,7 @@ int main(int argc, char** argv) {
     if (app.get_option("--port")->count() > 0) throw UsageError("--port needs --watch");
     const nlohmann::ordered_json said = makeView(request, bake);
     std::cerr << "open " << said["page"].get<std::string>() << '\n';
-    std::cout << said.dump() << '\n';
+    // for programs: people need not read it
+    if (::isatty(STDOUT_FILENO) != 1) std::cout << said.dump() << '\n';
   });
 }

@@ -19,8 +19,8 @@ constexpr size_t kWord = sizeof(uint32_t), kHeaderBytes = 12 + 9 * kWord + 4 * k
 std::string dataFormatDescriptor() {
   constexpr uint32_t kBlockBytes = 24, kSampleBytes = 16, kVersion = 2, kColorModelRgb = 1, kPrimariesBt709 = 1,
                      kTransferLinear = 1, kSigned = 0x40, kFloat = 0x80;
-  constexpr uint32_t kChannels[] = {0, 1, 2, 15};  // red, green, blue, alpha
-  constexpr size_t kBlock = kBlockBytes + kSampleBytes * std::size(kChannels);
+  constexpr uint32_t kSampleChannels[] = {0, 1, 2, 15};  // red, green, blue, alpha
+  constexpr size_t kBlock = kBlockBytes + kSampleBytes * std::size(kSampleChannels);
   std::string bytes;
   appendNumber(kWord + kBlock, kWord, &bytes);
   appendNumber(0, kWord, &bytes);  // vendor and type: Khronos, basic
@@ -29,10 +29,10 @@ std::string dataFormatDescriptor() {
   for (const uint32_t byte : {kColorModelRgb, kPrimariesBt709, kTransferLinear, 0u}) appendNumber(byte, 1, &bytes);
   appendNumber(0, kWord, &bytes);  // a block is one texel
   appendNumber(kTexelBytes, 8, &bytes);
-  for (size_t i = 0; i < std::size(kChannels); ++i) {
+  for (size_t i = 0; i < std::size(kSampleChannels); ++i) {
     appendNumber(16 * i, 2, &bytes);
     appendNumber(16 - 1, 1, &bytes);
-    appendNumber(kChannels[i] | kSigned | kFloat, 1, &bytes);
+    appendNumber(kSampleChannels[i] | kSigned | kFloat, 1, &bytes);
     appendNumber(0, kWord, &bytes);  // position
     appendNumber(std::bit_cast<uint32_t>(-1.0f), kWord, &bytes);
     appendNumber(std::bit_cast<uint32_t>(1.0f), kWord, &bytes);

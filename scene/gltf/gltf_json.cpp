@@ -26,62 +26,64 @@ constexpr const char *kKhrMeshopt = kMeshoptExtensions[0], *kExtMeshopt = kMesho
 
 // What a property is. index: below 2^31, as tinygltf keeps it; integer: below 2^53; from numbers on they are arrays, some of a length, since
 // tinygltf ignores those of another.
-enum class Kind { boolean, index, integer, number, string, object, numbers, three, four, sixteen, indices, objects };
+enum class JsonKind { boolean, index, integer, number, string, object, numbers, three, four, sixteen, indices, objects };
 
-const char* kindName(Kind kind) {
+const char* kindName(JsonKind kind) {
   constexpr std::array<const char*, 7> kNames = {"boolean", "index", "integer", "number", "string", "object", "array"};
   return kNames[std::min(static_cast<size_t>(kind), kNames.size() - 1)];
 }
 
 // 0: any.
-size_t lengthOf(Kind kind) { return kind == Kind::three ? 3 : kind == Kind::four ? 4 : kind == Kind::sixteen ? 16 : 0; }
+size_t lengthOf(JsonKind kind) {
+  return kind == JsonKind::three ? 3 : kind == JsonKind::four ? 4 : kind == JsonKind::sixteen ? 16 : 0;
+}
 
 // What properties must be when they are there: those that the reader depends on.
 struct Rule {
   std::string_view section;
-  Kind kind;
+  JsonKind kind;
   std::string_view keys;  // each between blanks
 };
-constexpr Rule kRules[] = {{"buffers", Kind::string, " uri "},
-                           {"buffers", Kind::integer, " byteLength "},
-                           {"buffers", Kind::boolean, " fallback "},
-                           {"bufferViews", Kind::index, " buffer byteStride count "},
-                           {"bufferViews", Kind::integer, " byteOffset byteLength "},
-                           {"bufferViews", Kind::string, " mode filter "},
-                           {"accessors", Kind::index, " bufferView componentType "},
-                           {"accessors", Kind::integer, " byteOffset count "},
-                           {"accessors", Kind::string, " type "},
-                           {"accessors", Kind::boolean, " normalized "},
-                           {"accessors", Kind::object, " sparse "},
-                           {"meshes", Kind::objects, " primitives targets "},
-                           {"meshes", Kind::object, " attributes "},
-                           {"meshes", Kind::index, " bufferView POSITION "},
-                           {"meshes", Kind::index, " indices material mode "},
-                           {"meshes", Kind::numbers, " weights "},
-                           {"nodes", Kind::index, " mesh skin "},
-                           {"nodes", Kind::indices, " children "},
-                           {"nodes", Kind::numbers, " weights "},
-                           {"nodes", Kind::three, " translation scale "},
-                           {"nodes", Kind::four, " rotation "},
-                           {"nodes", Kind::sixteen, " matrix "},
-                           {"skins", Kind::indices, " joints "},
-                           {"skins", Kind::index, " inverseBindMatrices "},
-                           {"scenes", Kind::indices, " nodes "},
-                           {"materials", Kind::object, " pbrMetallicRoughness "},
-                           {"materials", Kind::object, " baseColorTexture "},
-                           {"materials", Kind::object, " emissiveTexture "},
-                           {"materials", Kind::four, " baseColorFactor "},
-                           {"materials", Kind::three, " emissiveFactor "},
-                           {"materials", Kind::boolean, " doubleSided "},
-                           {"materials", Kind::string, " alphaMode "},
-                           {"materials", Kind::number, " alphaCutoff "},
-                           {"materials", Kind::number, " transmissionFactor "},
-                           {"materials", Kind::number, " emissiveStrength "},
-                           {"materials", Kind::index, " index texCoord "},
-                           {"textures", Kind::index, " source sampler "},
-                           {"samplers", Kind::index, " wrapS wrapT "},
-                           {"images", Kind::string, " uri "},
-                           {"images", Kind::index, " bufferView "}};
+constexpr Rule kRules[] = {{"buffers", JsonKind::string, " uri "},
+                           {"buffers", JsonKind::integer, " byteLength "},
+                           {"buffers", JsonKind::boolean, " fallback "},
+                           {"bufferViews", JsonKind::index, " buffer byteStride count "},
+                           {"bufferViews", JsonKind::integer, " byteOffset byteLength "},
+                           {"bufferViews", JsonKind::string, " mode filter "},
+                           {"accessors", JsonKind::index, " bufferView componentType "},
+                           {"accessors", JsonKind::integer, " byteOffset count "},
+                           {"accessors", JsonKind::string, " type "},
+                           {"accessors", JsonKind::boolean, " normalized "},
+                           {"accessors", JsonKind::object, " sparse "},
+                           {"meshes", JsonKind::objects, " primitives targets "},
+                           {"meshes", JsonKind::object, " attributes "},
+                           {"meshes", JsonKind::index, " bufferView POSITION "},
+                           {"meshes", JsonKind::index, " indices material mode "},
+                           {"meshes", JsonKind::numbers, " weights "},
+                           {"nodes", JsonKind::index, " mesh skin "},
+                           {"nodes", JsonKind::indices, " children "},
+                           {"nodes", JsonKind::numbers, " weights "},
+                           {"nodes", JsonKind::three, " translation scale "},
+                           {"nodes", JsonKind::four, " rotation "},
+                           {"nodes", JsonKind::sixteen, " matrix "},
+                           {"skins", JsonKind::indices, " joints "},
+                           {"skins", JsonKind::index, " inverseBindMatrices "},
+                           {"scenes", JsonKind::indices, " nodes "},
+                           {"materials", JsonKind::object, " pbrMetallicRoughness "},
+                           {"materials", JsonKind::object, " baseColorTexture "},
+                           {"materials", JsonKind::object, " emissiveTexture "},
+                           {"materials", JsonKind::four, " baseColorFactor "},
+                           {"materials", JsonKind::three, " emissiveFactor "},
+                           {"materials", JsonKind::boolean, " doubleSided "},
+                           {"materials", JsonKind::string, " alphaMode "},
+                           {"materials", JsonKind::number, " alphaCutoff "},
+                           {"materials", JsonKind::number, " transmissionFactor "},
+                           {"materials", JsonKind::number, " emissiveStrength "},
+                           {"materials", JsonKind::index, " index texCoord "},
+                           {"textures", JsonKind::index, " source sampler "},
+                           {"samplers", JsonKind::index, " wrapS wrapT "},
+                           {"images", JsonKind::string, " uri "},
+                           {"images", JsonKind::index, " bufferView "}};
 
 // What stands in the place of an element that breaks a rule, and is then found to be nothing; null: the file is refused.
 struct Section {
@@ -119,15 +121,15 @@ constexpr std::string_view kOtherExtensions[] = {"KHR_materials_", "KHR_texture_
                                                  "KHR_node_",      "KHR_physics_", "KHR_animation", "KHR_interactivity",
                                                  "KHR_xmp",        "OMI_"};
 
-bool isOf(Kind kind, const Json& value) {
+bool isOf(JsonKind kind, const Json& value) {
   const auto isBelow = [&](int bits) { return value.is_number_unsigned() && value.get<uint64_t>() < uint64_t{1} << bits; };
-  return kind == Kind::boolean   ? value.is_boolean()
-         : kind == Kind::index   ? isBelow(31)
-         : kind == Kind::integer ? isBelow(53)
-         : kind == Kind::number  ? value.is_number()
-         : kind == Kind::string  ? value.is_string()
-         : kind == Kind::object  ? value.is_object()
-                                 : value.is_array();
+  return kind == JsonKind::boolean   ? value.is_boolean()
+         : kind == JsonKind::index   ? isBelow(31)
+         : kind == JsonKind::integer ? isBelow(53)
+         : kind == JsonKind::number  ? value.is_number()
+         : kind == JsonKind::string  ? value.is_string()
+         : kind == JsonKind::object  ? value.is_object()
+                                     : value.is_array();
 }
 
 // An extension of an object's; null where it has none.
@@ -152,7 +154,7 @@ class JsonChecker {
       : path_(path), root_(root), has_bin_(has_bin), odd_(*odd) {}
 
   std::vector<std::string> check() {
-    require(Kind::object, root_, "root");
+    require(JsonKind::object, root_, "root");
     uses_meshopt_ = root_.value("extensionsUsed", Json()).dump().find("_meshopt_") != std::string::npos;
     // of glTF 1.0 nothing else fits
     if (root_.contains("asset") && root_["asset"].is_object() && root_["asset"].contains("version")) {
@@ -161,10 +163,10 @@ class JsonChecker {
         fail("asset.version", "2.0", version.get<std::string>());
     }
     checkRequiredExtensions();
-    if (root_.contains("scene")) require(Kind::index, root_["scene"], "scene");
+    if (root_.contains("scene")) require(JsonKind::index, root_["scene"], "scene");
     for (const Section& section : kSections) {
       if (!root_.contains(section.name)) continue;
-      if (section.blank == nullptr) require(Kind::objects, root_[section.name], section.name);
+      if (section.blank == nullptr) require(JsonKind::objects, root_[section.name], section.name);
       if (!root_[section.name].is_array()) fail(section.name, "a JSON array", root_[section.name].type_name());
       for (size_t i = 0; i < root_[section.name].size(); ++i)
         checkElement(section, root_[section.name][i], fmt::format("{}[{}]", section.name, i));
@@ -180,11 +182,13 @@ class JsonChecker {
     throw InputError(path_, place, expected, got.substr(0, 80));
   }
 
-  void require(Kind kind, const Json& value, const std::string& place) const {
+  void require(JsonKind kind, const Json& value, const std::string& place) const {
     if (!isOf(kind, value))
       fail(place, std::string("a JSON ") + kindName(kind), value.is_structured() ? value.type_name() : value.dump());
-    for (size_t i = 0; kind >= Kind::numbers && i < value.size(); ++i) {
-      const Kind element = kind == Kind::indices ? Kind::index : kind == Kind::objects ? Kind::object : Kind::number;
+    for (size_t i = 0; kind >= JsonKind::numbers && i < value.size(); ++i) {
+      const JsonKind element = kind == JsonKind::indices   ? JsonKind::index
+                               : kind == JsonKind::objects ? JsonKind::object
+                                                           : JsonKind::number;
       if (!isOf(element, value[i])) require(element, value[i], place + "[" + std::to_string(i) + "]");
     }
   }
@@ -194,7 +198,7 @@ class JsonChecker {
     const Json names = root_.value("extensionsRequired", Json::array());
     for (size_t i = 0; names.is_array() && i < names.size(); ++i) {
       const std::string place = "extensionsRequired[" + std::to_string(i) + "]";
-      require(Kind::string, names[i], place);
+      require(JsonKind::string, names[i], place);
       const std::string name = names[i];
       const auto begins = [&](std::string_view start) { return name.starts_with(start); };
       if (std::count(std::begin(kReadExtensions), std::end(kReadExtensions), name) > 0 ||
@@ -208,7 +212,7 @@ class JsonChecker {
 
   void checkElement(const Section& section, Json& element, const std::string& place) {
     const auto check = [&] {
-      require(Kind::object, element, place);
+      require(JsonKind::object, element, place);
       checkMembers(section, element, place, false);
       if (!isWhole(section.name, element, place)) fail(place, "all members that glTF requires", element.dump());
     };
@@ -313,11 +317,11 @@ class JsonChecker {
   }
 
   // Programs whose numbers are all floats write 24.0.
-  void makeInteger(Kind kind, Json& value) {
-    if (kind == Kind::indices && value.is_array()) {
-      for (Json& one : value) makeInteger(Kind::index, one);
+  void makeInteger(JsonKind kind, Json& value) {
+    if (kind == JsonKind::indices && value.is_array()) {
+      for (Json& one : value) makeInteger(JsonKind::index, one);
     }
-    if ((kind != Kind::index && kind != Kind::integer) || !value.is_number_float()) return;
+    if ((kind != JsonKind::index && kind != JsonKind::integer) || !value.is_number_float()) return;
     const double number = value;
     if (!(number >= 0.0 && number < 0x1p53 && number == std::floor(number))) return;
     value = static_cast<uint64_t>(number);
@@ -327,9 +331,9 @@ class JsonChecker {
   void checkRule(const Rule& rule, const std::string& key, Json& value, const std::string& place, bool is_nested) {
     makeInteger(rule.kind, value);
     // inside of "sparse" and of extensions, tinygltf keeps sizes in an int
-    require(is_nested && rule.kind == Kind::integer ? Kind::index : rule.kind, value, place);
+    require(is_nested && rule.kind == JsonKind::integer ? JsonKind::index : rule.kind, value, place);
     if (key == "attributes") {
-      for (const auto& [name, accessor] : value.items()) require(Kind::index, accessor, place + "." + name);
+      for (const auto& [name, accessor] : value.items()) require(JsonKind::index, accessor, place + "." + name);
     }
     const size_t length = lengthOf(rule.kind);
     if (length > 0 && value.size() != length) fail(place, std::to_string(length) + " numbers", std::to_string(value.size()));

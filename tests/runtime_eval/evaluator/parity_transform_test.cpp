@@ -25,14 +25,14 @@ std::vector<double> classesNaively(const std::vector<double>& phi) {
   return classes;
 }
 
-constexpr int kCount = 3;
+constexpr int kFunctions = 3;
 
 TEST(ParityTransform, EqualsTheDefinitionOnEveryTarget) {
-  const std::vector<uint8_t> phi = sampleFunctions(kCount).phi;
+  const std::vector<uint8_t> phi = sampleFunctions(kFunctions).phi;
   forEachTarget([&] {
-    std::vector<float> floats(size_t(kCount) * kClassStride);
-    parityTransform(phi.data(), kCount, floats.data());
-    for (int n = 0; n < kCount; ++n) {
+    std::vector<float> floats(size_t(kFunctions) * kClassStride);
+    parityTransform(phi.data(), kFunctions, floats.data());
+    for (int n = 0; n < kFunctions; ++n) {
       const std::vector<double> expected = classesNaively(unquantised(&phi[size_t(n) * kSupportPointCount]));
       for (int j = 0; j < kSupportPointCount; ++j) {
         // whole numbers up to 8 * 255: exact

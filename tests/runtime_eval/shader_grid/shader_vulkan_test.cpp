@@ -11,7 +11,7 @@
 namespace nlg {
 namespace {
 
-constexpr size_t kPlaces = 1563 * 64;
+constexpr size_t kVulkanPlaces = 1563 * 64;
 
 class ShaderOnVulkan : public testing::TestWithParam<const char*> {};
 
@@ -24,12 +24,12 @@ TEST_P(ShaderOnVulkan, SaysWhatTheLookUpSays) {
     const LightGrid grid = everyRepresentation(precision, 7);
     ShaderGrid packed;
     ASSERT_TRUE(packShaderGrid(grid, &packed).ok());
-    const ShaderPlaces places = randomPlaces(grid, kPlaces, 8);
+    const ShaderPlaces places = randomPlaces(grid, kVulkanPlaces, 8);
     const std::vector<float> expected = lightAt(grid, places);
     const std::vector<uint32_t> words = places.words();
-    const std::vector<uint32_t> lights = device->run(GetParam(), {&packed.words, &words}, expected.size(), kPlaces / 64);
+    const std::vector<uint32_t> lights = device->run(GetParam(), {&packed.words, &words}, expected.size(), kVulkanPlaces / 64);
     float largest = 0.0f;
-    for (size_t i = 0; i < kPlaces; ++i) {
+    for (size_t i = 0; i < kVulkanPlaces; ++i) {
       const float* light = &expected[4 * i];
       ASSERT_EQ(std::bit_cast<float>(lights[4 * i + 3]), light[3]) << i;
       for (size_t c = 0; c < 3; ++c) {

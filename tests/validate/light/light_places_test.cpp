@@ -129,8 +129,9 @@ TEST(LightPlaces, KeepAwayFromWhatShinesWithoutBeingGeometry) {
   EXPECT_EQ(places.in_air, options.air);
   EXPECT_GT(places.near_source, 0u);
   for (const LightPlace& place : places.places) {
-    if (place.group == PlaceGroup::air && place.position_m.x < 5.0)
+    if (place.group == PlaceGroup::air && place.position_m.x < 5.0) {
       EXPECT_GE(std::fabs(place.position_m.y - kLavaM), places.source_distance_m - 1e-5);
+    }
   }
 }
 
