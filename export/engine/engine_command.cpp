@@ -277,6 +277,8 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   const QuakeLevel level = texture == nullptr ? readQuakeLevel(request.scene) : QuakeLevel{};
   const PreparedScene scene(request.scene, options);
   tellNotes("nlg-export", scene.source);
+  if (!scene.source.scene.light.groups.names.empty())
+    std::cerr << "nlg-export: a texel holds the sum of all light: groups of light and light states are not kept apart\n";
   const int threads = threadsOf(options);
   const LightTransport transport(scene.source.scene, scene.rays);
   const glm::dvec3& origin_m = scene.source.scene.origin_m;

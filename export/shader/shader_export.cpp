@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime_eval/light_grid/grid_summary.h"
 #include "tool/atomic_file.h"
 #include "tool/command/tool_main.h"
 #include "tool/input_file.h"
@@ -89,11 +90,15 @@ void run(const std::string& grid_path, const std::string& folder, const std::str
   writeShader(packed, folder, format);
   // bytes that a pixel reads of the buffer
   const PixelReads reads = pixelReads(packed);
+  const GridBounds bounds = boundsOf(grid.tree);
   const nlohmann::ordered_json line = {
       {"scene", metadata.contains("scene") ? metadata["scene"] : ""},
       {"probes", grid.tree.probeCount()},
       {"origin_m", origin_m},
       {"corner_error_m", cornerErrorM(grid.tree.frame())},
+      {"low_m", bounds.low_m},
+      {"high_m", bounds.high_m},
+      {"mean_radiance", meanRadiance(grid)},
       {"bytes", packed.words.size() * kWord},
       {"tree_bytes", packed.tree_bytes},
       {"light_bytes", packed.light_bytes},

@@ -111,6 +111,8 @@ def check_shader():
     # positions of engines are floats: a level far from its origin is moved
     lines = [json.loads(shader("c-header", "moved", *origin).stdout) for origin in ([], ["--origin-m=-2,10000,1"])]
     must(all(0 <= line["corner_error_m"] < 1e-3 for line in lines) and lines[1]["origin_m"] == [-2, 10000, 1], f"says {lines}")
+    must(all(abs(moved + by - low) < 1e-9 and low < high for low, high, moved, by in zip(lines[0]["low_m"], lines[0]["high_m"], lines[1]["low_m"], [-2, 10000, 1])), f"its box: {lines}")
+    must(all(0 < channel < 1e6 for channel in lines[0]["mean_radiance"]), f"its light: {lines[0]}")
 
 
 def check_refusals():
