@@ -94,7 +94,9 @@ class Decision:
     def state(self):
         """For the headline's colour: good, mixed or bad."""
         ships = [j.verdict == verdict.SHIPS and not self.copies for j in self.judgements]
-        return "bad" if self.blocked or not any(ships) else "good" if all(ships) else "mixed"
+        if self.blocked or not any(ships):
+            return "mixed" if not self.blocked and any(j.verdict == verdict.UNDECIDED for j in self.judgements) else "bad"
+        return "good" if all(ships) else "mixed"
 
     def headline(self):
         """Whether it is better than what there is, where that was measured, and whether it may ship."""
@@ -287,7 +289,7 @@ class Decision:
             rows = sorted(((case_state(case), case) for case in self.cases if case.group == group), key=lambda row: CASE_STATES.index(row[0]))
             checked = sum(state == "fails-check" for state, _ in rows)
             held = f"{sum(state in ('holds', 'fails-check') for state, _ in rows)} of {len(rows)} hold"
-            held += (f", and the bake’s check fails {checked} of these" if checked else "")
+            held += (f"; in {checked} of them a function fails the bake’s check" if checked else "")
             groups += [(GROUP_NAMES[group], held, rows)] if rows else []
         return groups
 
@@ -300,7 +302,7 @@ class Decision:
     def stability_sentence(self):
         text = f"{sum(case.holds for case in self.cases)} of {plural(len(self.cases), 'case')} hold"
         checked = sum(case_state(case) == "fails-check" for case in self.cases)
-        return text + (f"; the bake’s check fails {checked} of those that hold." if checked else ".")
+        return text + (f"; in {checked} of them a function fails the bake’s check, and its error is what the case allows." if checked else ".")
 
 
 # ---- the frontier's rows

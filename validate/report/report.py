@@ -11,6 +11,7 @@ import argparse
 import logging
 import os
 import sys
+import time
 from dataclasses import dataclass, field
 
 sys.dont_write_bytecode = True
@@ -53,6 +54,8 @@ class Proof:
     paths: dict = field(default_factory=dict)  # role → path
     is_evaluation: bool = False  # the scenes that published figures are of
     left_out: list = field(default_factory=list)  # what the run did less of than a full one, in words
+    name: str = ""         # of the run, and the day of its measurements
+    measured_on: str = ""
 
 
 def draw_plots(inputs, frontier, scene_order):
@@ -91,7 +94,9 @@ def provenance_rows(inputs, proof, limits):
 def proof_values(proof, decision):
     """What the template shows of the proof's files."""
     values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "light": None, "data_tables": proof.data, "is_evaluation": proof.is_evaluation, "left_out": [proof_inputs.setting_words(text) for text in proof.left_out], "contents": contents(proof), "table": decision_module.table,
-              "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier)}
+              "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier), "run_name": None}
+    if proof.name:
+        values |= {"run_name": proof.name, "measured_on": proof.measured_on}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
         values |= {"frontier_views": [(view, decision_module.front_rows(proof.frontier, view)) for view in views], "front_summary": decision_module.front_summary}
@@ -115,7 +120,7 @@ def render(inputs, proof, limits):
     page = environment.get_template("report.html.j2").render(
         findings=findings, grouped=findings_module.grouped, plural=findings_module.plural, plots=svg, galleries=galleries,
         colour=plots.colour, representation_colour=plots.representation_colour,
-        provenance=provenance_rows(inputs, proof, limits), quantiles=inputs_module.QUANTILES, names=plots.NAMES, shown=curve.SHOWN, **proof_values(proof, decision))
+        revision=inputs.summary["provenance"]["revision"].text(), provenance=provenance_rows(inputs, proof, limits), quantiles=inputs_module.QUANTILES, names=plots.NAMES, shown=curve.SHOWN, **proof_values(proof, decision))
     return page.encode(), slices.plate(inputs.slices, inputs.representations[:slices.PLATE_REPRESENTATIONS], limit), decision.text().encode()
 
 
@@ -139,6 +144,8 @@ def read_proof(arguments, summary):
     if arguments.light:
         proof.light = light_figures.read_all(arguments.light)
         proof.paths |= {f"light of {os.path.splitext(os.path.basename(path))[0]}": path for path in arguments.light}
+    if arguments.run:
+        proof.name, proof.measured_on = os.path.basename(os.path.abspath(arguments.run)), time.strftime("%-d %B %Y", time.localtime(os.path.getmtime(arguments.summary)))
     if arguments.data:
         proof.data, proof.paths["data card"] = plan_section.tables(arguments.run, arguments.data), arguments.data
     return proof
