@@ -436,8 +436,9 @@ def refuse_others_results(run, content):
         if not os.path.isdir(os.path.join(folder, "dataset")):
             continue
         before = read(path) if os.path.isfile(path) else {}
-        levels = [(config.get("scenes") or {}).get("folder") for config in (before, content)]
-        require(folder, f"results of {levels[0] or 'another configuration'}", levels[0] == levels[1], "results of the same levels; --set name=NAME keeps both")
+        # none: the scenes are procedural, or of a configuration's own archives
+        levels = [(config.get("scenes") or {}).get("folder") or "" for config in (before, content)]
+        require(folder, f"results of {levels[0] or 'other levels'}", levels[0] == levels[1], "results of the same levels; --set name=NAME keeps both")
         for name in DATA_SECTIONS if before and folder != run.folder else ():
             require(f"data: {folder}: {name}", before.get(name), before.get(name) == content.get(name), f"what this run has: {content.get(name)}")
 
@@ -458,11 +459,13 @@ def main():
         if left_out and not arguments.write:
             print(f"pipeline.sh: left out, because they are {why}: {listed(left_out)}", file=sys.stderr)
     is_changed = bool(arguments.levels or arguments.set)
-    path = os.path.join(run_of_file.folder, "configuration.yaml") if is_changed else arguments.config
-    if arguments.write and is_changed:
-        refuse_others_results(run_of_file, content)
+    record = os.path.join(run_of_file.folder, "configuration.yaml")
+    path = record if is_changed else arguments.config
+    if arguments.write:
+        if is_changed:
+            refuse_others_results(run_of_file, content)
         of_data = os.path.join(run_of_file.data_folder, "configuration.yaml")
-        write_files({file: text_of(content).encode() for file in (path, of_data) if file == path or not os.path.exists(of_data)})
+        write_files({file: text_of(content).encode() for file in (record, of_data) if file == record or not os.path.exists(of_data)})
     print(run_of_file.folder)
     print(*run_of_file.tools())
     print(path)

@@ -130,9 +130,23 @@ def check_broken(tools):
     tools.refuses(INPUT_ERROR, "many_digits.json", ["/usr/bin/python3", os.path.join(SOURCES, "workflow", "failed_cases.py"), table])
 
 
+def check_again(tools):
+    """What a configuration alone has made is gone on with by --set; data of it that would be made otherwise are refused."""
+    command = ["/usr/bin/python3", os.path.join(SOURCES, "workflow", "configuration.py"), configured(), "--write"]
+    tools.check(tools.run(command).returncode == 0, "a run without changes")
+    os.makedirs("out/run/dataset")
+    for settings in (["train.steps=100"], ["name=other", "data=run"]):
+        again = tools.run(command + [f"--set={setting}" for setting in settings])
+        tools.check(again.returncode == 0, f"{settings}: {again.stderr}")
+    tools.refuses(USAGE_ERROR, "datagen", [*command, "--set=name=third", "--set=data=run", "--set=datagen.seed=5"])
+    os.mkdir("levels")
+    write("levels/a.glb", "x")
+    tools.refuses(USAGE_ERROR, "keeps both", [*command, "--set=scenes.folder=" + os.path.abspath("levels")])
+
+
 def check_all(tools):
     os.environ.update({"NLG_OUT": os.path.abspath("out"), "NLG_ARCHIVE_ROOT": os.getcwd()})
-    for check in (check_sound, check_refused, check_broken):
+    for check in (check_sound, check_refused, check_broken, check_again):
         check(tools)
 
 

@@ -52,10 +52,9 @@ def comparison(inputs, representation, folder):
         raise InputError(folder, "functions.csv", "the functions that the run is validated on", "others")
     change = mean_change(before.blend_rmse, after.blend_rmse)
     trend = trend_beyond(change["old"], change["new"]) if change.get("chance", 1.0) <= FALSE_ALARMS else "same"
-    same = "As good as" if len(after) >= verdict.FEWEST_FUNCTIONS else "No difference found from"
-    word = {"better": "Better than", "worse": "Worse than", "same": same}[trend]
+    word = {"better": "Better than", "worse": "Worse than", "same": "No difference found from"}[trend]
     of = "" if name == representation else f", {name}"
-    return f"{word} {WEIGHTS.get(os.path.basename(folder), folder)}: {representation} has a mean blend RMSE of {error(change['new'])}, they {error(change['old'])}{of}, on the same {plural(len(after), 'function')}"
+    return f"{word} {WEIGHTS.get(os.path.basename(folder), folder)}: {representation} has a mean blend RMSE of {error(change['new'])}, they {error(change['old'])}{of}, after fits on the same {plural(len(after), 'function')}"
 
 
 NEAR_COPY, FEWEST_OF_COPY = 0.5, 5
@@ -153,6 +152,8 @@ class Decision:
             said = []
             if 0 < j.functions < verdict.FEWEST_FUNCTIONS:
                 said.append(f"{plural(j.functions, 'function')} that take a θ decide nothing, so it stays undecided: hold out more scenes")
+            if j.scenes < verdict.FEWEST_SCENES:
+                said.append(f"{plural(j.scenes, 'held-out scene')} {'decides' if j.scenes == 1 else 'decide'} nothing, so it stays undecided: hold out {verdict.FEWEST_SCENES} or more")
             if j.failing.value is None:
                 said.append("no function takes a θ, so it stays undecided")
             elif not j.failing.passes and not j.failing.is_open:
