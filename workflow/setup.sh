@@ -74,7 +74,7 @@ build() {
   (
     lock_build
     cmake --preset release -Wno-dev "${options[@]}" > build/configure.log 2>&1 || { cat build/configure.log >&2; exit 1; }
-    cmake --build --preset release --parallel "$(build_jobs)" "${targets[@]}"
+    NINJA_STATUS="building, %f of %t files, %e s: " cmake --build --preset release --parallel "$(build_jobs)" "${targets[@]}"
   ) 8> build/.lock
 }
 
