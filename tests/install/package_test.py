@@ -178,7 +178,7 @@ def clone():
     lines = [line.split(" #")[0].strip() for block in re.findall(r"```sh\n(.*?)```", text, flags=re.DOTALL) for line in block.splitlines()]
     names = {"LEVELS": "levels", "LEVEL.glb": "levels/room0.obj"}
     # a run of next to nothing, and a page that is not watched for changes until somebody stops it
-    little = " ".join(f"'--set={setting}'" for setting in LITTLE if not setting.startswith(("scenes.", "representations"))) + " '--set=representations={tent_mlp44: {}}'"
+    little = " ".join(f"'--set={setting}'" for setting in LITTLE if not setting.startswith(("scenes.", "representations"))) + " '--set=representations={tent_mlp4: {}}'"
     # ./test.sh is what CI runs in a clone
     lines = [re.sub(r"\b(LEVELS|LEVEL\.glb)\b", lambda found: names[found[1]], line) for line in lines if "--watch" not in line and line != "./test.sh"]
     assert sum("pipeline.sh" in line for line in lines) == 3 and sum("nlg" in line for line in lines) >= 4, lines
