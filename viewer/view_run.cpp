@@ -128,11 +128,7 @@ class ViewFolder {
     write(probesScript(grid_, in_air));
     write(gridScript("method-grid", grid_));
     if (request_.truth_views > 0 || request_.places > 0 || !request_.baselines.empty()) writeFirstPage(script);
-    Progress views_done("views", request_.truth_views > 0 ? static_cast<int64_t>(views.size()) : 0);
-    for (size_t v = 0; request_.truth_views > 0 && v < views.size(); ++v) {
-      views_done.update(static_cast<int64_t>(v));
-      write(truthScript(v, views[v].camera));
-    }
+    if (request_.truth_views > 0) writeTruths(views);
     script.facts["has_truth"] = request_.truth_views > 0;
     addMethods(&script);
     writePage(script);
@@ -154,6 +150,14 @@ class ViewFolder {
     script.facts["worst"] = Json::array();
     writePage(script);
     std::cerr << "open " << page() << ": the light grid; baselines, path tracing and errors follow\n";
+  }
+
+  void writeTruths(const std::vector<View>& views) {
+    Progress views_done("views", static_cast<int64_t>(views.size()));
+    for (size_t v = 0; v < views.size(); ++v) {
+      views_done.update(static_cast<int64_t>(v));
+      write(truthScript(v, views[v].camera));
+    }
   }
 
   void writePage(const DataScript& script) {

@@ -89,9 +89,11 @@ def made_with_first_page(command, page):
         if not any(line.endswith("errors follow\n") for line in lines):
             sys.exit(f"{command}: no line says that there is a page")
         making.send_signal(signal.SIGSTOP)
-        page.open(WIDTH, HEIGHT)
-        shown = json.loads(page.browser.value("JSON.stringify([document.getElementById('warnings').textContent, document.getElementById('left').options.length])"))
-        making.send_signal(signal.SIGCONT)
+        try:
+            page.open(WIDTH, HEIGHT)
+            shown = json.loads(page.browser.value("JSON.stringify([document.getElementById('warnings').textContent, document.getElementById('left').options.length])"))
+        finally:  # a stopped one would be waited for
+            making.send_signal(signal.SIGCONT)
         rest = making.stderr.read()
         if making.wait() != 0:
             sys.exit(f"{command}: {rest}")

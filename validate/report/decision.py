@@ -93,9 +93,11 @@ class Decision:
     def state(self):
         """For the headline's colour: good, mixed or bad."""
         ships = [j.verdict == verdict.SHIPS and not self.copies for j in self.judgements]
-        if self.blocked or not any(ships):
-            return "mixed" if not self.blocked and any(j.verdict == verdict.UNDECIDED for j in self.judgements) else "bad"
-        return "good" if all(ships) else "mixed"
+        if self.blocked:
+            return "bad"
+        if all(ships):
+            return "good"
+        return "mixed" if any(ships) or any(j.verdict == verdict.UNDECIDED for j in self.judgements) else "bad"
 
     def headline(self):
         """Whether it is better than what there is, where that was measured, and whether it may ship."""

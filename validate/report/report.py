@@ -94,9 +94,7 @@ def provenance_rows(inputs, proof, limits):
 def proof_values(proof, decision):
     """What the template shows of the proof's files."""
     values = {"decision": decision, "frontier": proof.frontier, "savings": proof.savings, "light": None, "data_tables": proof.data, "is_evaluation": proof.is_evaluation, "left_out": [proof_inputs.setting_words(text) for text in proof.left_out], "contents": contents(proof), "table": decision_module.table,
-              "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier), "run_name": None}
-    if proof.name:
-        values |= {"run_name": proof.name, "measured_on": proof.measured_on}
+              "percent": findings_module.percent, "talk_fitted": findings_module.TALK_FITTED, "stage_tables": decision.stage_tables(proof.frontier), "run_name": proof.name, "measured_on": proof.measured_on}
     if proof.frontier:
         views = frontier_module.views(proof.frontier)
         values |= {"frontier_views": [(view, decision_module.front_rows(proof.frontier, view)) for view in views], "front_summary": decision_module.front_summary}

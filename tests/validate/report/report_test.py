@@ -177,6 +177,12 @@ def check_undecided(needed):
         is_named = any("tent_mlp" in part for part in found.headline().split("; ") if part.endswith("undecided"))
         expect((judged == verdict.UNDECIDED) == ("holds the limit" in dict(found.objections()).get("tent_mlp", "")) == is_named, f"{key}, {limit}: {found.headline()}, {found.objections()}")
     data = read(needed)
+    for scenes, judged in ((3, verdict.SHIPS), (2, verdict.UNDECIDED)):
+        data.summary["functions"].value["held_out_scenes"] = scenes
+        found = decision.Decision(data, free, None, front)
+        one = next(j for j in found.judgements if j.representation == "tent_mlp")
+        expect(one.verdict == judged and (scenes < 3) == ("2 held-out scenes decide nothing" in dict(found.objections()).get("tent_mlp", "")), f"{scenes} scenes: {one.verdict}, {found.objections()}")
+    data = read(needed)
     scene = str(data.samples["tent_mlp", "stored"].scene[0])
     for known, is_copy in ((51, True), (50, False)):
         data.summary.value["in_training"] = {scene: {"take_theta": 100, "in_training": known}}
