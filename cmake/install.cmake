@@ -31,9 +31,9 @@ if(TARGET nlg_c)
   install(FILES ${PROJECT_BINARY_DIR}/runtime_eval/nlg.def DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endif()
 install(EXPORT nlg-targets NAMESPACE nlg:: DESTINATION ${NLG_PACKAGE_FOLDER})
-# before 1.0 every minor version may change what headers hold
+# files stay readable within a major version, calls may change in a minor one: CHANGELOG.md
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/nlg-config-version.cmake VERSION ${PROJECT_VERSION}
-  COMPATIBILITY SameMajorVersion)
+  COMPATIBILITY SameMinorVersion)
 file(RELATIVE_PATH NLG_INCLUDES_FROM_LIB /${CMAKE_INSTALL_LIBDIR} /${CMAKE_INSTALL_INCLUDEDIR})
 configure_file(${PROJECT_SOURCE_DIR}/cmake/nlg.pc.in nlg.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/nlg.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
