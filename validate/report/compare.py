@@ -6,8 +6,8 @@
 Each is a run's folder, or a summary.json of nlg-validate. Every further run is compared with the first. Of a folder the validation is taken, and
 its trainings' options and where their curves end are shown besides.
 Functions are paired by the functions.csv beside both. Errors are blend RMSEs of the same functions in both runs, so the noise is that of
-the choice of functions: would another held-out set of the same kind say the same? docs/reference/json.md says how each figure is
-judged. Exit code 0: nothing is worse; 6: something is, or a representation is gone.
+the choice of scenes and functions: would another held-out set of the same kind say the same? Another seed of the training is no such
+noise. docs/reference/json.md says how each figure is judged. Exit code 0: nothing is worse; 6: something is, or a representation is gone.
 """
 import argparse
 import dataclasses
@@ -29,6 +29,7 @@ from scipy import stats
 from inputs import WORDS, check_counts, read_functions, read_summary
 from tool.errors import CHECK_FAILED, InputError, run, say
 from tool.input_file import read_json
+from verdict import FEWEST_SCENES
 
 WORDS_BY_SCENE = ("network", "stored")  # what training makes, and what ships
 FALSE_ALARMS = 0.05     # the chance that noise alone makes any figure count as changed
@@ -125,6 +126,19 @@ def beyond_chance(chances, level):
     return beyond
 
 
+def scene_error(differences, scenes):
+    """Standard error of the mean difference, and how many scenes it is of: scenes are drawn, and functions of one scene err alike (the
+    cluster-robust estimate, Liang and Zeger 1986)."""
+    names, which = np.unique(scenes, return_inverse=True)
+    sums = np.bincount(which, differences - differences.mean())
+    return math.sqrt(len(names) / (len(names) - 1) * float((sums ** 2).sum())) / len(differences) if len(names) > 1 else 0.0, len(names)
+
+
+def student_chance(mean, error, degrees):
+    """Both tails of Student's t."""
+    return 2.0 * float(stats.t.sf(abs(mean) / error if error else math.inf, degrees))
+
+
 def trend_beyond(old, new):
     """By more than SMALLEST_CHANGE."""
     return "same" if abs(new - old) <= SMALLEST_CHANGE * old else "better" if new < old else "worse"
@@ -133,35 +147,45 @@ def trend_beyond(old, new):
 # ---- one figure of the same functions in both runs, as fields of a Change
 
 
-def mean_change(old, new):
-    """A mean. Never below 2^(1 - pairs), the chance that so many go the same way: t alone believes a few pairs that agree more than that."""
+def mean_change(old, new, scenes=()):
+    """A mean. Never below 2^(1 - pairs), the chance that so many go the same way: t alone believes a few pairs that agree more than that.
+    scenes   of each function; of FEWEST_SCENES and more the chance is no less than that of drawing other scenes"""
     if not len(old):
         return {"old": 0.0, "new": 0.0}
     differences, pairs = new - old, len(old)
     change = {"old": float(old.mean()), "new": float(new.mean()), "chance": 1.0}
     if pairs == 1 or not differences.mean():
         return change
-    error = float(differences.std(ddof=1)) / math.sqrt(pairs)
-    t = abs(float(differences.mean())) / error if error else math.inf
-    return change | {"standard_error": error, "chance": max(2.0 * float(stats.t.sf(t, pairs - 1)), 2.0 ** (1 - pairs))}
+    mean, error = float(differences.mean()), float(differences.std(ddof=1)) / math.sqrt(pairs)
+    chance = max(student_chance(mean, error, pairs - 1), 2.0 ** (1 - pairs))
+    if len(set(scenes)) >= FEWEST_SCENES:
+        error, count = scene_error(differences, scenes)
+        chance = max(chance, student_chance(mean, error, count - 1))
+    return change | {"standard_error": error, "chance": chance}
 
 
-def crossings(old, new, threshold):
-    risen, fallen = int(((old <= threshold) & (new > threshold)).sum()), int(((old > threshold) & (new <= threshold)).sum())
-    return {"chance": sign_chance(risen, fallen), "note": f"{risen} rose above it, {fallen} fell below" if risen + fallen else ""}
+def crossings(old, new, threshold, scenes=()):
+    before, after = old > threshold, new > threshold
+    risen, fallen = int((after & ~before).sum()), int((before & ~after).sum())
+    chance = sign_chance(risen, fallen)
+    if len(set(scenes)) >= FEWEST_SCENES and risen != fallen:
+        differences = after.astype(float) - before
+        error, count = scene_error(differences, scenes)
+        chance = max(chance, student_chance(float(differences.mean()), error, count - 1))
+    return {"chance": chance, "note": f"{risen} rose above it, {fallen} fell below" if risen + fallen else ""}
 
 
-def p99_change(old, new):
+def p99_change(old, new, scenes=()):
     """Judged at the 99th percentile of both runs' values together, which favours neither run."""
     if not len(old):
         return {"old": 0.0, "new": 0.0}
-    return {"old": float(np.quantile(old, 0.99)), "new": float(np.quantile(new, 0.99))} | crossings(old, new, np.quantile(np.concatenate([old, new]), 0.99))
+    return {"old": float(np.quantile(old, 0.99)), "new": float(np.quantile(new, 0.99))} | crossings(old, new, np.quantile(np.concatenate([old, new]), 0.99), scenes)
 
 
-def failing_change(old, new):
+def failing_change(old, new, scenes=()):
     if not len(old):
         return {"old": 0.0, "new": 0.0}
-    return {"old": float(old.mean()), "new": float(new.mean())} | crossings(old.astype(float), new.astype(float), 0.5)
+    return {"old": float(old.mean()), "new": float(new.mean())} | crossings(old.astype(float), new.astype(float), 0.5, scenes)
 
 
 def worst_change(old, new, tau):
@@ -196,12 +220,12 @@ def changes_of(name, old, new):
         if len(a) != len(b) or any((getattr(a, key) != getattr(b, key)).any() for key in ("function", "scene", "takes_theta", "hard")):
             raise InputError(new.path, f"rows of '{name}', '{word}' in functions.csv beside it", "the functions of the old run, in its order", "other functions")
         (theta_a, hard_a), (theta_b, hard_b) = [(some.of("theta"), some.of("hard")) for some in (a, b)]
-        yield "", f"{word}, mean blend RMSE", mean_change(theta_a.blend_rmse, theta_b.blend_rmse)
-        yield "", f"{word}, mean blend RMSE of hard functions", mean_change(hard_a.blend_rmse, hard_b.blend_rmse)
-        yield "", f"{word}, p99 of blend RMSE", p99_change(theta_a.blend_rmse, theta_b.blend_rmse)
+        yield "", f"{word}, mean blend RMSE", mean_change(theta_a.blend_rmse, theta_b.blend_rmse, theta_a.scene)
+        yield "", f"{word}, mean blend RMSE of hard functions", mean_change(hard_a.blend_rmse, hard_b.blend_rmse, hard_a.scene)
+        yield "", f"{word}, p99 of blend RMSE", p99_change(theta_a.blend_rmse, theta_b.blend_rmse, theta_a.scene)
         yield "", f"{word}, worst blend RMSE", worst_change(theta_a, theta_b, tau)
-        yield "", f"{word}, share that fails the check", failing_change(theta_a.fails_check, theta_b.fails_check)
-        yield "", f"{word}, mean leak of a function", mean_change(theta_a.leak_mean, theta_b.leak_mean)
+        yield "", f"{word}, share that fails the check", failing_change(theta_a.fails_check, theta_b.fails_check, theta_a.scene)
+        yield "", f"{word}, mean leak of a function", mean_change(theta_a.leak_mean, theta_b.leak_mean, theta_a.scene)
         for figure, fields in costs(old.summary["representations"][name][word], new.summary["representations"][name][word]):
             yield "", f"{word}, {figure}", fields
     for scene in dict.fromkeys(old.samples[name, WORDS[0]].scene):
@@ -256,8 +280,9 @@ def line_of(change):
 
 
 def text_of(comparison, all_scenes):
-    yield (f"of functions that take a theta; noise: a chance of at most {FALSE_ALARMS:g} that it has any of the {comparison.judged_by_chance} figures"
-           f" judged by chance called changed; and {100 * SMALLEST_CHANGE:g} % of the old value")
+    yield (f"of functions that take a theta; noise: a chance of at most {FALSE_ALARMS:g} that other scenes and functions have any of the"
+           f" {comparison.judged_by_chance} figures judged by chance called changed; and {100 * SMALLEST_CHANGE:g} % of the old value. Another"
+           " seed of the training alone changes errors by 1 to 5 %")
     representation = None
     for change in comparison.changes:
         if change.scene and change.trend == "same" and not all_scenes:

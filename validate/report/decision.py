@@ -35,7 +35,7 @@ def equal_error_words(judgement):
     if equal.label is None:
         return f"at least: the longest direct fit takes so many times as long as {name} fitted, and its mean blend RMSE is still larger"
     return (f"{name} fitted, over the fastest direct fit to the same mean blend RMSE ({equal.label}); "
-            f"{percent(equal.failing)} and {percent(equal.direct_failing)} of their functions fail the check")
+            f"{percent(equal.failing)} and {percent(equal.direct_failing)} of the functions that were timed fail the check")
 
 
 BAKES = {"these": "with these weights", "without": "without a generator"}
@@ -50,7 +50,7 @@ def comparison(inputs, representation, folder):
     before, after = (samples[one, "stored"].of("theta") for samples, one in ((other.samples, name), (inputs.samples, representation)))
     if len(before) != len(after) or (before.function != after.function).any() or (before.scene != after.scene).any():
         raise InputError(folder, "functions.csv", "the functions that the run is validated on", "others")
-    change = mean_change(before.blend_rmse, after.blend_rmse)
+    change = mean_change(before.blend_rmse, after.blend_rmse, before.scene)
     trend = trend_beyond(change["old"], change["new"]) if change.get("chance", 1.0) <= FALSE_ALARMS else "same"
     word = {"better": "Better than", "worse": "Worse than", "same": "No difference found from"}[trend]
     of = "" if name == representation else f", {name}"
@@ -138,12 +138,13 @@ class Decision:
 
     def text(self):
         """The verdict for a terminal: the headline, every generator's three figures, where the rule stands."""
-        shown = lambda figure, write: "–" if figure.value is None else write(figure.value) + (f" ({bracket(figure.interval, write)})" if bracket(figure.interval, write) else "") + ("" if figure.passes else " (!)")
+        shown = lambda j, figure, write: "–" if figure.value is None else write(figure.value) + (f" ({bracket(figure.interval, write)})" if bracket(figure.interval, write) else "") + {"good": "", "mixed": " (?)", "bad": " (!)"}[j.state(figure)]
         lines = [self.headline(), *filter(None, [self.bake_sentence()])]
         for j in self.judgements:
-            lines.append(f"  {j.representation}, {j.verdict}: {shown(j.failing, percent)} of stored functions fail the check; {shown(j.hard, factor)} times the best known blend RMSE on hard ones; "
-                         f"{shown(j.speedup, factor)} times as fast as a fit without it")
-        lines.append("The rule stands in the report, and in docs/guide/training.md#may-it-ship.")
+            lines.append(f"  {j.representation}, {j.verdict}: {shown(j, j.failing, percent)} of stored functions fail the check; {shown(j, j.hard, factor)} times the best known blend RMSE on hard ones; "
+                         f"{shown(j, j.speedup, factor)} times as fast as a fit without it")
+        marks = {"(!)": "outside its limit", "(?)": "the limit lies in its interval, or too few functions or scenes stand behind it"}
+        lines.append("".join(f"{mark}: {meaning}. " for mark, meaning in marks.items() if any(mark in line for line in lines)) + "The rule stands in the report, and in docs/guide/training.md#may-it-ship.")
         return "\n".join(lines).replace("\u00a0", " ") + "\n"
 
     def objections(self):
@@ -220,9 +221,9 @@ class Decision:
         top = 1.08 * max([limit * (1.5 if logarithmic else 1.15), *values])
         low = 0.5 * min([limit, *values])  # bars of logarithms begin here
         place = (lambda v: max(0.0, math.log(max(v, low) / low) / math.log(top / low))) if logarithmic else lambda v: v / top
-        rows = [{"name": j.representation, "text": shown(figure_of(j)), "passes": figure_of(j).passes,
+        rows = [{"name": j.representation, "text": shown(figure_of(j)), "state": j.state(figure_of(j)),
                  "width": 100 * place(figure_of(j).value) if figure_of(j).value is not None else 0.0} for j in self.judgements]
-        return {"title": title, "big": shown(figure_of(lead)), "interval": bracket(figure_of(lead).interval, text_of), "passes": figure_of(lead).passes, "meaning": meaning, "limit": limit_text,
+        return {"title": title, "big": shown(figure_of(lead)), "interval": bracket(figure_of(lead).interval, text_of), "state": lead.state(figure_of(lead)), "meaning": meaning, "limit": limit_text,
                 "at": 100 * place(limit), "rows": rows}
 
     # ---- stages

@@ -67,8 +67,18 @@ class Judgement:
         return self.failing, self.hard, self.speedup
 
     @property
+    def is_of_too_few(self):
+        return self.functions < FEWEST_FUNCTIONS or self.scenes < FEWEST_SCENES
+
+    def state(self, figure):
+        """Of one of the three, for its colour: good, mixed (undecided) or bad."""
+        if figure.value is None or figure.is_open or self.is_of_too_few:
+            return "mixed"
+        return "good" if figure.passes else "bad"
+
+    @property
     def verdict(self):
-        if self.functions < FEWEST_FUNCTIONS or self.scenes < FEWEST_SCENES or any(figure.value is None for figure in self.figures):
+        if self.is_of_too_few or any(figure.value is None for figure in self.figures):
             return UNDECIDED
         if any(not figure.passes and not figure.is_open for figure in self.figures):
             return FAILS

@@ -24,6 +24,7 @@ from tool.input_file import Node
 
 made_up.FUNCTIONS = 400  # enough for chances to be told from noise
 made_up.REPRESENTATIONS = {"mlp": 113}
+made_up.SCENES = tuple(f"level{i}" for i in range(12))
 TAU, BLEND = made_up.TAU["rmse"], made_up.BLEND
 SCENES = made_up.SCENES
 
@@ -82,6 +83,13 @@ class Comparisons(unittest.TestCase):
         noise = lambda i, rmse: rmse * (0.7 + 0.6 * chance.uniform())
         self.assertEqual({some.trend for some in compare.compare(self.run_of("old", noise), self.run_of("new", noise)).changes}, {"same"})
 
+    def test_takes_one_scene_for_what_it_is(self):
+        # 1.3 times the error in one level of twelve: over functions alone the mean would be beyond chance
+        a_scene = len(made_up.SCENES)
+        old, new = self.run_of("old"), self.run_of("new", lambda i, rmse: 1.3 * rmse if i * a_scene < made_up.FUNCTIONS else rmse)
+        self.assertEqual(self.change(old, new, "network, mean blend RMSE").trend, "same")
+        self.assertEqual([self.change(old, new, "network, mean blend RMSE", scene).trend for scene in SCENES], ["worse"] + ["same"] * 11)
+
     def test_counts_functions_that_come_to_fail_the_check(self):
         old, worse = self.run_of("old", lambda i, rmse: rmse / 2), self.run_of("new", lambda i, rmse: 0.03 if i % 10 == 0 else rmse / 2)
         there = self.change(old, worse, "network, share that fails the check")
@@ -115,7 +123,7 @@ class Comparisons(unittest.TestCase):
         worst = self.change(old, tail, "stored, worst blend RMSE")
         self.assertEqual((worst.trend, worst.new), ("worse", BLEND * 0.9))
         self.assertIn(f"function {function} of", worst.note)
-        self.assertEqual([self.change(old, tail, "stored, worst blend RMSE", scene).trend for scene in SCENES], ["worse", "same", "same"])
+        self.assertEqual([self.change(old, tail, "stored, worst blend RMSE", scene).trend for scene in SCENES], ["worse"] + ["same"] * 11)
         self.assertEqual(self.change(old, tail, "network, worst blend RMSE").trend, "same")
         self.assertEqual(self.change(tail, old, "stored, worst blend RMSE").trend, "better")
         # up to the factor, of tau or of its own error, it is not
@@ -141,6 +149,16 @@ class Chances(unittest.TestCase):
         self.assertEqual(there["chance"], 2.0 ** -19)
         # differences -2 and 3, four of each: mean .5, variance 50/7, t = .52915; by Simpson's rule of 7 degrees: .6131
         self.assertAlmostEqual(compare.mean_change(np.full(8, 10.0), np.tile([8.0, 13.0], 4))["chance"], 0.6131, places=4)
+
+    def test_a_mean_over_scenes_follows_student_with_the_number_of_scenes(self):
+        # four scenes of five functions, all of a scene alike: that is four numbers, 1 2 3 6, mean 3, variance 14/3, standard error sqrt(7/6)
+        scenes = np.repeat(["a", "b", "c", "d"], 5)
+        there = compare.mean_change(np.full(20, 10.0), 10.0 + np.repeat([1.0, 2.0, 3.0, 6.0], 5), scenes)
+        self.assertAlmostEqual(there["standard_error"], math.sqrt(7 / 6), places=12)
+        # t = 2.7775 of 3 degrees: by tables between .05 and .1 (3.182 and 2.353)
+        self.assertAlmostEqual(there["chance"], 0.0691, places=3)
+        # of two scenes nothing is known of a third: the functions decide
+        self.assertLess(compare.mean_change(np.full(10, 10.0), 10.0 + np.repeat([1.0, 2.0], 5), scenes[:10])["chance"], 0.01)
 
     def test_a_p99_is_the_sign_test_at_the_percentile_of_both_runs(self):
         # 2000 functions from 0 to 1; 60 of the best become the worst: the highest 1 % of 4000 are 40 of these, and none falls

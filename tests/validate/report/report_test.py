@@ -174,6 +174,8 @@ def check_undecided(needed):
         found = decision.Decision(data, verdict.Limits(**{**vars(free), key: limit}), None, front)
         one = next(j for j in found.judgements if j.representation == "tent_mlp")
         expect(one.verdict == judged, f"{key}, {low} to {high}, limit {limit}: {one.verdict}")
+        figure = one.speedup if key == "speedup" else one.failing
+        expect(one.state(figure) == {verdict.SHIPS: "good", verdict.UNDECIDED: "mixed", verdict.FAILS: "bad"}[judged], f"{key}, {low} to {high}, limit {limit}: {one.state(figure)}")
         is_named = any("tent_mlp" in part for part in found.headline().split("; ") if part.endswith("undecided"))
         expect((judged == verdict.UNDECIDED) == ("holds the limit" in dict(found.objections()).get("tent_mlp", "")) == is_named, f"{key}, {limit}: {found.headline()}, {found.objections()}")
     data = read(needed)
@@ -181,6 +183,7 @@ def check_undecided(needed):
         data.summary["functions"].value["held_out_scenes"] = scenes
         found = decision.Decision(data, free, None, front)
         one = next(j for j in found.judgements if j.representation == "tent_mlp")
+        expect(one.state(one.failing) == ("mixed" if scenes < 3 else "good"), f"{scenes} scenes: {one.state(one.failing)}")
         expect(one.verdict == judged and (scenes < 3) == ("2 held-out scenes decide nothing" in dict(found.objections()).get("tent_mlp", "")), f"{scenes} scenes: {one.verdict}, {found.objections()}")
     data = read(needed)
     scene = str(data.samples["tent_mlp", "stored"].scene[0])
