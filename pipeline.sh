@@ -18,9 +18,19 @@
 set -euo pipefail
 # Ctrl-C and SIGTERM, heard here alone: an interpreter that is still importing would show a traceback, or miss it
 runner=''
+# The processes that one started, and theirs.
+descendants() {
+  local child
+  for child in $(cat "/proc/$1/task/"*/children 2> /dev/null); do echo "$child"; descendants "$child"; done
+}
 stop() {
   trap '' INT TERM
-  while [ -n "$runner" ] && kill -INT "$runner" 2> /dev/null; do sleep .2; done
+  # its tools hear Ctrl-C themselves, but not a signal to this process alone; snakemake would wait for them
+  while [ -n "$runner" ] && kill -INT "$runner" 2> /dev/null; do
+    sleep .2
+    # shellcheck disable=SC2046
+    kill -TERM $(descendants "$runner") 2> /dev/null || true
+  done
   echo "pipeline.sh: stopped; the same command goes on" >&2
   exit "$1"
 }

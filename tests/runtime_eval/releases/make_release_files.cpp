@@ -1,10 +1,11 @@
 // Writes what readers of later versions are held to: make_release_files tests/runtime_eval/releases/VERSION. Run once, at a release.
 //   grid.safetensors      functions of every representation, light in two groups, one of which begins dark
 //   look_ups.txt          lines x y z  nx ny nz  r g b: irradiance with both groups lit
-//   NAME.safetensors      small generators of random numbers, of a network and a code
+//   NAME.safetensors      small generators of random numbers: of a network, which reads coefficients, and of a code, which reads samples
 //   NAME.txt              lines of theta, a line a function of functions.bin
 #include <fstream>
 #include <iostream>
+#include <tuple>
 
 #include "nlg/look_up.h"
 #include "tests/runtime_eval/light_grid/random_grid.h"
@@ -51,10 +52,12 @@ bool writeGrid(const std::string& folder) {
 bool writeGenerators(const std::string& folder) {
   const std::vector<uint8_t> functions = sampleFunctions(kFunctions).phi;
   opened(folder + "/functions.bin").write(reinterpret_cast<const char*>(functions.data()), functions.size());
-  for (const auto& [name, representation] : {std::pair("tent_mlp", Representation::tentMlp(0.01f)),
-                                             std::pair("code16", Representation::code(sampleDictionary(5, 16, 1)))}) {
+  using Made = std::tuple<std::string, Representation, GeneratorInput>;
+  for (const auto& [name, representation, input] :
+       {Made("tent_mlp", Representation::tentMlp(0.01f), GeneratorInput::coefficients),
+        Made("code16", Representation::code(sampleDictionary(5, 16, 1)), GeneratorInput::samples)}) {
     opened(folder + "/" + name + ".safetensors")
-        << serializeWeights(weightsFromGenerator(sampleGenerator(representation, 24, 3, 1)));
+        << serializeWeights(weightsFromGenerator(sampleGenerator(representation, 24, 3, 1, input)));
     std::ofstream answers = opened(folder + "/" + name + ".txt");
     for (const std::vector<float>& theta : thetasOf(folder + "/" + name + ".safetensors", functions)) {
       for (const float value : theta) answers << value << ' ';
