@@ -126,9 +126,9 @@ light() {
 views() {
   local name seed file
   # a wall may be lucky with one offset of the lattice: three of them, for all methods alike
-  for name in $lit; do
-    mkdir -p "$root/truth/${name//:/_}"
-    for seed in 1 2 3; do
+  for seed in 1 2 3; do
+    for name in $lit; do
+      mkdir -p "$root/truth/${name//:/_}"
       file=$root/light/views/${name//:/_}_$seed.json
       made "$file" "$bin/nlg-validate" views "$(scene "$name")" --seed "$seed" --weights "$default" --target-functions \
         --truth "$root/truth/${name//:/_}" --out "$file" $([ "$seed" != 1 ] || echo --pictures "$root/pictures")
