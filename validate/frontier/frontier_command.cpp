@@ -73,7 +73,7 @@ void describe(FrontierOptions& o, OptionTable& table) {
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "RMSE of the bare tent from which a function counts as hard", 0.0, 1.0);
   table.add("repeats", &o.interleave.repeats, "timed runs of a short point per block", 1, 10000);
   table.add("repeat_seconds", &o.interleave.repeat_seconds,
-            "time of a point's first block, seconds, above which the point runs only once", 0.0, 1e6);
+            "time of a point's fastest block, seconds, above which the point runs only once", 0.0, 1e6);
   table.add("corrected_lm_steps", &o.lm_steps, "budgets of LM steps from the corrected theta");
   table.add("corrected_adam_steps", &o.adam_steps,
             "budgets of Adam steps from the corrected theta; product fields and codes take 1/32 as many");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "runtime_eval/evaluator/generator/projection.h"
 #include "tool/error.h"
@@ -10,7 +11,7 @@ namespace nlg {
 namespace {
 
 // What takes longer on a block has its own weights and functions in the caches for most of that time.
-constexpr double kColdSeconds = 0.02;
+constexpr double kColdSeconds = 0.1;
 
 void addTimes(size_t block, const FittedFunctions& points, PointMeasurement* measured) {
   for (const std::vector<FittedFunction>& functions : points) {
@@ -92,7 +93,8 @@ std::vector<PointMeasurement> measureInterleaved(const FunctionSet& set, const C
   std::vector<size_t> first = {0};  // of a run's points in those of all
   for (const PlotRun& run : runs) first.push_back(first.back() + run.points.size());
   std::vector<PointMeasurement> measured(first.back());
-  std::vector<double> block_s(runs.size());  // by run: wall time of its first block
+  // by run: wall time of its fastest block; the first one touches memory that nobody touched before
+  std::vector<double> block_s(runs.size(), std::numeric_limits<double>::infinity());
   int64_t done = 0;
   const auto onEveryBlock = [&](const auto& measure) {
     for (size_t b = 0; b < blocks.size(); ++b) {
@@ -106,7 +108,7 @@ std::vector<PointMeasurement> measureInterleaved(const FunctionSet& set, const C
   onEveryBlock([&](size_t r, size_t b) {
     const WallStopwatch watch;
     const FittedFunctions points = runs[r].run(blocks[b]);
-    if (b == 0) block_s[r] = 1e-6 * watch.elapsedUs();
+    block_s[r] = std::min(block_s[r], 1e-6 * watch.elapsedUs());
     NLG_CHECK(points.size(), ==, runs[r].points.size());
     for (size_t p = 0; p < points.size(); ++p) addErrors(runs[r].points[p], blocks[b], points[p], measured[first[r] + p]);
     addTimes(b, points, measured.data() + first[r]);

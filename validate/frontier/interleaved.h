@@ -99,7 +99,7 @@ struct PlotRun {
 
 struct InterleaveOptions {
   int repeats = 5;               // timed runs of every short one on every block
-  double repeat_seconds = 0.25;  // what takes longer on its first block is run once
+  double repeat_seconds = 0.25;  // what takes longer on its fastest block is run once
 };
 
 // The times of one run on one block: µs of each of its functions, in its order.
