@@ -235,6 +235,13 @@ class Results(unittest.TestCase):
             self.assertNotIn("present sources", self.run_results("check").stderr)
         other.write_text(json.dumps({"run": "other", "revision": "4567def4567d"}))
         self.assertIn("expected other of a revision of this repository, got 4567def4567d", self.run_results("check", "--release").stderr)
+        # what times fits changes no figure of light
+        asked = "import sys; sys.path.insert(0, 'docs/figures'); import results; print(*(results.older_than_sources({name: {'revision': sys.argv[1]}}) != [] for name in ('light', 'openarena', 'reliability')))"
+        for path, stale in (("validate/frontier/a.cpp", "False True True"), ("validate/views/a.cpp", "True False True")):
+            before = git("rev-parse", "HEAD")
+            commit(path, "int z;")
+            said = subprocess.run(["/usr/bin/python3", "-c", asked, before], cwd=self.root, capture_output=True, text=True)
+            self.assertEqual(said.stdout.strip(), stale, f"{path}: {said.stderr}")
 
     def test_all_rows_of_a_table_have_the_cells_of_its_head(self):
         self.assertEqual(self.collect().returncode, 0)
