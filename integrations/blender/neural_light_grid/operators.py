@@ -76,6 +76,8 @@ class ToolOperator(Operator):
         exported = export_scene(context, folder())
         state.job = Job(self.commands(context, exported), exported.folder)
         state.said += exported.notes
+        for note in exported.notes:
+            self.report({"WARNING"}, note)  # which a script sees, too
 
     def refuse(self, error):
         self.clean_up()
@@ -226,7 +228,9 @@ class NLG_OT_view(ToolOperator):
 
     def finish(self, context, job):
         job.check()
-        bpy.ops.wm.url_open(url=Path(self.page, "index.html").as_uri())
+        page = Path(self.page, "index.html")
+        self.report({"INFO"}, f"page: {page}")
+        bpy.ops.wm.url_open(url=page.as_uri())
 
 
 class NLG_OT_cancel(Operator):
