@@ -59,7 +59,7 @@ def main():
                 process.wait(draw.uniform(0.3, 3) if number % 8 < 2 else draw.uniform(0.05, 0.5) * took_s)
             except subprocess.TimeoutExpired:
                 # of those that end it by SIGTERM every second one tells pipeline.sh alone, as `docker stop` does
-                os.kill(process.pid, by) if number % 8 == 5 else os.killpg(process.pid, by)
+                os.kill(process.pid, by) if number % 8 == 1 else os.killpg(process.pid, by)
             _, errors = process.communicate()
             if process.returncode == 0:  # it was done: the next one begins anew
                 assert results("stopped") == results("unbroken"), "a stopped run ends otherwise"
