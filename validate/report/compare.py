@@ -126,17 +126,21 @@ def beyond_chance(chances, level):
     return beyond
 
 
-def scene_error(differences, scenes):
-    """Standard error of the mean difference, and how many scenes it is of: scenes are drawn, and functions of one scene err alike (the
-    cluster-robust estimate, Liang and Zeger 1986)."""
-    names, which = np.unique(scenes, return_inverse=True)
-    sums = np.bincount(which, differences - differences.mean())
-    return math.sqrt(len(names) / (len(names) - 1) * float((sums ** 2).sum())) / len(differences) if len(names) > 1 else 0.0, len(names)
-
-
 def student_chance(mean, error, degrees):
     """Both tails of Student's t."""
     return 2.0 * float(stats.t.sf(abs(mean) / error if error else math.inf, degrees))
+
+
+def over_scenes(differences, scenes, error, chance):
+    """Standard error of the mean difference, and the chance of it, where scenes are drawn: functions of one scene err alike (the cluster-robust
+    estimate, Liang and Zeger 1986). Of fewer than FEWEST_SCENES what is known of functions alone: error, chance."""
+    names, which = np.unique(scenes, return_inverse=True)
+    if len(names) < FEWEST_SCENES:
+        return error, chance
+    mean = float(differences.mean())
+    sums = np.bincount(which, differences - mean)
+    error = math.sqrt(len(names) / (len(names) - 1) * float((sums ** 2).sum())) / len(differences)
+    return error, max(chance, student_chance(mean, error, len(names) - 1))
 
 
 def trend_beyond(old, new):
@@ -157,10 +161,7 @@ def mean_change(old, new, scenes=()):
     if pairs == 1 or not differences.mean():
         return change
     mean, error = float(differences.mean()), float(differences.std(ddof=1)) / math.sqrt(pairs)
-    chance = max(student_chance(mean, error, pairs - 1), 2.0 ** (1 - pairs))
-    if len(set(scenes)) >= FEWEST_SCENES:
-        error, count = scene_error(differences, scenes)
-        chance = max(chance, student_chance(mean, error, count - 1))
+    error, chance = over_scenes(differences, scenes, error, max(student_chance(mean, error, pairs - 1), 2.0 ** (1 - pairs)))
     return change | {"standard_error": error, "chance": chance}
 
 
@@ -168,10 +169,8 @@ def crossings(old, new, threshold, scenes=()):
     before, after = old > threshold, new > threshold
     risen, fallen = int((after & ~before).sum()), int((before & ~after).sum())
     chance = sign_chance(risen, fallen)
-    if len(set(scenes)) >= FEWEST_SCENES and risen != fallen:
-        differences = after.astype(float) - before
-        error, count = scene_error(differences, scenes)
-        chance = max(chance, student_chance(float(differences.mean()), error, count - 1))
+    if risen != fallen:
+        _, chance = over_scenes(after.astype(float) - before, scenes, 0.0, chance)
     return {"chance": chance, "note": f"{risen} rose above it, {fallen} fell below" if risen + fallen else ""}
 
 
