@@ -461,6 +461,10 @@ glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal) {
   return sum;
 }
 
+glm::vec3 flooredIrradiance(const LightSh& light, const glm::vec3& normal) {
+  return glm::max(irradiance(light, normal), glm::max(kFloorOfMean * light[0], glm::vec3(0.0f)));
+}
+
 LightTransport::LightTransport(const Scene& scene, const RayScene& rays) : impl_(std::make_unique<Impl>(scene, rays)) {}
 LightTransport::~LightTransport() = default;
 

@@ -28,6 +28,9 @@ using LightSh = std::array<glm::vec3, kShCount>;
 
 glm::vec3 irradiance(const LightSh& light, const glm::vec3& normal);
 
+// What a look-up returns of it: flooredIrradiance (nlg/light_grid.h).
+glm::vec3 flooredIrradiance(const LightSh& light, const glm::vec3& normal);
+
 // By group of lights (LightGroups): what each gives adds up to the whole. Beyond the scene's groups all are 0.
 using GroupedLight = std::array<glm::vec3, kMaxLightGroups>;
 

@@ -24,7 +24,7 @@ Errors against path tracing. All [methods](json.md#lightjson) have the same prob
 - **surface**: 5 to 50 cm before surfaces, with the surface's normal.
 - **turned**: the same points, any normal.
 
-Probe light is *point*, gathered at the probe; *solved*, least squares over other points in air; or the method's *own* form. *Dark*: mean light beyond truth at points that should be dark, over the level's mean. *Edges*: mean light beyond truth within 10 cm of edges, over truth there. Parentheses hold 95 % intervals, by bootstrap over scenes. DDGI has two [rules](json.md#lightjson) for backs of double-sided faces; the better one in each scene counts. APV is measured without rendering layers, Unity's own cure for leaks, because artists assign them.
+Probe light is *point*, gathered at the probe; *solved*, least squares over other points in air; or the method's *own* form. Harmonics of all methods are read with [the floor](../theory/light.md#what-probes-hold) of our look-up. *Dark*: mean light beyond truth at points that should be dark, over the level's mean. *Edges*: mean light beyond truth within 10 cm of edges, over truth there. Parentheses hold 95 % intervals, by bootstrap over scenes. DDGI has two [rules](json.md#lightjson) for backs of double-sided faces; the better one in each scene counts. APV is measured without rendering layers, Unity's own cure for leaks, because artists assign them.
 """
 
 

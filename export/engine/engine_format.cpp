@@ -87,7 +87,10 @@ EngineIrradiance threeIrradiance(Texture3d texture, const LightBox& box) {
       if (!(moved_m[axis] >= box.low_m[axis] - margin_m && moved_m[axis] <= box.high_m[axis] + margin_m))
         return std::array<float, kShChannels>{};
     }
-    return shTextureIrradiance(texture, box, moved_m, normal_3);
+    const std::array<float, kShFloats> light = shTextureLight(texture, box, moved_m);
+    std::array<float, kShChannels> rgb = shIrradiance(light.data(), normal_3[0], normal_3[1], normal_3[2]);
+    for (float& channel : rgb) channel = std::max(0.0f, channel);  // three.js has no floor
+    return rgb;
   };
 }
 
@@ -108,7 +111,7 @@ EngineFile ktx2File(const LightBox& box, const std::string& texels) {
 
 EngineIrradiance pixelIrradiance(Texture3d texture, const LightBox& box) {
   return [texture = std::move(texture), box](const PositionM& position_m, const float* normal_3) {
-    return shTextureIrradiance(texture, box, position_m, normal_3);
+    return flooredIrradiance(shTextureLight(texture, box, position_m).data(), normal_3[0], normal_3[1], normal_3[2]);
   };
 }
 

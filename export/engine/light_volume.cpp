@@ -181,22 +181,19 @@ std::string packShTexture(const LightVolume& volume) {
   return bytes;
 }
 
-std::array<float, kShChannels> shTextureIrradiance(const Texture3d& texture, const LightBox& box, const PositionM& position_m,
-                                                   const float* normal_3) {
+std::array<float, kShFloats> shTextureLight(const Texture3d& texture, const LightBox& box, const PositionM& position_m) {
   std::array<double, 3> at;  // texels
   for (size_t axis = 0; axis < 3; ++axis) {
     const double share = (position_m[axis] - box.low_m[axis]) / (box.high_m[axis] - box.low_m[axis]);
     at[axis] = std::clamp(share * box.texel_count[axis], 0.5, box.texel_count[axis] - 0.5);
   }
-  float light[kVolumes * kChannels];
+  std::array<float, kShFloats> light;
   for (size_t v = 0; v < kVolumes; ++v) {
     const double z = at[2] + kPadding + static_cast<double>(v * (box.texel_count[2] + 2 * kPadding));
     const Rgba four = sampleLinear(texture, {at[0] / texture.size[0], at[1] / texture.size[1], z / texture.size[2]});
-    std::copy(four.begin(), four.end(), &light[v * kChannels]);
+    std::copy_n(four.begin(), std::min(kChannels, light.size() - v * kChannels), &light[v * kChannels]);
   }
-  std::array<float, kShChannels> rgb = shIrradiance(light, normal_3[0], normal_3[1], normal_3[2]);
-  for (float& channel : rgb) channel = std::max(0.0f, channel);
-  return rgb;
+  return light;
 }
 
 }  // namespace nlg

@@ -84,11 +84,8 @@ TextureSize shTextureSize(const TextureSize& box_texels);
 // volume   |coefficients| <= kMaxEngineLight
 std::string packShTexture(const LightVolume& volume);
 
-// What a shader makes of it: seven linear reads, and irradiance by nlg/light_grid.h, no channel below 0. Outside the box, its
-// faces' light.
+// What a shader reads of it: seven linear reads. Outside the box, its faces' light.
 // position_m   finite
-// normal_3     length 1
-std::array<float, kShChannels> shTextureIrradiance(const Texture3d& texture, const LightBox& box, const PositionM& position_m,
-                                                   const float* normal_3);
+std::array<float, kShFloats> shTextureLight(const Texture3d& texture, const LightBox& box, const PositionM& position_m);
 
 }  // namespace nlg

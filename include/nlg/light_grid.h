@@ -4,6 +4,7 @@
 // Probes may share a function; probes in free space need none.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -46,8 +47,8 @@ constexpr std::array<float, kShCount> shBasis(float x, float y, float z) {
           0.54627422f * (x * x - y * y)};
 }
 
-// Returns irradiance (red, green, blue) on a plane that faces (x, y, z), of length 1. It may be below 0 where light comes from
-// few directions: clamp it before use.
+// Returns irradiance (red, green, blue) on a plane that faces (x, y, z), of length 1. Where light comes from few directions it falls
+// below 0: flooredIrradiance is what look-ups return.
 //
 // light_9x3   kShFloats floats: red, green and blue of each of the 9 coefficients
 inline std::array<float, kShChannels> shIrradiance(const float* light_9x3, float x, float y, float z) {
@@ -56,6 +57,20 @@ inline std::array<float, kShChannels> shIrradiance(const float* light_9x3, float
   for (int i = 0; i < kShCount; ++i) {
     for (int c = 0; c < kShChannels; ++c) rgb[c] += kCosineBand[i] * basis[i] * light_9x3[i * kShChannels + c];
   }
+  return rgb;
+}
+
+// Look-ups return at least this share of a channel's mean irradiance over all normals. Harmonics of order 2 fall below 0 beside a
+// bright source, each channel at its own normal: cut off at 0, walls have coloured stains. Measured: docs/lab/light.md.
+inline constexpr float kIrradianceFloor = 0.1f;
+
+// The same of a channel's coefficient 0, which is its mean over all directions.
+inline constexpr float kFloorOfMean = kIrradianceFloor * kCosineBand[0] * 0.28209479f;
+
+// Returns the irradiance that look-ups return: shIrradiance, each channel at least kIrradianceFloor of its mean, and 0.
+inline std::array<float, kShChannels> flooredIrradiance(const float* light_9x3, float x, float y, float z) {
+  std::array<float, kShChannels> rgb = shIrradiance(light_9x3, x, y, z);
+  for (int c = 0; c < kShChannels; ++c) rgb[c] = std::max({rgb[c], kFloorOfMean * light_9x3[c], 0.0f});
   return rgb;
 }
 

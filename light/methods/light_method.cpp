@@ -71,7 +71,7 @@ LightAt blendedLight(const Weighting& weighting, const std::vector<LightSh>& lig
       for (int i = 0; i < blend.count; ++i) {
         for (int k = 0; k < kShCount; ++k) sum[k] += blend.weight[i] * light[blend.probe[i]][k];
       }
-      *answers++ = {glm::max(irradiance(sum, at.normal), glm::vec3(0.0f)), blend.reach};
+      *answers++ = {flooredIrradiance(sum, at.normal), blend.reach};
     }
   };
 }

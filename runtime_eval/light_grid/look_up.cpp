@@ -153,8 +153,8 @@ LightStatus lookUpIrradiance(const LightGrid& grid, const PositionM& position_m,
   if (!isDirection(normal_3)) return LightStatus::unlit;
   float light[kShFloats];
   const LightStatus status = lookUpLight(grid, position_m, light);
-  const std::array<float, kShChannels> irradiance = shIrradiance(light, normal_3[0], normal_3[1], normal_3[2]);
-  for (int c = 0; c < kShChannels; ++c) rgb_3[c] = std::max(0.0f, irradiance[c]);
+  const std::array<float, kShChannels> irradiance = flooredIrradiance(light, normal_3[0], normal_3[1], normal_3[2]);
+  std::copy(irradiance.begin(), irradiance.end(), rgb_3);
   return status;
 }
 

@@ -666,11 +666,19 @@ HWY_INLINE void storeIrradiance(FloatTag d, const LightLanes& light, const float
     }
   }
   if constexpr (kTriples > 1) hn::Store(sum, d, lanes);
+  float mean[kShChannels];  // coefficient 0
+  if constexpr (kTriples > 1) {
+    alignas(64) float first[hn::MaxLanes(FloatTag())];
+    hn::Store(light.piece[0], d, first);
+    std::copy_n(first, kShChannels, mean);
+  } else {
+    for (size_t c = 0; c < kShChannels; ++c) mean[c] = hn::GetLane(light.piece[c]);
+  }
   // lanes of one channel are three apart
   for (size_t c = 0; c < kShChannels; ++c) {
     float total = lanes[c];
     for (size_t i = c + kShChannels; i < (kTriples == 1 ? kPieces : kTriples); i += kShChannels) total += lanes[i];
-    rgb_3[c] = std::max(0.0f, total);
+    rgb_3[c] = std::max({total, kFloorOfMean * mean[c], 0.0f});
   }
 }
 

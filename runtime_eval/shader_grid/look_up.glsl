@@ -35,6 +35,7 @@ const int NLG_LIT = 0, NLG_FAINT = 1, NLG_UNLIT = 2, NLG_OUTSIDE = 3;           
 const int NLG_CLASSES = 5;                                                          // uvec4 of the head: the first class of probes
 const int NLG_HEADS_A_CLASS = 2, NLG_HEADS_AN_AXIS = 7;                             // uvec4
 const float NLG_LEAST_WEIGHT = 1e-6f, NLG_RESIDUE = 0.05f, NLG_DARKEST_FLOOR = 0.01f;  // kLeastWeight, kResidue, kDarkestFloor
+const float NLG_IRRADIANCE_FLOOR = 0.1f;                                               // kIrradianceFloor (nlg/light_grid.h)
 
 struct NlgLight {
   vec3 irradiance;
@@ -497,7 +498,7 @@ NlgShares nlgSharesAt(vec3 position_m) {
 // normal   length 1
 vec3 nlgBlendedIrradiance(NlgShares shares, vec3 normal) {
   NlgBasis basis = nlgBasisOf(normal);
-  vec3 irradiance = vec3(0.0f);
+  vec3 irradiance = vec3(0.0f), mean_sum = vec3(0.0f);  // over all normals
   for (int group = 0; group < NLG_GROUP_COUNT; ++group) {
     vec3 colour = nlgColour(group);
     if (colour == vec3(0.0f)) continue;
@@ -510,9 +511,12 @@ vec3 nlgBlendedIrradiance(NlgShares shares, vec3 normal) {
             dot(basis.low, uintBitsToFloat(nlgHeader(head))) + dot(basis.high, uintBitsToFloat(nlgHeader(head + 1)));
       }
       vec4 mean = uintBitsToFloat(nlgHeader(nlgAxis(k) + 6));
-      irradiance += along.axis[k] * colour * (of_axis + basis.mean * vec3(mean.x, mean.y, mean.z));
+      vec3 part = along.axis[k] * colour;
+      mean_sum += part * (basis.mean * vec3(mean.x, mean.y, mean.z));
+      irradiance += part * of_axis;
     }
   }
+  irradiance = max(irradiance + mean_sum, NLG_IRRADIANCE_FLOOR * mean_sum);
   return max(irradiance * uintBitsToFloat(nlgHeader(3).x), vec3(0.0f));
 }
 

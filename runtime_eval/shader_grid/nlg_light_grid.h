@@ -38,6 +38,8 @@ enum {
 #define NLG_RESIDUE 0.05f
 /* of the light around a place: added to a probe's own where those with the least count most */
 #define NLG_DARKEST_FLOOR 0.01f
+/* of a channel's mean irradiance over all normals: no normal has less, or walls beside a bright source have coloured stains */
+#define NLG_IRRADIANCE_FLOOR 0.1f
 enum { NLG_FLAG_TENT = 8, NLG_FLAG_SIGMOID = 16, NLG_FLAG_HALVES = 32 };
 
 typedef struct {
@@ -343,7 +345,7 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
                           0.24770796f * (3.0f * z * z - 1.0f),
                           0.85808553f * x * z,
                           0.42904276f * (x * x - y * y)};
-  float units[3], tent[8], weight[8], sum = 0.0f, believed = 0.0f, certainty = 0.0f;
+  float units[3], tent[8], weight[8], sum = 0.0f, believed = 0.0f, certainty = 0.0f, mean[3] = {0.0f, 0.0f, 0.0f};
   uint32_t record[8], c, i, group;
   NlgGridStatus status = NLG_GRID_LIT;
   NlgCell cell = {0, 0, 0, {0.0f, 0.0f, 0.0f}};
@@ -386,14 +388,16 @@ static inline NlgGridStatus nlgIrradiance(const NlgGrid* grid, const float* posi
       for (c = 0; c < 8; ++c) {
         if (weight[c] != 0.0f) along += weight[c] * nlgScale(grid, record[c] + beyond) * nlgAlong(grid, record[c] + beyond, axis);
       }
-      /* coefficients 1 to 8 of red, of green, of blue; then their coefficients 0 */
+      /* coefficients 1 to 8 of red, of green, of blue; then their coefficients 0, which are means over all normals */
       for (c = 0; c < 27; ++c) {
         const uint32_t channel = c < 24 ? c / 8 : c - 24;
-        rgb[channel] += colour[channel] * along * basis[c < 24 ? c % 8 + 1 : 0] * nlgFloat(grid, axis + c);
+        const float part = colour[channel] * along * basis[c < 24 ? c % 8 + 1 : 0] * nlgFloat(grid, axis + c);
+        rgb[channel] += part;
+        if (c >= 24) mean[channel] += part;
       }
     }
   }
-  for (i = 0; i < 3; ++i) rgb[i] = rgb[i] > 0.0f ? rgb[i] * nlgFloat(grid, 12) : 0.0f;
+  for (i = 0; i < 3; ++i) rgb[i] = nlgFloat(grid, 12) * fmaxf(0.0f, fmaxf(rgb[i], NLG_IRRADIANCE_FLOOR * mean[i]));
   return status;
 }
 

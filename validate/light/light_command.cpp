@@ -109,7 +109,7 @@ class LightMeasurement {
     method.light_at = [&](std::span<const Receiver> receivers, LightAnswer* answers) {
       for (const Receiver& at : receivers) {
         const GatheredLight light = transport_.gather(at.position_m, request_.probe, mixSeed(options_.seed, kFloorStream));
-        *answers++ = {glm::max(irradiance(light.light, at.normal), glm::vec3(0.0f)), Reach::lit};
+        *answers++ = {flooredIrradiance(light.light, at.normal), Reach::lit};
       }
     };
     return measured(method);

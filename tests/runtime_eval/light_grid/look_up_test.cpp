@@ -46,7 +46,7 @@ std::map<uint32_t, double> expectedShares(const LightGrid& grid, const ProbesAro
 }
 
 TEST(Irradiance, IsTheBlendOfTheProbesLight) {
-  int64_t of_status[4] = {};
+  int64_t of_status[4] = {}, at_floor = 0;
   for (uint64_t seed = 0; seed < 6; ++seed) {
     LightGrid grid = litGrid(randomTree(seed).tree, seed);
     Random random(seed);
@@ -67,26 +67,38 @@ TEST(Irradiance, IsTheBlendOfTheProbesLight) {
       ASSERT_TRUE(grid.tree.lookUp(at, &around));
       const std::map<uint32_t, double> shares = expectedShares(grid, around);
       ASSERT_EQ(status, shares.empty() ? LightStatus::unlit : weights.certainty < 1.0f ? LightStatus::faint : LightStatus::lit);
-      double expected[3] = {}, magnitude[3] = {};
+      double expected[3] = {}, floor[3] = {}, magnitude[3] = {};
       const std::array<float, kShCount> basis = shBasis(normal[0], normal[1], normal[2]);
       for (const auto& [probe, share] : shares) {
         for (int j = 0; j < kShFloats; ++j) {
           const double term = share * kCosineBand[j / 3] * basis[j / 3] * grid.probeLight(probe)[j];
           expected[j % 3] += term;
+          if (j < 3) floor[j] += 0.1 * term;
           magnitude[j % 3] += std::abs(term);
         }
       }
       // shares: 9 roundings; products and sums of 8 probes: 9; of 9 coefficients: 11. Shares of the darkest: tents and ratios 12, sums
       // and mean 17, each in all shares alike but for the square of a quotient: 60
       const int roundings = status == LightStatus::faint ? 29 + 60 : 29;
-      for (int c = 0; c < 3; ++c)
-        ASSERT_NEAR(rgb[c], std::max(0.0, expected[c]), roundings * kFloatRounding * magnitude[c]) << lightStatusName(status);
+      for (int c = 0; c < 3; ++c) {
+        ASSERT_NEAR(rgb[c], std::max(floor[c], expected[c]), roundings * kFloatRounding * magnitude[c])
+            << lightStatusName(status);
+        at_floor += expected[c] < floor[c];
+      }
     }
   }
   EXPECT_GT(of_status[static_cast<int>(LightStatus::lit)], 1000);
   EXPECT_GT(of_status[static_cast<int>(LightStatus::faint)], 0);
   EXPECT_GT(of_status[static_cast<int>(LightStatus::unlit)], 0);
   EXPECT_GT(of_status[static_cast<int>(LightStatus::outside)], 100);
+  EXPECT_GT(at_floor, 100);
+}
+
+TEST(Irradiance, OfDarkIsDark) {
+  // a mean below 0, as noise leaves it, has no floor below 0
+  std::array<float, kShFloats> light{};
+  light[0] = -1e-3f;
+  EXPECT_EQ(flooredIrradiance(light.data(), 0.0f, 0.0f, 1.0f), (std::array<float, 3>{}));
 }
 
 TEST(Irradiance, OfLinearLightIsLinearInFreeSpace) {

@@ -45,13 +45,13 @@ inline ProbeTree smallTree() {
   return tree;
 }
 
-// Radiance of kShFloats coefficients a probe that is nowhere below 0: Y00 far above the rest.
+// Radiance of kShFloats coefficients a probe, whose irradiance is below its floor (kIrradianceFloor) for some normals.
 inline std::vector<float> randomLight(size_t probe_count, uint64_t seed) {
   Random random(mixSeed(seed, 0x6c69676874));
   std::vector<float> light;
   for (size_t i = 0; i < probe_count * kShFloats; ++i) {
     const bool is_mean = i % kShFloats < kShChannels;
-    light.push_back(static_cast<float>(is_mean ? random.uniform(1.0, 4.0) : random.uniform(-0.3, 0.3)));
+    light.push_back(static_cast<float>(is_mean ? random.uniform(1.0, 4.0) : random.uniform(-2.0, 2.0)));
   }
   return light;
 }
