@@ -4,6 +4,7 @@
 #include <functional>
 #include <iostream>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <glm/gtc/type_ptr.hpp>
@@ -255,19 +256,30 @@ std::array<float, kShChannels> meanRadiance(const std::vector<LightSh>& place_li
   return {sum.x, sum.y, sum.z};
 }
 
-// Texels alone bear no name: where the record is that this tool wrote beside them, they are replaced, and nothing else is.
+// Writes bytes of a file beside its path; then all files before it take their names, then it does.
+void writeInOrder(const std::string& folder, std::span<const EngineFile> files) {
+  if (files.empty()) return;
+  const EngineFile& last = files.back();
+  writeAtomically((std::filesystem::path(folder) / last.name).string(), [&](const std::string& temporary_path) {
+    writeFileAtomically(temporary_path, last.bytes);
+    writeInOrder(folder, files.first(files.size() - 1));
+  });
+}
+
+// Texels alone bear no name: where the record is that this tool wrote beside them, they are replaced, and nothing else is. So the
+// record comes first, or a run that was killed before it could not be run again; and it comes when all texels are on the disk.
 // inputs   files that must not be among those to come
 void writeFolder(const std::string& folder, const EngineFile& record, std::vector<EngineFile> files,
                  const std::vector<std::string>& inputs) {
   namespace fs = std::filesystem;
   const auto pathOf = [&](const EngineFile& file) { return (fs::path(folder) / file.name).string(); };
   const bool is_own = fs::exists(pathOf(record)) && mayReplace(pathOf(record), kExportedFiles);
-  files.push_back(record);
+  files.insert(files.begin(), record);
   for (const EngineFile& file : files) {
     refuseToReplaceInputs(pathOf(file), inputs);
     if (!is_own) refuseToReplaceOthers(pathOf(file), kExportedFiles);
   }
-  for (const EngineFile& file : files) writeFileAtomically(pathOf(file), file.bytes);
+  writeInOrder(folder, files);
 }
 
 void run(const Request& request, const BakeOptions& options, const OptionTable& table) {

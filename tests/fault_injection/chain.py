@@ -97,7 +97,7 @@ def reads_as_whole(path):
         except ValueError:
             return False
         return True
-    ends = {".html": b"</html>", ".png": b"IEND\xaeB`\x82", ".csv": b"\n"}
+    ends = {".html": b"</html>", ".png": b"IEND\xaeB`\x82", ".csv": b"\n", ".js": b'");\n'}
     return bool(data) and data.endswith(ends.get(os.path.splitext(path)[1], b""))
 
 
@@ -118,13 +118,14 @@ class Made:
         return reads_as_whole(here)
 
     def is_whole(self, folder, path):
-        """Whether a file is one that stood there whole at some time of an undisturbed run: curves grow by lines, and links move on."""
+        """Whether a file is one that stood there whole at some time of an undisturbed run: curves grow by lines, links move on, and
+        a page is of the grid alone first, which its scene.js says."""
         here, there = os.path.join(folder, path), os.path.join(self.folder, path)
         if os.path.islink(there):
             return os.path.islink(here) and os.path.exists(here)
         if path.endswith(".csv") and path in self.same:
             return read(there).startswith(read(here)) and reads_as_whole(here)
-        return self.is_final(folder, path)
+        return self.is_final(folder, path) or path == "view/scene.js" and reads_as_whole(here)
 
 
 def lay_out(store, tool, folder):

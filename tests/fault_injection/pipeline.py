@@ -28,7 +28,8 @@ class Pipeline:
         shutil.rmtree(os.path.dirname(self.results), ignore_errors=True)
 
     def files(self):
-        return chain.files_in(self.results)
+        # Snakemake keeps a log of each start
+        return [path for path in chain.files_in(self.results) if not path.startswith(".snakemake/log/")]
 
     def check_whole(self, made, faults, when):
         """What has a finished file's name is whole."""
