@@ -132,9 +132,9 @@ void runBake(BakeRequest request, const BakeOptions& options, const OptionTable&
   if (!collected.empty()) {
     const uint64_t failing = report.statistics.failing(ThetaWord::stored, report.policy.check());
     std::cerr << collected
-              << (failing == 0 ? ": not written, because no function fails the check\n"
-                               : fmt::format(": {} of the {} above the limits of the check\n", collected_count,
-                                             countText(failing, "function")));
+              << (failing == 0
+                      ? ": not written, because no function fails the check\n"
+                      : fmt::format(": {} of the {} that fail the check\n", collected_count, countText(failing, "function")));
   }
   writeJson(request, toJson(report));
 }

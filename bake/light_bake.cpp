@@ -131,8 +131,10 @@ ProbeLight thin(const ThinningInputs& inputs, ProbeLight lit, LightGrid* grid, L
     if (error == kMostThinError) {
       // a size that is taken: the file names it, and other digits are some bytes more or less
       const size_t least = (bytesNow(lit) + 32 + 99) / 100 * 100;
-      throw UsageError("max_bytes", fmt::format("{} or more, or a spacing_m above {:g}", least, inputs.scene.air.spacing_m),
-                       fmt::format("{:.0f}", options.max_bytes));
+      throw UsageError(
+          "max_bytes",
+          fmt::format("at least {} bytes with probes {:g} m apart, or a larger spacing_m", least, inputs.scene.air.spacing_m),
+          fmt::format("{:.0f}", options.max_bytes));
     }
     // too large still: allows more error, in steps that find a size near the limit
     error = std::min(kMostThinError, std::max(kFirstError, kErrorGrowth * error));

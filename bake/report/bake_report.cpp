@@ -111,8 +111,8 @@ std::string firstLine(const std::string& path, uint64_t probes, uint64_t file_by
 std::string placesSummary(uint64_t places, const LightAtPlaces& light) {
   const glm::dvec3 worst = glm::round(10.0 * light.worst_m) / 10.0 + 0.0;  // no -0.0
   return fmt::format(
-      "light: error at {}, with the noise of measuring them: median {:.1f} %, 95th percentile {:.0f} %, largest at "
-      "{:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
+      "light: at {} the grid is off by {:.1f} % in the median and by {:.0f} % at the 95th percentile, noise of measuring them "
+      "included; most at {:.1f}, {:.1f}, {:.1f}; mean radiance {:.3g}\n",
       countText(places, "sample point"), 100.0 * light.median_error, 100.0 * light.p95_error, worst.x, worst.y, worst.z,
       light.mean);
 }
@@ -124,8 +124,8 @@ std::string lightSummary(const LightStatistics& light) {
   text += placesSummary(seen, light);
   if (light.unseen_places > 0) {
     text += fmt::format(
-        "dark that nobody sees: {} of {} sample points, in hollows or outside of all rooms; no probe's light is fitted to them\n",
-        light.unseen_places, light.places);
+        "{} of {} are dark and lie in hollows or outside of all rooms, where nobody looks: light is not fitted there\n",
+        countText(light.unseen_places), countText(light.places, "sample point"));
   }
   return text + fmt::format("stored light: {}, which adds {:.1f} % to the error of a probe, {:.0f} % at most{}\n",
                             bytesText(static_cast<double>(light.file_bytes)), 100.0 * light.packing.error,
@@ -225,7 +225,7 @@ std::string toSummary(const BakeReport& report, const std::string& path) {
                         errors.at("p95").get<double>());
   }
   const uint64_t failing = s.failing(ThetaWord::stored, report.policy.check());
-  if (failing > 0) text += fmt::format("; {} above the limits of the check, which light seldom shows", failing);
+  if (failing > 0) text += fmt::format("; {} of them fail the check, which light seldom shows", failing);
   if (s.left_for_time > 0) text += fmt::format("; {} left for want of time", s.left_for_time);
   return text + '\n' + lightSummary(s.light) + notesSummary(report.notes);
 }

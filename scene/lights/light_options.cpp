@@ -252,6 +252,8 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
   const bool is_given = !options.sky.empty() || !options.sun.empty();
   const bool is_dark = !hasLight(scene);
   const bool takes_default = !is_given && (is_dark || (isOpen && !hasLightFromOutside(scene) && isOpen(scene)));
+  const bool is_without_lamps = !is_given && !is_dark && scene.light.writer == LightWriter::blender &&
+                                scene.light.lamps.empty() && !hasLightFromOutside(scene);
   // lamps and suns in emission's unit, if there is any emission (docs/theory/light.md, Units)
   const auto [factors, words] = unitOf(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f);
   scaleLampsAndSuns(&scene.light, factors.lamps, factors.suns);
@@ -284,6 +286,8 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
                              (scene.light.writer == LightWriter::other ? "" : kBlenderExports)
                        : "the scene is open, and no light comes from outside: a clear sky and a sun by default (--sky, --sun; "
                          "--sky 0 keeps the night)");
+  } else if (is_without_lamps) {
+    done.push_back(std::string("only emissive surfaces light the scene: the file has no lamps, suns or sky") + kBlenderExports);
   }
   // after everything else: the factor is on all light, defaults included
   if (options.intensity != 1.0) {

@@ -75,7 +75,7 @@ class Outputs(unittest.TestCase):
             done = self.bake(*collect)
             self.assert_baked(done)
             failing = json.loads((self.folder / "report").read_text())["still_failing"]
-            self.assertIn(f"hard/{shard.name}: {failing} of the {failing} functions above the limits of the check", done.stderr)
+            self.assertIn(f"hard/{shard.name}: {failing} of the {failing} functions that fail the check", done.stderr)
         said = self.run_tool("nlg-datagen", "info", "--json", f"hard/{shard.name}")
         self.assert_baked(said)
         self.assertEqual([json.loads(said.stdout)[key] for key in ("scene", "jitter", "functions", "visited_probes")], ["cornell_0", 0, failing, failing])

@@ -84,6 +84,19 @@ void addShine(Scene& s) { s.light.sky_faces.shine.push_back(glm::vec3(1.0f)); }
 void addSkyFace(Scene& s) { s.light.sky_faces.triangles.push_back({0, 1, 2}); }
 void addEmission(Scene& s) { s.materials[s.triangle_material[0]].emissive.b = 1.0f; }
 
+TEST(LightOptions, AFileOfBlenderWithoutLampsSaysHowTheyAreExported) {
+  for (const bool has_lamp : {false, true}) {
+    Scene scene = darkScene();
+    scene.light.writer = LightWriter::blender;
+    addEmission(scene);
+    if (has_lamp) addLamp(scene);
+    const std::vector<std::string> done = applyLight(scene, {});
+    const bool says = std::any_of(done.begin(), done.end(),
+                                  [](const std::string& line) { return line.find("Punctual Lights") != std::string::npos; });
+    EXPECT_EQ(says, !has_lamp);
+  }
+}
+
 TEST(LightOptions, ASceneThatShinesStaysAsItIs) {
   for (void (*light)(Scene&) : {addEmission, addSky, addLamp, addSun, addShine, addBaked}) {
     Scene scene = darkScene();
