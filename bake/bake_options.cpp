@@ -45,10 +45,12 @@ void describe(BakeOptions& o, OptionTable& table) {
   table.group(kLightGroup);
   table.add("light", &o.light,
             "how probe light is computed: solved (least squares over sample points in air), integrated (over the weighting "
-            "function), point (at the probe), or none (the grid holds weighting functions only)");
+            "function), point (at the probe), or none (the grid holds weighting functions only)",
+            {"solved", "integrated", "point", "none"});
   table.add("light_direct", &o.light_direct,
             "direct light that probes hold: all; no_suns; none, neither of lamps nor of suns; or reflected, none of emissive "
-            "surfaces either. Leave out what the engine draws with shadow maps. Reflected light is always held");
+            "surfaces either. Leave out what the engine draws with shadow maps. Reflected light is always held",
+            {"all", "no_suns", "none", "reflected"});
   table.add("light_samples", &o.light_samples,
             "sample points in air per cell at which light is measured; raised in scenes that would have fewer than 2,048 in all",
             1, 4096);
@@ -86,7 +88,8 @@ void describe(BakeOptions& o, OptionTable& table) {
             "on the machine's speed",
             0.0, 1e9);
   table.group("Light grid's file");
-  table.add("theta_precision", &o.theta_precision, "number format of theta in the file: float32, float16 or int8");
+  table.add("theta_precision", &o.theta_precision, "number format of theta in the file: float32, float16 or int8",
+            {"float32", "float16", "int8"});
   table.add(
       "light_error", &o.light_error,
       "maximum error that rounding of light adds to a probe, as a share of its light: the smallest encoding within it is used",

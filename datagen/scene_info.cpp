@@ -114,10 +114,10 @@ Json describeScene(const std::string& request, const SceneReading& reading) {
   for (const std::string& note : source.light_notes) notes.push_back(note);
   if (isInOtherUnit(scene))
     notes.push_back(
-        fmt::format("lamps and suns are {}; a bake takes that back where emission or a sky stands beside them (--light-unit)",
-                    scene.light.unit.kind == LightUnit::Kind::over_pi ? "pi too dark"
-                    : scene.light.unit.kind == LightUnit::Kind::raw   ? "raw W of Blender"
-                                                                      : "683 times W of Blender"));
+        fmt::format("lamps and suns are {} in the file; beside emission or a sky a bake turns them into its unit (--light-unit)",
+                    scene.light.unit.kind == LightUnit::Kind::over_pi ? "divided by pi"
+                    : scene.light.unit.kind == LightUnit::Kind::raw   ? "in raw W of Blender"
+                                                                      : "683 times their W of Blender"));
   if (const std::string unsure = unsureUnit(scene); !unsure.empty()) notes.push_back(unsure);
   for (const std::string& line : source.counts) notes.push_back(line);
   json["notes"] = notes;

@@ -228,9 +228,6 @@ void checkParity(const Parity& parity, double held_out_blend_rmse, const ExportO
 }
 
 void run(const Request& request, const ExportOptions& options, const OptionTable& table) {
-  if (options.dtype != "float16" && options.dtype != "float32") {
-    throw UsageError("dtype", "float16 or float32", "'" + options.dtype + "'");
-  }
   std::vector<std::string> inputs = request.shards;
   inputs.insert(inputs.end(), {request.checkpoint, request.basis});
   refuseToReplace(request.out, inputs, kExportedFiles);
@@ -304,7 +301,8 @@ int main(int argc, char** argv) {
   nlg::Request request;
   nlg::ExportOptions options;
   nlg::OptionTable table("export");
-  table.add("dtype", &options.dtype, "number format of matrices: float16 or float32. All else is float32");
+  table.add("dtype", &options.dtype, "number format of matrices: float16 or float32. All else is float32",
+            {"float16", "float32"});
   table.add("parity_functions", &options.parity_functions, "number of functions on which libtorch and the evaluator are compared",
             1, 1000000);
   table.add("parity_tolerance", &options.parity_tolerance,

@@ -312,6 +312,17 @@ def judge(config, path, environment=os.environ):
         raise ConfigurationError(f"{path}: {error}") from None
 
 
+def other_policies(run):
+    """Lines about the fits of validations that are not those of the bake: the report's verdict is of the former."""
+    lines = []
+    keys = [{row["name"] for row in rows_of(name) if row.get("group", "").startswith("Policy")} for name in ("bake", "validate", "frontier")]
+    for key in sorted(set.intersection(*keys)):
+        values = {name: run.sections[name].get(key, default(name, key)) for name in ("bake", "validate", "frontier")}
+        if len(set(values.values())) > 1:
+            lines.append(f"{key} is {', '.join(f'{value} in {name}' for name, value in values.items())}: the report's verdict is of validate and frontier")
+    return lines
+
+
 def load(path):
     return judge(read(path), path)
 
@@ -424,7 +435,7 @@ def sweep(content, path):
         settings = [f"{key}={json.dumps(value)}" for key, value in zip(found, values)]
         base = judge(changed(content, None, settings), path).name
         name = re.sub(r"[^\w.-]+", "-", "-".join([base, *(f"{key.split('.')[-1]}-{value}" for key, value in zip(found, values))]))
-        settings += [f"name={name}", f"data={base}"]
+        settings += [f"name={name}", f"data={content.get('data') or base}"]
         yield judge(changed(content, None, settings), path).folder, settings
 
 
@@ -458,6 +469,9 @@ def main():
     for left_out, why in (run_of_file.empty, "empty"), (run_of_file.not_collected, "of levels that are not to be trained on"):
         if left_out and not arguments.write:
             print(f"pipeline.sh: left out, because they are {why}: {listed(left_out)}", file=sys.stderr)
+    if not arguments.write:
+        for line in other_policies(run_of_file):
+            print(f"pipeline.sh: {line}", file=sys.stderr)
     is_changed = bool(arguments.levels or arguments.set)
     record = os.path.join(run_of_file.folder, "configuration.yaml")
     path = record if is_changed else arguments.config

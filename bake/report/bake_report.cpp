@@ -121,7 +121,7 @@ std::string lightSummary(const LightStatistics& light) {
   if (!light.is_lit) return "light: none\n";
   std::string text = thinnedSummary(light);
   const uint64_t seen = light.places - light.unseen_places;
-  text += placesSummary(seen, light);
+  if (seen > 0) text += placesSummary(seen, light);
   if (light.unseen_places > 0) {
     text += fmt::format(
         "{} of {} are dark and lie in hollows or outside of all rooms, where nobody looks: light is not fitted there\n",

@@ -27,7 +27,7 @@ struct FunctionRows {
   std::vector<uint8_t> phi;              // N x P, round(255 phi)
   std::vector<uint8_t> validity;         // N x P/8, bit i of byte b is point 8 b + i
   std::vector<uint8_t> seen;             // N x P/8, points that the probe sees
-  std::vector<uint8_t> blend_sum;        // N x P, StoredFunction::blend_sum; 255 where phi is 0
+  std::vector<uint8_t> blend_sum;        // N x P, StoredFunction::blend_sum; 255 where the function is 0
   std::vector<double> probe_position_m;  // N x 3, world
   std::vector<float> spacing_m;          // N
   std::vector<uint8_t> flags;            // N, FunctionFlag

@@ -73,7 +73,7 @@ TexelFormat textureFormat(const TextureFormat& texture, const LightBox& box) {
   format.pack = [&texture, box](const std::string& name, const TexelLight& light) {
     const LightVolume volume{box, floatsOf(light.light)};
     if (const float largest = largestLight(volume); largest > kMaxEngineLight) {
-      throw UsageError("intensity", "light of at most " + std::to_string(static_cast<int>(kMaxEngineLight)) + " in a texel",
+      throw UsageError("--intensity", "light of at most " + std::to_string(static_cast<int>(kMaxEngineLight)) + " in a texel",
                        fmt::format("{:g}: {:g} times the present intensity makes it fit", largest, intensityThatFits(largest)));
     }
     const std::string texels = packShTexture(volume);

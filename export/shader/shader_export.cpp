@@ -1,6 +1,9 @@
 #include "export/shader/shader_export.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
@@ -77,6 +80,9 @@ bool isGrid(std::string_view bytes) {
 void run(const std::string& grid_path, const std::string& folder, const std::string& format,
          const std::vector<double>& origin_m) {
   // refusals before the grid is read
+  for (const double number : origin_m) {
+    if (!std::isfinite(number)) throw UsageError("--origin-m", "three finite numbers", fmt::format("{}", number));
+  }
   const Texts files = filesOf({}, format);
   requireOutputFolder(folder);
   for (const auto& file : files) refuseToReplace((fs::path(folder) / file.first).string(), {grid_path}, kExportedFiles);

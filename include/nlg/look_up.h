@@ -77,7 +77,7 @@ LightStatus lookUpLight(const LightGrid& grid, const PositionM& position_m, floa
 // Looks up irradiance on a plane, which a diffuse surface multiplies by albedo / pi.
 //
 // normal_3   length 1, as {0, 1, 0}. If a component is not finite, or beyond ±kMaxNormal, rgb is 0 and the status is unlit
-// rgb_3      3 floats, overwritten; none below 0
+// rgb_3      3 floats, overwritten: flooredIrradiance of the light there
 LightStatus lookUpIrradiance(const LightGrid& grid, const PositionM& position_m, const float* normal_3, float* rgb_3);
 
 inline constexpr float kMaxNormal = 1.5f;  // limit of a direction's components, far above the rounding of length 1

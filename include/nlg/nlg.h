@@ -255,7 +255,7 @@ typedef enum nlg_light_status NLG_OF_INT {
  *
  * position_m   3 doubles, world coordinates of the bake, metres; if one is not finite, the position is outside
  * normal       3 floats, length 1, as 0, 1, 0; one that is not finite or far longer than 1 gives 0 and NLG_UNLIT
- * rgb          3 floats, overwritten, none below 0 */
+ * rgb          3 floats, overwritten: each at least a tenth of its mean over all normals, and 0 */
 nlg_light_status nlg_irradiance(const nlg_light_grid* grid, const double* position_m, const float* normal, float* rgb);
 
 /* Working memory of nlg_irradiances, 1.2 MB: for any grid. Each thread needs its own. */

@@ -1,4 +1,5 @@
-// Light at a position, out of a shader grid (shader_grid.h): what lookUpIrradiance says, for a pixel.
+// Light at a position, out of a shader grid (shader_grid.h): what lookUpIrradiance says, for a pixel,
+// whose normal has length 1: others are not refused here.
 //
 // GLSL 4.50 and GLSL ES 3.00; HLSL follows by spirv-cross. The tests compile it as C++ too. Whoever includes it gives the grid:
 //

@@ -1,6 +1,5 @@
 /* Light at a position, out of grid.bin as `nlg-export shader` writes it: C99, no library but the C library's
-   mathematics. Layout: shader_grid.h of neural-light-grid; what is computed is what look_up.glsl of the same folder
-   computes.
+   mathematics. Layout: shader_grid.h of neural-light-grid; what is computed is what its look_up.glsl computes.
 
        NlgGrid grid = {bytes, size};                             bytes of grid.bin, which the caller keeps
        if (!nlgIsWhole(&grid)) ...                               once: its bytes against the digest that it holds

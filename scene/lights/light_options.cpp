@@ -207,12 +207,14 @@ void describe(LightOptions& options, OptionTable& table) {
   table.add("light_unit", &options.light_unit,
             "unit of a glTF file's lamps and suns: file, taken as they are; watt, divided by 683; pi, multiplied by it; auto, "
             "divided if Blender's exporter multiplied them, or multiplied if Godot wrote them, and a sky, a sun or emission "
-            "shines beside them");
+            "shines beside them",
+            {"auto", "file", "watt", "pi"});
   table.add("intensity", &options.intensity, "factor on all light of the scene", 1e-12, 1e12);
   table.add("light_groups", &options.light_groups,
             "groups of light that the engine can dim, colour or switch: one, a single group; kind: sky, suns, lamps and "
             "emission; name: each sun, lamp and emissive material by its name (Lamp and Lamp.001 are one). In kind and name, "
-            "light_group in a glTF file's extras overrides the group");
+            "light_group in a glTF file's extras overrides the group",
+            {"one", "kind", "name"});
   table.add("light_state", &options.light_state,
             "name of this light, such as day, in a grid that is to hold several, which the engine mixes: --relight GRID with "
             "another name adds its light to that of GRID");
@@ -252,8 +254,8 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
   const bool is_given = !options.sky.empty() || !options.sun.empty();
   const bool is_dark = !hasLight(scene);
   const bool takes_default = !is_given && (is_dark || (isOpen && !hasLightFromOutside(scene) && isOpen(scene)));
-  const bool is_without_lamps = !is_given && !is_dark && scene.light.writer == LightWriter::blender &&
-                                scene.light.lamps.empty() && !hasLightFromOutside(scene);
+  const bool is_without_lamps =
+      scene.light.writer == LightWriter::blender && scene.light.lamps.empty() && scene.light.suns.empty();
   // lamps and suns in emission's unit, if there is any emission (docs/theory/light.md, Units)
   const auto [factors, words] = unitOf(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f);
   scaleLampsAndSuns(&scene.light, factors.lamps, factors.suns);
@@ -287,7 +289,7 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
                        : "the scene is open, and no light comes from outside: a clear sky and a sun by default (--sky, --sun; "
                          "--sky 0 keeps the night)");
   } else if (is_without_lamps) {
-    done.push_back(std::string("only emissive surfaces light the scene: the file has no lamps, suns or sky") + kBlenderExports);
+    done.push_back(std::string("the file has no lamps and no suns") + kBlenderExports);
   }
   // after everything else: the factor is on all light, defaults included
   if (options.intensity != 1.0) {

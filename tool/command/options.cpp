@@ -38,7 +38,11 @@ struct NumbersTarget {
   double min, max;
 };
 using TextList = std::vector<std::string>;
-using Target = std::variant<IntTarget, uint64_t*, DoubleTarget, NumbersTarget, bool*, std::string*, TextList*>;
+struct ChoiceTarget {
+  std::string* value;
+  TextList one_of;
+};
+using Target = std::variant<IntTarget, uint64_t*, DoubleTarget, NumbersTarget, bool*, std::string*, ChoiceTarget, TextList*>;
 
 struct Option {
   std::string name;
@@ -91,6 +95,10 @@ std::string expected(const DoubleTarget& target) {
 std::string expected(const NumbersTarget& target) { return fmt::format("finite numbers in [{}, {}]", target.min, target.max); }
 std::string expected(bool*) { return "true or false"; }
 std::string expected(std::string*) { return "a text"; }
+std::string expected(const ChoiceTarget& target) {
+  const auto last = target.one_of.end() - 1;
+  return fmt::format("{} or {}", fmt::join(target.one_of.begin(), last, ", "), *last);
+}
 std::string expected(TextList*) { return "a list of texts, none empty"; }
 
 bool take(const IntTarget& target, const std::string& text) {
@@ -127,6 +135,11 @@ bool take(std::string* value, const std::string& text) {
   *value = text;
   return true;
 }
+bool take(const ChoiceTarget& target, const std::string& text) {
+  if (std::find(target.one_of.begin(), target.one_of.end(), text) == target.one_of.end()) return false;
+  *target.value = text;
+  return true;
+}
 bool take(TextList* list, const std::string& text) {
   std::string item;
   if (text.empty() || !take(&item, text)) return false;
@@ -137,6 +150,7 @@ bool take(TextList* list, const std::string& text) {
 nlohmann::ordered_json shown(const IntTarget& target) { return *target.value; }
 nlohmann::ordered_json shown(const DoubleTarget& target) { return *target.value; }
 nlohmann::ordered_json shown(const NumbersTarget& target) { return *target.values; }
+nlohmann::ordered_json shown(const ChoiceTarget& target) { return *target.value; }
 template <class T>
 nlohmann::ordered_json shown(T* value) {
   return *value;
@@ -161,6 +175,7 @@ nlohmann::ordered_json describeOption(const Option& option) {
   if (const auto* target = std::get_if<IntTarget>(&option.target)) addRange(*target);
   if (const auto* target = std::get_if<DoubleTarget>(&option.target)) addRange(*target);
   if (std::holds_alternative<uint64_t*>(option.target)) json["min"] = 0;
+  if (const auto* target = std::get_if<ChoiceTarget>(&option.target)) json["one_of"] = target->one_of;
   json["group"] = option.group;
   json["help"] = option.help;
   return json;
@@ -353,6 +368,10 @@ void OptionTable::add(const std::string& name, std::vector<double>* values, cons
 }
 void OptionTable::add(const std::string& name, bool* value, const std::string& help) { impl_->add(name, value, help); }
 void OptionTable::add(const std::string& name, std::string* value, const std::string& help) { impl_->add(name, value, help); }
+void OptionTable::add(const std::string& name, std::string* value, const std::string& help, std::vector<std::string> one_of) {
+  NLG_CHECK(one_of.size(), >=, size_t{2});
+  impl_->add(name, ChoiceTarget{value, std::move(one_of)}, help);
+}
 void OptionTable::add(const std::string& name, std::vector<std::string>* value, const std::string& help) {
   impl_->add(name, value, help);
 }

@@ -42,6 +42,8 @@ class OptionTable {
            double max = std::numeric_limits<double>::max());
   void add(const std::string& name, bool* value, const std::string& help);
   void add(const std::string& name, std::string* value, const std::string& help);
+  // one_of   the values that are taken
+  void add(const std::string& name, std::string* value, const std::string& help, std::vector<std::string> one_of);
   void add(const std::string& name, std::vector<std::string>* value,
            const std::string& help);  // a YAML sequence; the flag takes a comma-separated list
   // A list of numbers, empty by default; the flag takes them one after another. Of flags alone (flagsAlone).
@@ -86,7 +88,7 @@ class OptionTable {
   // without   names of options that do not change the result
   nlohmann::ordered_json usedJson(const std::vector<std::string>& without) const;
 
-  // What there is to know of each option, a JSON object each: section, name, default, min and max where there are any, group, help.
+  // What there is to know of each option, a JSON object each: section, name, default, min, max and one_of where there are any, group, help.
   nlohmann::ordered_json describeAsJson() const;
 
  private:

@@ -1,6 +1,8 @@
 #include "validate/generators/function_counts.h"
 
+#include <algorithm>
 #include <array>
+#include <filesystem>
 
 #include "runtime_eval/support/weighting_function.h"
 #include "tool/error.h"
@@ -8,7 +10,10 @@
 
 namespace nlg {
 
-FunctionSet readHeldOut(const std::vector<std::string>& paths) {
+FunctionSet readHeldOut(std::vector<std::string> paths) {
+  // the order decides which functions stand for duplicates and which are drawn: that of names, however a shell lists them
+  const auto nameOf = [](const std::string& path) { return std::filesystem::path(path).filename(); };
+  std::stable_sort(paths.begin(), paths.end(), [&](const auto& a, const auto& b) { return nameOf(a) < nameOf(b); });
   FunctionSet set = readFunctionSet(paths, supportPattern().hash, kSupportPointCount);
   if (set.functionCount() == 0) throw InputError(paths.front(), "held-out functions", "at least one in all shards", "none");
   if (set.test_point_count == 0)

@@ -13,7 +13,7 @@ namespace nlg {
 // The functions of held-out shards, with points that no fit sees.
 // throws   InputError as readFunctionSet does; when there is no function at all, when the shards were made without --held-out, or
 //          with another pattern of test points than this code's
-FunctionSet readHeldOut(const std::vector<std::string>& paths);
+FunctionSet readHeldOut(std::vector<std::string> paths);
 
 struct FunctionCounts {
   ShardCounts all;       // over all shards; a function that two of them hold is one function

@@ -192,7 +192,7 @@ void describe(ValidateOptions& o, OptionTable& table) {
   describePolicy(o.policy, table);
   table.group("Measurement");
   table.add("theta_precision", &o.theta_precision,
-            "number format in which the light grid would store theta: float32, float16 or int8");
+            "number format in which the light grid would store theta: float32, float16 or int8", {"float32", "float16", "int8"});
   table.add("hard_tent_rmse", &o.hard_tent_rmse, "RMSE of the bare tent from which a function counts as hard", 0.0, 1.0);
   table.add("direct_functions", &o.direct_functions,
             "number of functions in the sample for long fits: they take a theta, and are spread evenly over scenes", 1, 1000000);

@@ -189,7 +189,7 @@ class Decision:
         if any(j.hard.value is not None and not j.hard.passes for j in self.judgements):
             steps.append("Where hard functions are far above the best known, look at them below; scenes like those that hold them are what the training lacks.")
         if any(j.speedup.value is not None and not j.speedup.passes for j in self.judgements):
-            steps.append("Where a fit from scratch is as fast, train longer (train.steps), or do without a generator.")
+            steps.append("Where a fit from scratch is as fast, train longer (train.steps) or on more levels, or do without a generator.")
         return steps
 
     def cards(self):

@@ -162,7 +162,8 @@ void describeTrainOptions(TrainOptions& o, OptionTable& table) {
   table.add(
       "input", &o.input,
       "what the generator reads of a function: samples, its values, visibility and validity at 1,024 points; or coefficients, "
-      "on the principal components of its values at all points");
+      "on the principal components of its values at all points",
+      {"samples", "coefficients"});
   table.add("coefficients", &o.coefficients,
             "number of coefficients used, those of largest variance; of samples, number of trained components, an eighth in each "
             "parity class. 0: as many as the basis has",
@@ -212,7 +213,6 @@ BasisData usedBasis(const TrainOptions& options, const Basis& basis) {
     trained.deviation.assign(size_t(in_class) * kParityClassCount, 1.0f);
     return trained;
   }
-  if (options.input != "coefficients") throw UsageError("input", "samples or coefficients", "'" + options.input + "'");
   return whitened(options.coefficients == 0 ? basis.data : truncateBasis(basis, options.coefficients).data, options.whitening);
 }
 
