@@ -163,7 +163,7 @@ def default_text(row):
 
 def help_of(row):
     """The help, and the values that a text or a list may hold."""
-    return ("" if "default" in row else "required; ") + row["help"] + (f". Values: {', '.join(row['one_of'])}" if row.get("one_of") else "")
+    return ("" if "default" in row else "required; ") + row["help"] + (f". Values: {', '.join(row['one_of'])}" if row.get("one_of") and "tool" not in row else "")  # a tool's own text names them
 
 
 def list_of(rows):

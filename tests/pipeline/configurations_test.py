@@ -84,6 +84,7 @@ def check_refused(tools):
                 ("bake: {spacing_m: -1}", "bake: spacing_m: expected a number from 0 to 100000, got -1"), ("frontier: {corrected_lm_steps: 8}", "a list, got 8"), ("colour: red", "unknown key 'colour'"),
                 ("train: {a: 1, a: 2}", "workflow.yaml:5:15: expected each key once"), ("train: {processes: true}", "train: processes: expected an integer from 1 to 4096"),
                 ("validate_light: {scenes: ['cornell:0', 'cornell:0']}", "scenes with different names"), ("validate_light: {spacings: [0]}", "a list of numbers"),
+                ("train: {input: foo}", "train: input: expected one of samples, coefficients, got 'foo'"),
                 ("report: {savings: [house_0]}", "held out or for the evaluation, got 'house_0'"), ("report: {stability: brief}", "one of short, full, got 'brief'")]),
             *((BASIS, split, "", words) for split, words in [
                 (HELD_OUT + ", evaluation: [castle_*]", "expected a pattern of some scene out of house_0, house_1, house_2, got 'castle_*'"),
@@ -138,6 +139,13 @@ def check_again(tools):
     for settings in (["train.steps=100"], ["name=other", "data=run"]):
         again = tools.run(command + [f"--set={setting}" for setting in settings])
         tools.check(again.returncode == 0, f"{settings}: {again.stderr}")
+    # runs of a sweep share the data that are named, or else make their own
+    for settings, data in (["data=run"], "run"), ([], "several"):
+        swept = tools.run([*command[:-1], "--sweep", "--set=name=several", "--set=train.steps=[20,40]", *(f"--set={setting}" for setting in settings)])
+        tools.check(swept.stdout.count(f"--set=data={data}\n") == 2, f"a sweep with {settings}: {swept.stdout}{swept.stderr}")
+    # fits of the bake that are not those that the verdict is of
+    said = tools.run([*command[:-1], "--set=bake.refine_rounds=1"]).stderr
+    tools.check("refine_rounds is 1 in bake, 3 in validate" in said, f"other fits in the bake: {said}")
     tools.refuses(USAGE_ERROR, "datagen", [*command, "--set=name=third", "--set=data=run", "--set=datagen.seed=5"])
     os.mkdir("levels")
     write("levels/a.glb", "x")

@@ -53,7 +53,7 @@ REFUSED = [
     (USAGE_ERROR, ["representation", "'pf4'"], "nlg-bake house:1 --representation pf4 --out bad.safetensors"),
     # words that are mistyped, before the scene is read
     *((USAGE_ERROR, names, f"nlg-bake missing.glb {option} sun --weights weights.safetensors --out bad.safetensors")
-      for option, names in (("--light", ["light", "solved, integrated, point or none", "'sun'"]), ("--light-direct", ["light_direct", "'sun'"]))),
+      for option, names in (("--light", ["light", "solved, integrated, point or none", "'sun'"]), ("--light-direct", ["--light-direct: expected all, no_suns, none or reflected", "'sun'"]))),
     # outputs that are empty, folders, inputs
     (USAGE_ERROR, ["--out", "empty"], "nlg-datagen --scene house:1 --out ''"), (USAGE_ERROR, ["--out", "not an input"], "nlg-datagen --scene level.glb --out ./level.glb"),
     (USAGE_ERROR, ["--out", "folder"], "nlg-bake house:1 --weights weights.safetensors --out bad.folder/"),

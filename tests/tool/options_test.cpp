@@ -18,7 +18,7 @@ struct Values {
   uint64_t seed = 1;
   double spacing_m = 0.5;
   bool cull = true;
-  std::string scene = "box";
+  std::string scene = "box", light = "all";
   std::vector<std::string> families = {"rooms"};
 };
 
@@ -29,6 +29,7 @@ OptionTable tableOf(Values* values) {
   table.add("spacing_m", &values->spacing_m, "probe spacing, metres", 0.01, 100.0);
   table.add("cull", &values->cull, "skip what nobody sees");
   table.add("scene", &values->scene, "scene file");
+  table.add("light", &values->light, "light that is kept", {"all", "lamps", "none"});
   table.add("families", &values->families, "procedural families");
   return table;
 }
@@ -76,12 +77,13 @@ TEST_F(Options, KeepDefaultsWithoutASection) {
 TEST_F(Options, TakeEveryTypeFromYaml) {
   readYaml(
       "name: demo\ntrain: {steps: 5}\ndatagen:\n  jobs: 8\n  seed: 18446744073709551615\n  spacing_m: 2.5e-1\n"
-      "  cull: false\n  scene: \"a, b: c\"\n  families: [mazes, 'two, words']\n");
+      "  cull: false\n  scene: \"a, b: c\"\n  light: lamps\n  families: [mazes, 'two, words']\n");
   EXPECT_EQ(values_.jobs, 8);
   EXPECT_EQ(values_.seed, 18446744073709551615u);
   EXPECT_EQ(values_.spacing_m, 0.25);
   EXPECT_FALSE(values_.cull);
   EXPECT_EQ(values_.scene, "a, b: c");
+  EXPECT_EQ(values_.light, "lamps");
   EXPECT_EQ(values_.families, (std::vector<std::string>{"mazes", "two, words"}));
 }
 
@@ -171,6 +173,7 @@ TEST_F(Options, RefuseValuesWithLineAndColumn) {
       {"datagen:\n  spacing_m: 1 m\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got '1 m'"},
       {"datagen:\n  spacing_m: 0.001\n", ":2:14: spacing_m: expected a finite number in [0.01, 100], got '0.001'"},
       {"datagen:\n  cull: yes\n", ":2:9: cull: expected true or false, got 'yes'"},
+      {"datagen:\n  light: suns\n", ":2:10: light: expected all, lamps or none, got 'suns'"},
       {"datagen:\n  families: [a, '']\n", ":2:17: families: expected a list of texts, none empty, got ''"},
       {"datagen:\n  families: [a, [b]]\n", ":2:17: families: expected a list of texts, none empty, got a sequence"},
       {"datagen:\n  scene: !!binary aGk=\n", ":2:10: scene: expected a text without a tag, got 'tag:yaml.org,2002:binary'"},
@@ -181,7 +184,7 @@ TEST_F(Options, RefuseValuesWithLineAndColumn) {
 }
 
 TEST_F(Options, RefuseUnknownAndRepeatedKeysWithLineAndColumn) {
-  const std::string keys = "expected one of [jobs, seed, spacing_m, cull, scene, families], got ";
+  const std::string keys = "expected one of [jobs, seed, spacing_m, cull, scene, light, families], got ";
   std::string sections = "expected one of [";
   for (const std::string& section : pipelineSections()) sections += (sections.back() == '[' ? "" : ", ") + section;
   sections += "], got ";
