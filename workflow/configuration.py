@@ -314,10 +314,10 @@ def judge(config, path, environment=os.environ):
 
 def other_policies(run):
     """Lines about the fits of validations that are not those of the bake: the report's verdict is of the former."""
-    lines = []
-    keys = [{row["name"] for row in rows_of(name) if row.get("group", "").startswith("Policy")} for name in ("bake", "validate", "frontier")]
+    lines, sections = [], ("bake", "validate", "frontier")
+    keys = [{row["name"] for row in rows_of(name) if row.get("group", "").startswith("Policy")} for name in sections]
     for key in sorted(set.intersection(*keys)):
-        values = {name: run.sections[name].get(key, default(name, key)) for name in ("bake", "validate", "frontier")}
+        values = {name: run.sections[name].get(key, default(name, key)) for name in sections}
         if len(set(values.values())) > 1:
             lines.append(f"{key} is {', '.join(f'{value} in {name}' for name, value in values.items())}: the report's verdict is of validate and frontier")
     return lines
