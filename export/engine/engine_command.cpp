@@ -10,13 +10,13 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <nlohmann/json.hpp>
 
+#include "bake/again/bake_provenance.h"
 #include "bake/light_bake.h"
 #include "export/engine/quake_light_grid.h"
 #include "export/engine/texel_light.h"
 #include "export/shader/shader_export.h"
 #include "light/air.h"
 #include "light/surface_cache.h"
-#include "runtime_eval/grid_file/light_grid_file.h"
 #include "runtime_eval/light_grid/grid_summary.h"
 #include "runtime_eval/light_grid/packed_light.h"
 #include "runtime_eval/numbers/random.h"
@@ -228,12 +228,33 @@ Json errorJson(const LightFigures& figures) {
   return json;
 }
 
-LightGrid readGrid(const std::string& path) {
-  LightGrid grid;
-  GridMetadata metadata;
-  requireRead(path, readLightGridFile(path, &grid, &metadata), "a light grid");
-  if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
-  return grid;
+BakedGrid readLitGrid(const std::string& path) {
+  BakedGrid baked = readBakedGrid(path);
+  if (baked.grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
+  return baked;
+}
+
+// An error against the truth of another scene is not wrong, but seldom what was meant.
+// baked   read from path
+void warnOfOtherScene(const std::string& path, const BakedGrid& baked, const SceneSource& source) {
+  const auto warn = [&](const std::string& what) { std::cerr << "nlg-export: " << path << ": " << what << '\n'; };
+  const auto scene = baked.metadata.find("scene");
+  if (scene != baked.metadata.end() && scene->second != source.id)
+    return warn("baked from " + scene->second + ", and its error is measured in " + source.id);
+  const auto provenance = baked.metadata.find("provenance");
+  const Json origin = provenance == baked.metadata.end() ? Json() : Json::parse(provenance->second, nullptr, false);
+  // empty where a grid does not say it
+  const auto inputOf = [&](const std::string& role) {
+    const Json::json_pointer place("/inputs/" + role);
+    return origin.contains(place) && origin[place].is_string() ? origin[place].get<std::string>() : std::string();
+  };
+  // a texel holds all groups of light
+  const bool has_groups = !source.scene.light.groups.names.empty();
+  const std::string light = has_groups ? sceneLightSha256(source.scene, {}) : sceneLightSha256(source.scene);
+  std::string baked_light = inputOf(kUngroupedRole);
+  if (baked_light.empty()) baked_light = inputOf(kLightRole);
+  if (!baked_light.empty() && baked_light != light)
+    warn("baked with other light than the scene has here; give the same --sky, --sun and --intensity");
 }
 
 // extent_m as it is; without one, where the scene would have probes, and a texel on every side: there filters find light.
@@ -286,9 +307,11 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   const TextureFormat* texture = findTexture(request.format);
   if (texture == nullptr && request.format != kQuakeFormat)
     throw UsageError("--format", textureNames() + kQuakeFormat, "'" + request.format + "'");
+  const std::optional<BakedGrid> baked = request.grid.empty() ? std::nullopt : std::optional(readLitGrid(request.grid));
   const QuakeLevel level = texture == nullptr ? readQuakeLevel(request.scene) : QuakeLevel{};
   const PreparedScene scene(request.scene, options);
   tellNotes("nlg-export", scene.source);
+  if (baked) warnOfOtherScene(request.grid, *baked, scene.source);
   if (!scene.source.scene.light.groups.names.empty())
     std::cerr << "nlg-export: a texel holds the sum of all light: groups of light and light states are not kept apart\n";
   const int threads = threadsOf(options);
@@ -331,11 +354,10 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   const size_t best = bestOf(ways, judgeOf(kChoiceStream));
   const std::string shipped = ways[best].name;
   const std::vector<EngineFile> files = ways[best].files;
-  if (!request.grid.empty()) {
-    const LightGrid grid = readGrid(request.grid);
-    ways.push_back({"the light grid", {}, [grid](const PositionM& position_m, const float* normal_3) {
+  if (baked) {
+    ways.push_back({"the light grid", {}, [&baked](const PositionM& position_m, const float* normal_3) {
                       std::array<float, kShChannels> rgb;
-                      lookUpIrradiance(grid, position_m, normal_3, rgb.data());
+                      lookUpIrradiance(baked->grid, position_m, normal_3, rgb.data());
                       return rgb;
                     }});
   }

@@ -130,7 +130,7 @@ QuakeLevel readQuakeLevel(const std::string& request) {
     level.bytes = archives.read(entry, archives.sizeOf(entry));
   } else {
     throw InputError(request, "scene", "a level of a Quake III-family game: FILE.bsp, or PATH:MAP in .pk3 archives",
-                     "another one");
+                     "a file that ends in '" + extensionOf(request) + "'");
   }
   const GridPoints grid = pointsOf(request, parseBsp(request, level.bytes));
   const Lump lump = gridLump(level.bytes);

@@ -79,7 +79,7 @@ inline std::array<float, kShChannels> flooredIrradiance(const float* light_9x3, 
 struct LightAxis {
   int bits = 0;                                 // of a record's number along this axis: 0 to 12; 0: all probes have the same
   int32_t offset = 0;                           // |offset| <= 2^12
-  std::array<uint16_t, kShFloats> direction{};  // float16 bits: 9 of red, green and blue each
+  std::array<uint16_t, kShFloats> direction{};  // float16 bits: red, green and blue of each of the 9 coefficients
 };
 struct PackedLight {
   float unit = 1.0f;  // > 0

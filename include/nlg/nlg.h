@@ -35,7 +35,7 @@ extern "C" {
 typedef enum nlg_status NLG_OF_INT {
   NLG_OK = 0,
   NLG_CANNOT_OPEN = 1,       /* the system refused, or it is not a regular file */
-  NLG_CANNOT_READ = 2,       /* the system refused, or the file is larger than 1 GiB */
+  NLG_CANNOT_READ = 2,       /* the system refused, or the file is too large: weights above 1 GiB, grids above 16 GiB */
   NLG_TOO_SHORT = 3,         /* no header length, or fewer bytes than the tensors need */
   NLG_HEADER_TOO_LARGE = 4,  /* header above 1 MiB or past the end of the file */
   NLG_HEADER_MALFORMED = 5,  /* no safetensors header */

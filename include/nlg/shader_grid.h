@@ -26,6 +26,7 @@
 //     3             scale of light (float), classes; the first 8 bytes of the SHA-256 of all words, computed with these two as 0
 //     4             axes of light, bits of a record's scale, words of a record of light; groups of light, 0 without groups
 //     5 + 2 k       of class k: first probe, first record, its stride (the last two in units of 16 bytes), kind and flags
+//                   (NLG_KIND_ and NLG_FLAG_ in runtime_eval/shader_grid/nlg_light_grid.h)
 //     6 + 2 k       slope, 0, step of bytes (float); nodes along an edge of a product field or brick
 //
 // and after all classes 7 rows per axis of light, floats times the light's unit over the grid's scale, a power of two: red's

@@ -118,6 +118,19 @@ def check_shader():
     must(all(0 < channel < 1e6 for channel in lines[0]["mean_radiance"]), f"its light: {lines[0]}")
 
 
+def check_grid_beside():
+    """The grid whose error is measured, too: of the same scene and light, or a line says that it is not."""
+    baked = TOOLS.run(["nlg-bake", "two_rooms:0", "--out", "rooms.safetensors", "--spacing-m", "0.8", "--light-rays", "64", "--draft"])
+    must(baked.returncode == 0, f"bake: {baked.stderr}")
+    for options, said in ([], ""), (["--sky", ".3,.4,.5"], "rooms.safetensors: baked with other light"):
+        result = engine("three", "beside", "--grid", "rooms.safetensors", *options)
+        must(result.returncode == 0 and "the light grid" in json.loads(result.stdout)["error"], f"--grid: {result.stderr}")
+        must((said in result.stderr) if said else ("baked" not in result.stderr), f"--grid {options}: {result.stderr}")
+    result = engine("three", "beside", "--grid", "rooms.safetensors", scene="two_rooms:1")
+    must("rooms.safetensors: baked from two_rooms_0, and its error is measured in two_rooms_1" in result.stderr, f"another scene: {result.stderr}")
+    TOOLS.refuses(INPUT_ERROR, ["three/light.bin", "light grid"], ["nlg-export", "engine", "no_such.glb", "--format", "three", "--out", "bad", "--grid", "three/light.bin"])
+
+
 def check_refusals():
     grid = ["nlg-export", "shader", "--out", "bad", "--grid"]
     TOOLS.refuses(USAGE_ERROR, ["glsl, three-per-pixel, c-header", "unity"], [*grid, "grid.safetensors", "--format", "unity"])
@@ -167,6 +180,7 @@ try:
         check_three(exported("three"))
         check_ktx2(exported("ktx2-sh"))
         check_shader()
+        check_grid_beside()
         check_refusals()
         must(TOOLS.end() == 0, "what is refused")
 finally:
