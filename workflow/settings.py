@@ -56,7 +56,7 @@ OWN = [
     own("split", "held_out", "texts", "patterns of names of scenes that are never trained on, for validation during training and for the report", default=[]),
     own("split", "held_out_share", "number", "share of the scenes of `scenes.folder` (without it: of all scenes), at least one, that is held out at random, unless `held_out` names one of them", min=0.0, max=0.9, default=0.0),
     own("split", "seed", "integer", "seed of that choice", min=0, default=1),
-    own("split", "evaluation", "texts", "patterns of names of further held-out scenes, on which the published figures are measured ([the split](../guide/levels.md#the-split))", default=[]),
+    own("split", "evaluation", "texts", "patterns of names of further held-out scenes, on which the published figures of functions are measured ([the split](../guide/levels.md#the-split))", default=[]),
     own("report", "stability", "text", "stability cases to run. `short`: smaller ones, in seconds", one_of=["short", "full"], default="full"),
     own("report", "savings", "texts", "patterns of held-out and evaluation scenes that are baked with the run's weights, to measure what the bake leaves out. `[]`: none. Default: the first scene of each split", default=None),
     own("validate_light", "scenes", "texts", "scenes, as for nlg-bake, whose light is measured with each generator and the section `bake`", default=[]),

@@ -1,9 +1,9 @@
 """docs/reference/light.md: light, against ground truth and baselines. Written by results.py from docs/results/light.json."""
+from results_collect import OURS
 from results_page import spread, table
 from results_quotes import made_by, number, percent
 
 NAME = "light"
-OURS = "tent_mlp4"  # what nlg-bake takes without being told
 GROUPS = ("air", "surface", "turned")
 KIND_TITLES = {"all": "All scenes", "levels": "Levels", "furnished": "Furnished scenes", "daylight": "Daylit rooms", "boxes": "Test boxes"}
 SHOWN_KINDS = ("levels", "furnished", "daylight")
@@ -327,9 +327,19 @@ def blend_section(results):
     return BLEND_INTRODUCTION.format(ours=f"`{results['ours']}`", spacing=spacing_text(SHOWN_SPACING)) + table(["scenes", *head], rows)
 
 
+def training_text(results):
+    """Whether it matters that the weights have seen a scene."""
+    found = results.get("over_exact", {})
+    if not {"trained", "unseen"} <= found.keys():
+        return ""
+    trained, unseen = (found[key] for key in ("trained", "unseen"))
+    return (f"\n`{results['ours']}` was trained on {len(trained['scenes'])} of these {len(trained['scenes']) + len(unseen['scenes'])} scenes: {', '.join(trained['scenes'])}. Light hardly depends on it, because fits follow: "
+            f"the error is {number(trained['error'], 3)} times that of exact functions (`target functions`) in these, and {number(unseen['error'], 3)} times in the others (all light, solved, {spacing_text(SHOWN_SPACING)}; geometric means).\n")
+
+
 def page(all_results):
     results = all_results[NAME]
-    text = INTRODUCTION + f"\n{made_by(results, results['revisions'])}.\n"
+    text = INTRODUCTION + f"\n{made_by(results, results['revisions'])}.\n" + training_text(results)
     text += (indirect_section(results) if "indirect" in results else "") + targets_section(results)
     text += seen_section(results) if "views" in results else ""
     return text + blend_section(results) + scenes_section(results["scenes"])

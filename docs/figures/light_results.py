@@ -12,8 +12,8 @@ import dataclasses
 import sys
 from pathlib import Path
 
-from light_page import NAME, OURS
-from results_collect import benchmarks, fail, held_to, read_json, revision, rounded, slug, take, today
+from light_page import NAME
+from results_collect import OURS, benchmarks, fail, held_to, read_json, revision, rounded, slug, take, today, trained_on
 
 # the one place that reads light.json, and sums it up over scenes
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "validate" / "report"))
@@ -104,6 +104,19 @@ def to_best_baseline(points, ours, baselines, solved, error=lambda point, group:
                 entry[group] = max(found, key=lambda some: some["value"])
         if entry:
             out[spacing_key(spacing_m)] = entry
+    return out
+
+
+def over_exact(points, ours):
+    """Ours over exact functions, which no generator has touched, where the weights have seen the scene and where they have not."""
+    here = [point for point in points if point.spacing_m == TODAY_M]
+    exact = {point.scene: point for point in figures.of_method(here, (figures.NOT_STORED, "solved"))}
+    mine = [point for point in figures.of_method(here, (ours, "solved")) if point.scene in exact]
+    known, out = trained_on(ours), {}
+    for key, some in (("trained", [point for point in mine if slug(point.scene) in known]), ("unseen", [point for point in mine if slug(point.scene) not in known])):
+        if some:
+            ratios = [ratio for group in GROUPS for ratio in figures.ratios_to(some, exact, group)]
+            out[key] = {"scenes": sorted(point.scene for point in some), "error": figures.geometric_mean(ratios)}
     return out
 
 
@@ -298,7 +311,7 @@ def collect(folder):
     points, scenes, revisions = measured(folder, files, ours, "all")
     kinds = {point.scene: point.kind for point in points}
     out = {"schema_version": 1, "run": NAME, "command": "docs/figures/measure.sh light views bakes", "date": today(), "ours": ours, "revisions": revisions, "scenes": scenes,
-           "targets": targets(points, ours), "thinning": {}, "methods": {}}
+           "targets": targets(points, ours), "over_exact": over_exact(points, ours), "thinning": {}, "methods": {}}
     for kind in SCENE_KINDS:
         of_kind = [point for point in points if point.kind == kind]
         if any(point.spacing_m == TODAY_M for point in of_kind):

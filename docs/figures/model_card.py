@@ -16,21 +16,19 @@ CONFIG  the configuration that the run was made by
 import argparse
 import json
 import re
-import struct
 import sys
 from pathlib import Path
 
-from results_collect import STAGES, dump, fail, read_json
+from results_collect import STAGES, WEIGHTS, dump, fail, read_header, read_json
 from results_page import judgements, ratio, table
 from results_quotes import MAIN, microseconds, number, percent
 from tool.atomic_file import write_atomically
 from tool.errors import CHECK_FAILED
 from tool.errors import run as run_script
-from tool.input_file import as_documented, read_bytes
+from tool.input_file import as_documented
 from tool.input_file import sha256 as hash_of
 
 ROOT = Path(__file__).resolve().parents[2]
-WEIGHTS = ROOT / "weights"
 FACTS = ROOT / "docs" / "results" / "weights.json"
 
 FRONT_MATTER = """---
@@ -60,15 +58,6 @@ Each comes from a run of the pipeline; `ship_weights.sh` copies it here and writ
 workflow/ship_weights.sh out/NAME CONFIG REPRESENTATION ...
 ```
 """
-
-
-def read_header(path):
-    """The texts of a weights file, and its tensors' dtypes and shapes."""
-    with as_documented(path):
-        data = read_bytes(path)
-        header = json.loads(data[8 : 8 + struct.unpack_from("<Q", data)[0]])
-        metadata = header.pop("__metadata__")
-        return metadata, {name: tensor for name, tensor in header.items() if not name.startswith("padding.")}
 
 
 def training_scenes(run):
@@ -143,13 +132,13 @@ def errors_section(names, results):
 
 
 def counted_scenes(text):
-    """The procedural families with their numbers, and how many levels there were; weights.json names them."""
+    """The procedural families with their numbers, and how many levels there were."""
     families, levels = [], 0
     for part in text.split("; "):
         match = re.fullmatch(r"(\d+) of the procedural family (\w+)", part)
         families += [f"{match[2]} {match[1]}"] if match else []
         levels += 0 if match else len(part.split(", "))
-    return ", ".join(families + ([f"levels {levels} (`docs/results/weights.json` names them)"] if levels else []))
+    return ", ".join(families + ([f"levels {levels} (`docs/results/weights.json` names the levels; `training_scenes` in the `training_options` of a weights file, all scenes)"] if levels else []))
 
 
 SHOWN_OPTIONS = ("steps", "batch", "learning_rate")

@@ -11,12 +11,13 @@ import datetime
 import json
 import math
 import re
+import struct
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # tool/, which all scripts share
 from tool.errors import InputError
-from tool.input_file import as_documented
+from tool.input_file import as_documented, read_bytes
 from tool.input_file import read_json as read_node
 
 STAGES = ("network", "corrected", "fitted", "stored")
@@ -26,6 +27,8 @@ ERRORS = ("blend_rmse", "rmse")
 SCHEMA_VERSION = 2  # of summary.json and frontier.json
 RESULTS_VERSION = 2  # of docs/results/NAME.json
 STATISTICS = ("median", "mean", "p95")
+WEIGHTS = Path(__file__).resolve().parents[2] / "weights"
+OURS = "tent_mlp4"  # what nlg-bake takes without being told
 DIGITS = 4  # significant: as many as any text shows
 
 
@@ -62,6 +65,20 @@ def take(source, keys, place):
 def slug(name):
     """A key that can stand in a way of keys: "generator/float32:96" is generator_float32_96."""
     return re.sub(r"\W+", "_", name).strip("_")
+
+
+def read_header(path):
+    """The texts of a weights file, and its tensors' dtypes and shapes."""
+    with as_documented(path):
+        data = read_bytes(path)
+        header = json.loads(data[8 : 8 + struct.unpack_from("<Q", data)[0]])
+        metadata = header.pop("__metadata__")
+        return metadata, {name: tensor for name, tensor in header.items() if not name.startswith("padding.")}
+
+
+def trained_on(name):
+    """The scenes that the supplied weights of a representation have seen, under the names that files of results have."""
+    return {slug(scene) for scene in json.loads(read_header(WEIGHTS / f"{name}.safetensors")[0]["training_options"])["training_scenes"]}
 
 
 def revision(document, place):

@@ -3,7 +3,7 @@ import re
 import sys
 from pathlib import Path
 
-from results_collect import STAGES
+from results_collect import OURS, STAGES, trained_on
 from results_quotes import MAIN, made_by, microseconds, number, percent
 from tool.input_file import Node
 
@@ -197,6 +197,12 @@ def bakes_section(bakes):
     text = (f"\n## Whole bakes\nOurs on {', '.join(map(str, threads))} thread{'s' if threads != [1] else ''}; seconds of stages are thread seconds, those of light and of the whole bake by the "
             "clock. The talk's are by the clock on 64 cores, over all its functions, and all bytes include light. What a bake left out because its scene does not need it, every bake says itself "
             "([bake](bake_json.md#savings)).\n")
+    known = trained_on(OURS)
+    unseen = {name: entry for name, entry in bakes.items() if name not in known}
+    if len(unseen) < len(bakes):
+        shares = [percent(sum_of_bakes(some)["share_fitted"]["theta"]) for some in ({name: entry for name, entry in bakes.items() if name in known}, unseen) if some]
+        text += (f"\n`{OURS}` was trained on {len(bakes) - len(unseen)} of these {len(bakes)} levels, not on {', '.join(unseen)}: there {shares[-1]} of the functions with a θ take a fit, and {shares[0]} in the others.\n" if unseen
+                 else f"\n`{OURS}` was trained on all of these levels.\n")
     return text + table(BAKE_HEAD, rows)
 
 

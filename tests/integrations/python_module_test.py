@@ -6,6 +6,7 @@
 Exit code 77, a skipped test, where numpy is missing.
 """
 import _thread
+import ctypes
 import importlib.util
 import os
 import signal
@@ -232,6 +233,13 @@ class PythonModule(unittest.TestCase):
                 self.assertTrue(str(raised.exception))
         self.raises(ValueError, "(tensor_missing)", nlg.LightGrid, self.weights)
         self.raises(ValueError, f"{self.house}: ", nlg.Generator, self.house)
+
+    def test_sample_points_are_those_of_the_page(self):
+        section = (ROOT / "docs/reference/training_files.md").read_text().split("## Sample points\n")[1].split("\n## ")[0]
+        listed = [int(word) for word in section.rsplit(":", 1)[1].strip(" .\n").split(",")]
+        of_c = ctypes.CDLL(f"{BUILD}/python/nlg/libnlg.so").nlg_sample_point
+        of_c.restype = ctypes.c_size_t
+        self.assertEqual([of_c(ctypes.c_size_t(i)) for i in range(1024)], [1024 * m + s for m in range(8) for s in listed])
 
     def test_the_guide_runs(self):
         text = (ROOT / "docs/guide/python.md").read_text()

@@ -58,7 +58,7 @@ class Change:
     standard_error: float = 0.0  # of new - old; 0: not known
     chance: object = None        # that noise alone makes so large a difference; None: judged by a factor, or not at all
     note: str = ""
-    trend: str = "same"          # where there is a chance: "same" until all figures are judged together
+    trend: str = "same"          # better, worse, same, or shown: not judged. Where there is a chance: "same" until all figures are judged together
 
 
 def summary_of(path):
@@ -200,11 +200,10 @@ def worst_change(old, new, tau):
 
 def costs(old, new):
     """The mean RMSE, how many functions took a fit, and the time, which a busy machine changes: they are shown and never judged."""
-    yield "mean RMSE", {key: node["theta"]["rmse"]["mean"].number() if node["theta"]["functions"].count() else 0.0 for key, node in (("old", old), ("new", new))}
-    fitted = [node["theta"]["share_fitted"]["value"].number() for node in (old, new)]
-    times = [node["theta"]["us_per_function"].number() for node in (old, new)]
-    yield "share that took a fit", dict(zip(("old", "new"), fitted))
-    yield "µs a function", dict(zip(("old", "new"), times))
+    shown = lambda old, new: {"old": old, "new": new, "trend": "shown"}
+    yield "mean RMSE", shown(*(node["theta"]["rmse"]["mean"].number() if node["theta"]["functions"].count() else 0.0 for node in (old, new)))
+    yield "share that took a fit", shown(*(node["theta"]["share_fitted"]["value"].number() for node in (old, new)))
+    yield "µs a function", shown(*(node["theta"]["us_per_function"].number() for node in (old, new)))
 
 
 # ---- all figures

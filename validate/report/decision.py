@@ -153,20 +153,21 @@ class Decision:
         result = []
         for j in self.judgements:
             said = []
+            so = "" if j.verdict == verdict.FAILS else ", so it stays undecided"
             if 0 < j.functions < verdict.FEWEST_FUNCTIONS:
                 said.append(f"{plural(j.functions, 'function')} that take a θ decide nothing, so it stays undecided: hold out more scenes")
             if j.scenes < verdict.FEWEST_SCENES:
                 said.append(f"{plural(j.scenes, 'held-out scene')} {'decides' if j.scenes == 1 else 'decide'} nothing, so it stays undecided: hold out {verdict.FEWEST_SCENES} or more")
             if j.failing.value is None:
-                said.append("no function takes a θ, so it stays undecided")
+                said.append(f"no function takes a θ{so}")
             elif not j.failing.passes and not j.failing.is_open:
                 said.append(f"{percent(j.failing.value)} of its functions that take a θ fail the check as they are stored (limit {percent(limits.share_failing)})")
             if j.hard.value is None:
-                said.append("no hard function to compare with the best known, so it stays undecided")
+                said.append(f"no hard function to compare with the best known{so}")
             elif not j.hard.passes and not j.hard.is_open:
                 said.append(f"{factor(j.hard.value)} × the best known blend RMSE on hard functions (limit {limits.error_hard:g} ×)")
             if j.speedup.value is None:
-                said.append((f"no speed at equal error, because {j.equal.reason}" if j.equal else "no frontier was given that times direct fits of the same blend RMSE") + ", so it stays undecided")
+                said.append((f"no speed at equal error, because {j.equal.reason}" if j.equal else "no frontier was given that times direct fits of the same blend RMSE") + so)
             elif not j.speedup.passes and not j.speedup.is_open:
                 said.append(f"{factor(j.speedup.value)} × as fast as a direct fit of the same mean blend RMSE (at least {limits.speedup:g} × is asked for)")
             near = [what for figure, what in ((j.failing, "share that fails"), (j.hard, "error of hard functions"), (j.speedup, "speed")) if figure.is_open]
@@ -184,6 +185,10 @@ class Decision:
             steps.append(f"Use weights/{ships[0]}.safetensors: nlg bake LEVEL --weights …; --use-generator 0 shows a level without it.")
         if any(j.functions < verdict.FEWEST_FUNCTIONS for j in self.judgements):
             steps.append("Hold out more scenes: so few functions decide nothing.")
+        mean = lambda populations: populations["theta"]["blend_rmse"]["mean"].number()
+        untrained = [j.representation for j in self.judgements if j.functions and mean(self.inputs.summary["representations"][j.representation]["network"]) >= mean(self.inputs.summary["tent"])]
+        if untrained:
+            steps.append(f"{joined(untrained)} predicts no better than the bare tent: its training failed. See its curve below; a lower train.learning_rate is the first thing to try.")
         if any(j.failing.value is not None and not j.failing.passes for j in self.judgements):
             steps.append("Where functions fail, a larger representation or longer fits help (refine_rounds, refine_first_steps); training longer does not.")
         if any(j.hard.value is not None and not j.hard.passes for j in self.judgements):

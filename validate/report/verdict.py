@@ -34,8 +34,8 @@ def rule(limits, tau_rmse, tau_blend):
         "Stability: every case of the suite holds."]
 
 
-UNDECIDED_WHEN = (f"A generator is undecided where fewer than {FEWEST_FUNCTIONS} functions take a θ or fewer than {FEWEST_SCENES} scenes are held out, where a figure could not be measured, "
-                  "and where the 95 % interval of a figure (over scenes and functions) holds its limit and no other figure fails.")
+UNDECIDED_WHEN = (f"A generator is undecided where fewer than {FEWEST_FUNCTIONS} functions take a θ or fewer than {FEWEST_SCENES} scenes are held out. It is undecided, too, where no figure fails, but one could "
+                  "not be measured or its 95 % interval (over scenes and functions) holds its limit.")
 
 
 @dataclass
@@ -78,11 +78,11 @@ class Judgement:
 
     @property
     def verdict(self):
-        if self.is_of_too_few or any(figure.value is None for figure in self.figures):
+        if self.is_of_too_few:
             return UNDECIDED
-        if any(not figure.passes and not figure.is_open for figure in self.figures):
+        if any(figure.value is not None and not figure.passes and not figure.is_open for figure in self.figures):
             return FAILS
-        return UNDECIDED if any(figure.is_open for figure in self.figures) else SHIPS
+        return UNDECIDED if any(figure.value is None or figure.is_open for figure in self.figures) else SHIPS
 
 
 @dataclass

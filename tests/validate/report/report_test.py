@@ -137,7 +137,14 @@ def check_verdict(needed):
     expect(decision.Decision(data, verdict.Limits(), None, front).judgements[1].failing.value == node["stored"]["theta"]["share_failing_check"]["value"].number(), "not what is stored is judged")
     node["sample"]["ratios"]["stored"]["to_best_known"]["median_hard"].value["value"] = 0
     undecided = decision.Decision(data, free, None, front)
-    expect(undecided.judgements[1].verdict == verdict.UNDECIDED and "no hard function" in dict(undecided.objections())["mlp"], "a figure that nothing was measured for counts as reached")
+    expect(undecided.judgements[1].verdict == verdict.UNDECIDED and "no hard function to compare with the best known, so it stays undecided" in dict(undecided.objections())["mlp"], "a figure that nothing was measured for counts as reached")
+    # what was not measured excuses nothing that was
+    failing = decision.Decision(data, verdict.Limits(0.0, 1e9, 0.0), None, front)
+    expect(failing.judgements[1].verdict == verdict.FAILS and "undecided" not in dict(failing.objections())["mlp"], f"an unmeasured figure hides a failure: {failing.objections()}")
+    said = "predicts no better than the bare tent"
+    expect(not any(said in step for step in every.next_steps()), "a network that learned something counts as one that did not")
+    node["network"]["theta"]["blend_rmse"].value["mean"] = data.summary["tent"]["theta"]["blend_rmse"]["mean"].number()
+    expect(any(step.startswith(f"mlp {said}") for step in decision.Decision(data, free, None, front).next_steps()), "nobody says that a training failed")
     timeless = decision.Decision(data, free, None)
     expect(all("no frontier" in text for _, text in timeless.objections()) and len(timeless.objections()) == 3, f"times that nobody measured: {timeless.objections()}")
     equal = verdict.at_equal_error(front.speeds["tent_mlp"]["fitted"])
