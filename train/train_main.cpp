@@ -79,6 +79,8 @@ void check(const Request& request, const TrainOptions& options) {
           "none");
   require((options.point_batches & (options.point_batches - 1)) == 0, "point_batches", "1, 2, 4 or 8",
           std::to_string(options.point_batches));
+  require(options.shape.dictionary_resolution % 2 == 1, "dictionary_resolution", "3, 5, 7 or 9",
+          std::to_string(options.shape.dictionary_resolution));
   require(processes.count <= options.batch, "processes", "at most batch", std::to_string(processes.count));
 }
 
@@ -212,7 +214,7 @@ void requireSeparate(const Request& request, const Scenes& seen, const Scenes& h
   for (const auto& [scene, sha256] : held_out) {
     for (const auto& [other, other_sha256] : seen) {
       if (scene != other && (sha256.empty() || sha256 != other_sha256)) continue;
-      throw InputError(request.held_out.front(), "scene " + scene,
+      throw InputError(request.held_out.size() == 1 ? request.held_out.front() : "--held-out", "scene " + scene,
                        "a scene that neither training shards nor --init were trained on", "the training scene " + other);
     }
   }

@@ -157,8 +157,11 @@ class Run:
         """Processes and threads of each training, which the workflow starts."""
         self.training_cores = {}
         for name, own in self.representations.items():
-            options = {**self.sections["train"], **own}
-            self.training_cores[name] = tuple(int(options.get(key, default("train", key))) for key in ("processes", "threads"))
+            options = {key: int({**self.sections["train"], **own}.get(key, default("train", key))) for key in ("processes", "threads", "batch", "dictionary_resolution")}
+            # nlg-train says so too, when data and basis are made
+            require("train: processes", options["processes"], options["processes"] <= options["batch"], f"at most batch, {options['batch']}")
+            require("train: dictionary_resolution", options["dictionary_resolution"], options["dictionary_resolution"] % 2 == 1, "3, 5, 7 or 9")
+            self.training_cores[name] = options["processes"], options["threads"]
 
     def _take_scenes(self, options, environment):
         shards = len(options["families"]) * options["per_family"] * options["jitters"]

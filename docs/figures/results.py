@@ -113,7 +113,7 @@ def of_several_revisions(all_results):
 MEASURED_FILES = ["*.cpp", "*.h", "*.def", "weights/*.safetensors", ":!tests", ":!viewer", ":!examples"]
 COMMENTS_AND_SPACE = re.compile(rb"//[^\n]*|/\*.*?\*/|\s+", re.DOTALL)
 # By results file: folders whose sources no figure of it goes through. Fault injection goes through all.
-OF_FUNCTIONS, OF_LIGHT = ["train", "export", "validate/generators", "validate/frontier", "validate/stability"], ["render", "export", "validate/light", "validate/views"]
+OF_FUNCTIONS, OF_LIGHT = ["train", "export", "validate/generators", "validate/frontier", "validate/stability"], ["render", "train", "export", "validate/light", "validate/views"]
 NOT_MEASURED = {light_page.NAME: OF_FUNCTIONS, cycles_page.NAME: [*OF_FUNCTIONS, "bake", "validate/views"], MAIN: OF_LIGHT}
 
 

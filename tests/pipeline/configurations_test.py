@@ -84,6 +84,7 @@ def check_refused(tools):
                 ("bake: {spacing_m: -1}", "bake: spacing_m: expected a number from 0 to 100000, got -1"), ("frontier: {corrected_lm_steps: 8}", "a list, got 8"), ("colour: red", "unknown key 'colour'"),
                 ("train: {a: 1, a: 2}", "workflow.yaml:5:15: expected each key once"), ("train: {processes: true}", "train: processes: expected an integer from 1 to 4096"),
                 ("validate_light: {scenes: ['cornell:0', 'cornell:0']}", "scenes with different names"), ("validate_light: {spacings: [0]}", "a list of numbers"),
+                ("train: {dictionary_resolution: 6}", "train: dictionary_resolution: expected 3, 5, 7 or 9, got 6"), ("train: {batch: 64, processes: 65}", "train: processes: expected at most batch, 64, got 65"),
                 ("train: {input: foo}", "train: input: expected one of samples, coefficients, got 'foo'"),
                 ("report: {savings: [house_0]}", "held out or for the evaluation, got 'house_0'"), ("report: {stability: brief}", "one of short, full, got 'brief'")]),
             *((BASIS, split, "", words) for split, words in [

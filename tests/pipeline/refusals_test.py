@@ -40,7 +40,7 @@ SECTIONS = {"nlg-datagen": "datagen", "nlg-pca": "basis", "nlg-train": "train", 
 ADDED = [
     ("nlg-datagen", "--spacing-min-m 3 --spacing-max-m 2", "spacing_max_m"), ("nlg-datagen", "--spacing-min-m 0.0001 --spacing-max-m 0.0001", ["134217728", "finest spacing"]),
     ("nlg-export", "--onnx bad.bin", ".onnx"), ("nlg-train", "--cache functions.cache", "--cache"), ("nlg-train", "--device cuda", "--device"),
-    ("nlg-train", "--rank 2 --processes 2", "--rank"), ("nlg-train", "--processes 2", "--rendezvous"), ("nlg-train", "--batch 1 --processes 2 --rendezvous meeting", "processes"),
+    ("nlg-train", "--dictionary-resolution 6", "dictionary_resolution"), ("nlg-train", "--rank 2 --processes 2", "--rank"), ("nlg-train", "--processes 2", "--rendezvous"), ("nlg-train", "--batch 1 --processes 2 --rendezvous meeting", "processes"),
     ("nlg-bake", "--extent-m=1,2,3", "extent_m"), ("nlg-bake", "--spacing-m 0.0001", ["1000000 probes", "finest spacing"]), ("nlg-bake", "--max-probes 100", "at most 100 probes"),
     ("nlg-render", "--method grid", "--grid"), ("nlg-render", "--show weights", "--show"), ("nlg-render", "--look 1,2,3", "--eye"),
     ("nlg-render", "--bake --grid weights.safetensors", "--bake"), ("nlg-view", "--baselines unity", "unity"), ("nlg-view", "--light none --extent-m=0,0,0,2,2,2", "--light"),
