@@ -86,11 +86,14 @@ void writeIrradianceTable(const IrradianceRequest& request, const BakeOptions& o
   gather.rays = request.rays;
   gather.direct = directLightFromName(options.light_direct);
 
+  // a point on a surface would start behind it, by what its numbers round to
+  constexpr double kBeforeSurfaceM = 1e-4;
   // a seed by point: neither threads nor other lines change a row
   std::vector<GatheredIrradiance> gathered(receivers.size());
   parallelFor(receivers.size(), options.threads > 0 ? options.threads : machineThreadCount(), [&](uint64_t i, int) {
-    gathered[i] =
-        transport.gatherIrradiance(receivers[i].position_m, receivers[i].normal, gather, mixSeed(options.seed, kTableStream, i));
+    const Receiver& at = receivers[i];
+    gathered[i] = transport.gatherIrradiance(at.position_m + kBeforeSurfaceM * glm::dvec3(at.normal), at.normal, gather,
+                                             mixSeed(options.seed, kTableStream, i));
   });
 
   // back to world coordinates, as the points came in

@@ -44,7 +44,8 @@ class RefusedError(ToolError):
 
 def told(binaries, *words):
     """What nlg-datagen prints."""
-    done = subprocess.run([os.path.join(binaries, "nlg-datagen"), *words], capture_output=True, text=True, env={**os.environ, "NLG_PROGRESS": "off"})
+    # a message about a damaged file may quote its bytes
+    done = subprocess.run([os.path.join(binaries, "nlg-datagen"), *words], capture_output=True, text=True, errors="backslashreplace", env={**os.environ, "NLG_PROGRESS": "off"})
     if done.returncode != 0:
         raise RefusedError((done.stderr.strip().splitlines() or [f"nlg-datagen {words[0]} failed"])[-1], done.returncode)
     return done.stdout

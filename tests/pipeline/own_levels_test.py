@@ -55,6 +55,11 @@ def main():
         said = run(*pipeline, "--set", "split.held_out=[room1]", "--plan", str(levels)).stderr
         assert "backup, room0: the same level" in said, said
         copy.unlink()
+        # whose bytes the message quotes
+        (levels / "rubbish.glb").write_bytes(b"\xb8\x01rubbish")
+        refused = run(*pipeline, "--plan", str(levels), code=3).stderr
+        assert "rubbish.glb" in refused and "bug" not in refused, refused
+        (levels / "rubbish.glb").unlink()
         plan = run(*pipeline, str(levels), "--plan").stdout
         assert re.search(r" [1-9]\d % of the functions are of your levels", plan), plan
         for words in ("six_rooms", "held out", "data set", "basis", "train tent_mlp4", "validate", "frontier", "report", "functions"):

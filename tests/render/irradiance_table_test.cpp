@@ -40,5 +40,25 @@ TEST(IrradianceTable, WritesPiTimesTheRadianceOfAnEvenSkyHighAboveAScene) {
   EXPECT_THROW(writeIrradianceTable({request.scene, request.places, request.places, 64}, options), UsageError);
 }
 
+TEST(IrradianceTable, LightsAPointThatLiesOnASurface) {
+  const TemporaryFolder folder;
+  // a floor whose height is no float, as exporters write them
+  writeFileAtomically(folder / "floor.obj", "v -9 .1 -9\nv 9 .1 -9\nv 9 .1 9\nv -9 .1 9\nf 4 3 2 1\n");
+  const IrradianceRequest request{folder / "floor.obj", folder / "places.csv", folder / "out.csv", 64};
+  writeFileAtomically(request.places, kHeader + "1.5,.1,2,0,1,0\n1.5,.09999999,2,0,1,0\n");
+  BakeOptions options;
+  options.scene_light.sky = {"1", "1", "1"};
+  options.scene_light.sun = {"0"};
+  writeIrradianceTable(request, options);
+  const std::string table = readFile(request.out);
+  size_t row = 0;
+  for (int i = 0; i < 2; ++i) {
+    row = table.find('\n', row) + 1;
+    double red = 0.0;
+    ASSERT_EQ(std::sscanf(table.c_str() + row, "%*[^,],%*[^,],%*[^,],%*[^,],%*[^,],%*[^,],%lf", &red), 1) << table;
+    EXPECT_NEAR(red, 3.14159265, 1e-4) << i;
+  }
+}
+
 }  // namespace
 }  // namespace nlg
