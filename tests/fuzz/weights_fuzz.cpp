@@ -114,8 +114,8 @@ void load(std::string_view bytes, bool laid_out) {
   const Generator generator(data);
   GeneratorScratch scratch(generator);
   std::vector<float> theta(data.theta0.size());
-  const auto* bytes = reinterpret_cast<const uint8_t*>(phi.data());
-  const StoredFunction function{bytes, bytes};
+  const auto* values = reinterpret_cast<const uint8_t*>(phi.data());
+  const StoredFunction function{values, values};
   generator.generate(&function, 1, theta.data(), &scratch);
 }
 
