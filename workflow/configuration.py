@@ -30,6 +30,9 @@ from levels import find_levels, is_texts, level_name
 from plain_yaml import ConfigurationError, parsed, read, require, require_plain, text_of
 from settings import MAX_SHARDS, OWN, REPRESENTATIONS, ROOT, TOOL_ROWS, default, judged, kind_of, number_of, rows_of
 
+sys.path.append(os.path.join(ROOT, "validate", "report"))  # by whose rule a run is judged
+import verdict
+
 SECTIONS = sorted({row["section"] for row in OWN + TOOL_ROWS} - {""})
 PART_SECTIONS = sorted({*SECTIONS} - {"split"})  # which `full` may go over
 MAX_LIGHT_SPACINGS = 16
@@ -315,6 +318,12 @@ def judge(config, path, environment=os.environ):
         raise ConfigurationError(f"{path}: {error}") from None
 
 
+def few_scenes(run):
+    """A line where the verdict is known before the run."""
+    count = len(run.held_out)
+    return [f"{count} held-out {'scene' if count == 1 else 'scenes'}: the verdict will be {verdict.UNDECIDED}; name {verdict.FEWEST_SCENES} or more by split.held_out"] * (count < verdict.FEWEST_SCENES)
+
+
 def other_policies(run):
     """Lines about the fits of validations that are not those of the bake: the report's verdict is of the former."""
     lines, sections = [], ("bake", "validate", "frontier")
@@ -473,7 +482,7 @@ def main():
         if left_out and not arguments.write:
             print(f"pipeline.sh: left out, because they are {why}: {listed(left_out)}", file=sys.stderr)
     if not arguments.write:
-        for line in other_policies(run_of_file):
+        for line in few_scenes(run_of_file) + other_policies(run_of_file):
             print(f"pipeline.sh: {line}", file=sys.stderr)
     is_changed = bool(arguments.levels or arguments.set)
     record = os.path.join(run_of_file.folder, "configuration.yaml")

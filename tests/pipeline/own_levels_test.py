@@ -60,7 +60,9 @@ def main():
         refused = run(*pipeline, "--plan", str(levels), code=3).stderr
         assert "rubbish.glb" in refused and "bug" not in refused, refused
         (levels / "rubbish.glb").unlink()
-        plan = run(*pipeline, str(levels), "--plan").stdout
+        planned = run(*pipeline, str(levels), "--plan")
+        plan = planned.stdout
+        assert "1 held-out scene: the verdict will be undecided; name 3 or more by split.held_out" in planned.stderr, planned.stderr
         assert re.search(r" [1-9]\d % of the functions are of your levels", plan), plan
         for words in ("six_rooms", "held out", "data set", "basis", "train tent_mlp4", "validate", "frontier", "report", "functions"):
             assert words in plan, f"the plan lacks '{words}':\n{plan}"

@@ -240,6 +240,7 @@ class Comparison:
     added: list  # … only the new one
     changes: list
     judged_by_chance: int = 0
+    scenes: int = 0  # that are held out
 
     def of(self, trend):
         return [change for change in self.changes if change.trend == trend]
@@ -260,7 +261,7 @@ def compare(old, new):
     for change, is_beyond in zip(judged, beyond_chance([change.chance for change in judged], FALSE_ALARMS)):
         if is_beyond:
             change.trend = trend_beyond(change.old, change.new)
-    return Comparison([name for name in names[0] if name not in names[1]], [name for name in names[1] if name not in names[0]], changes, len(judged))
+    return Comparison([name for name in names[0] if name not in names[1]], [name for name in names[1] if name not in names[0]], changes, len(judged), len(set(old.samples[both[0], WORDS[0]].scene)))
 
 
 # ---- what is printed
@@ -278,8 +279,8 @@ def line_of(change):
 
 
 def text_of(comparison, all_scenes):
-    yield (f"of functions that take a theta; noise: a chance of at most {FALSE_ALARMS:g} that other scenes and functions have any of the"
-           f" {comparison.judged_by_chance} figures judged by chance called changed; and {100 * SMALLEST_CHANGE:g} % of the old value. Another"
+    yield (f"of functions that take a theta; better and worse are corrected for {comparison.judged_by_chance} tests: with other {'functions of the same scenes' if comparison.scenes < FEWEST_SCENES else 'scenes and functions'}"
+           f" the chance of any false alarm is at most {FALSE_ALARMS:g}. Changes below {100 * SMALLEST_CHANGE:g} % of the old value are the same. Another"
            " seed of the training alone changes errors by 1 to 5 %")
     representation = None
     for change in comparison.changes:

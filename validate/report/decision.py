@@ -48,13 +48,14 @@ def comparison(inputs, representation, folder):
     other = read_run(folder, is_folder=False)
     name = representation if representation in other.names() else other.names()[0]
     before, after = (samples[one, "stored"].of("theta") for samples, one in ((other.samples, name), (inputs.samples, representation)))
+    theirs, ours = (samples[one, "network"].of("theta").blend_rmse.mean() for samples, one in ((other.samples, name), (inputs.samples, representation)))
     if len(before) != len(after) or (before.function != after.function).any() or (before.scene != after.scene).any():
         raise InputError(folder, "functions.csv", "the functions that the run is validated on", "others")
     change = mean_change(before.blend_rmse, after.blend_rmse, before.scene)
     trend = trend_beyond(change["old"], change["new"]) if change.get("chance", 1.0) <= FALSE_ALARMS else "same"
     word = {"better": "Better than", "worse": "Worse than", "same": "No difference found from"}[trend]
     of = "" if name == representation else f", {name}"
-    return f"{word} {WEIGHTS.get(os.path.basename(folder), folder)}: {representation} has a mean blend RMSE of {error(change['new'])}, they {error(change['old'])}{of}, after fits on the same {plural(len(after), 'function')}"
+    return f"{word} {WEIGHTS.get(os.path.basename(folder), folder)}: {representation} has a mean blend RMSE of {error(change['new'])}, they {error(change['old'])}{of}, after fits on the same {plural(len(after), 'function')}; before fits {error(ours)} and {error(theirs)}"
 
 
 NEAR_COPY, FEWEST_OF_COPY = 0.5, 5

@@ -211,9 +211,11 @@ def check_comparison(needed):
             writer = csv.DictWriter(other, rows[0])
             writer.writeheader()
             for row in rows:
-                writer.writerow({**row, "blend_rmse": float(row["blend_rmse"]) * (times if row["word"] == "stored" else 1)})
+                writer.writerow({**row, "blend_rmse": float(row["blend_rmse"]) * {"stored": times, "network": 2}.get(row["word"], 1)})
         found = decision.Decision(data, free, None, proof_inputs.read_frontier("frontier.json"), [name])
         expect(found.headline().startswith(words) and found.headline().endswith("may ship"), f"{name}, {times} times the error: {found.headline()}")
+        network = [float(number) for number in re.search(r"; before fits ([\d.]+) and ([\d.]+);", found.headline()).groups()]
+        expect(abs(network[1] - 2 * network[0]) < 2e-4, f"networks: {found.headline()}")
     for name, seconds, error in (("supplied", 14, 0.027), ("without", 30, None)):
         made_up.write_json(f"{name}.json", made_up.bake("doorway", seconds, error) | ({} if error else {"light": None}))
     bakes = {name: proof_inputs.read_bake(path) for name, path in (("these", "bake0.json"), ("supplied", "supplied.json"), ("without", "without.json"))}
