@@ -1,6 +1,6 @@
 """What there is to see of a training: its curve for TensorBoard and as a picture, and after every validation a picture of its worst held-out functions.
 
-    training_so_far.py --run FOLDER --log FILE.csv [--follow]
+    training_so_far.py --run FOLDER --log FILE.csv [--follow PARENT]
     training_so_far.py --curve FILE.png --log FILE.csv
 
 FOLDER is that of nlg-train: events.out.tfevents.0.nlg and worst-STEP.png come into it, each picture of a worst-STEP.json, which goes. Where several wait, the newest
@@ -103,14 +103,15 @@ def main():
     where.add_argument("--run", help="folder of the training (nlg-train --run)")
     where.add_argument("--curve", help="picture of the curve to write (.png)")
     parser.add_argument("--log", required=True, help="its curve (nlg-train --log), there or to come")
-    parser.add_argument("--follow", action="store_true", help="until SIGTERM, or the end of who started this, all of it as it comes")
+    parser.add_argument("--follow", metavar="PARENT", type=int, help="all of it as it comes, until SIGTERM or the end of the process with this number, which started this")
     options = parser.parse_args()
     if options.curve:
         write_atomically(options.curve, curve(read_curve(options.log), Path(options.log).stem))
         return
-    ended, parent = threading.Event(), os.getppid()
+    # who started this may be killed before it is asked for the first time: its number is given
+    ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: ended.set())
-    while options.follow and not ended.wait(1) and os.getppid() == parent:
+    while options.follow is not None and not ended.wait(1) and os.getppid() == options.follow:
         note(options)
     note(options)
 

@@ -81,7 +81,7 @@ with tempfile.TemporaryDirectory() as folder:
 
     # one at work: each row at the time when it came
     log, path = Path(folder, "log.csv"), Path(folder, "run", "events.out.tfevents.0.nlg")
-    follower = subprocess.Popen(["/usr/bin/python3", ROOT / "workflow/training_so_far.py", "--follow", "--log", log, "--run", path.parent])
+    follower = subprocess.Popen(["/usr/bin/python3", ROOT / "workflow/training_so_far.py", "--follow", str(os.getpid()), "--log", log, "--run", path.parent])
     row = ",1e-3,0.5,0.25,0.125,1,0\n"
     log.write_text(f"{','.join(COLUMNS)}\n10{row}")
     os.utime(log, (1e9, 1e9))
@@ -96,4 +96,6 @@ with tempfile.TemporaryDirectory() as folder:
     assert follower.wait() == 0
     times, found = read(path)
     assert times == [1e9, 1e9, 2e9] and [step for step, _ in found] == [10, 20] and found[1][1]["held_out_blend_rmse"] == 0.125, (times, found)
+    # one whose parent was gone before it could ask
+    subprocess.run(["/usr/bin/python3", ROOT / "workflow/training_so_far.py", "--follow", "1", "--log", log, "--run", path.parent], check=True, timeout=60)
     assert worst.with_suffix(".png").read_bytes().startswith(b"\x89PNG") and not worst.exists()
