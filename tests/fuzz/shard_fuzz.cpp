@@ -20,7 +20,7 @@ std::vector<Hdf5Item> rightShard() {
   rows.test_point_count = kTestPoints;
   ShardCounts counts{10, 9, kFunctions, 1, 2, 3, 0, 1};
   std::vector<Hdf5Item> items = {textItem("kind", kShardKind),
-                                 attributeItem("schema_version", uint64_t{1}),
+                                 attributeItem("schema_version", uint64_t{kShardVersion}),
                                  textItem("scene_id", "rooms/1"),
                                  textItem("family", "rooms"),
                                  attributeItem("jitter", uint64_t{1}),

@@ -198,6 +198,8 @@ compare() {
     case $file in
       # validations that come faster than pictures have none
       training/*/worst-*.png) continue ;;
+      # the times at which rows of the curve came
+      training/*/events.out.tfevents.*) continue ;;
       # times stand in them
       .origins/* | .snakemake/* | training/*.json | light/*.json | */.snakemake_timestamp | validation/summary.json | validation/functions.csv) continue ;;
     esac
