@@ -183,7 +183,7 @@ runner=$!
 wait "$runner"
 runner=''
 # snakemake takes it away after the last training, and forgets it where it was killed just then
-rm -f "$run/training/functions.cache" "$data/training/functions.cache"
+rm -f "$run/training/functions.cache"* "$data/training/functions.cache"*  # with what a killed run left of it
 # the headline, what each generator was judged by, and the rule
 cat "$run/verdict.txt"
 echo "The report: $(realpath "$run/report.html")"
