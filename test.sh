@@ -11,7 +11,7 @@ Installs what is missing, builds, and runs the test suite: a quarter of an hour 
 
   --all                          before a release: the heavy tests, too (all of fault injection, every fuzz target, Slurm with kills, all bad
                                  input, a large level in the browser, a bare Debian, the library on ARM and Windows), and a build of the
-                                 benchmarks; two hours on two cores
+                                 benchmarks; an hour and a half on two cores
   --sanitize address,undefined   the default suite in a build of its own with AddressSanitizer and UndefinedBehaviorSanitizer
   --sanitize thread              … with ThreadSanitizer
   --tidy                         clang-tidy 14 over every source instead: nothing is linked, no test runs
@@ -45,7 +45,7 @@ while [ $# -gt 0 ]; do
     *) refuse "unknown option $1" ;;
   esac
 done
-[ "$tests" != all ] || echo "The whole suite takes about two hours on two cores."
+[ "$tests" != all ] || echo "The whole suite takes about an hour and a half on two cores."
 
 source workflow/setup.sh
 mkdir -p build

@@ -113,8 +113,8 @@ def of_several_revisions(all_results):
 MEASURED_FILES = ["*.cpp", "*.h", "*.def", "weights/*.safetensors", ":!tests", ":!viewer", ":!examples"]
 COMMENTS_AND_SPACE = re.compile(rb"//[^\n]*|/\*.*?\*/|\s+", re.DOTALL)
 # By results file: folders whose sources no figure of it goes through. Fault injection goes through all.
-OF_FUNCTIONS, OF_LIGHT = ["train", "export", "validate/generators", "validate/frontier", "validate/stability"], ["render", "train", "export", "validate/light", "validate/views"]
-NOT_MEASURED = {light_page.NAME: [*OF_FUNCTIONS, "render/irradiance_table.cpp"], cycles_page.NAME: [*OF_FUNCTIONS, "bake", "validate/views"], MAIN: OF_LIGHT}
+OF_NONE, OF_FUNCTIONS, OF_LIGHT = ["train", "export"], ["validate/generators", "validate/frontier", "validate/stability"], ["render", "validate/light", "validate/views"]
+NOT_MEASURED = {light_page.NAME: [*OF_NONE, *OF_FUNCTIONS, "render/irradiance_table.cpp"], cycles_page.NAME: [*OF_NONE, *OF_FUNCTIONS, "bake", "validate/views"], MAIN: [*OF_NONE, *OF_LIGHT]}
 
 
 def code_of(revision, path):

@@ -198,11 +198,12 @@ def bakes_section(bakes):
             "clock. The talk's are by the clock on 64 cores, over all its functions, and all bytes include light. What a bake left out because its scene does not need it, every bake says itself "
             "([bake](bake_json.md#savings)).\n")
     known = trained_on(OURS)
-    unseen = {name: entry for name, entry in bakes.items() if name not in known}
-    if len(unseen) < len(bakes):
-        shares = [percent(sum_of_bakes(some)["share_fitted"]["theta"]) for some in ({name: entry for name, entry in bakes.items() if name in known}, unseen) if some]
-        text += (f"\n`{OURS}` was trained on {len(bakes) - len(unseen)} of these {len(bakes)} levels, not on {', '.join(unseen)}: there {shares[-1]} of the functions with a θ take a fit, and {shares[0]} in the others.\n" if unseen
-                 else f"\n`{OURS}` was trained on all of these levels.\n")
+    seen, unseen = ({name: entry for name, entry in bakes.items() if (name in known) == is_seen} for is_seen in (True, False))
+    fitted = lambda some: percent(sum_of_bakes(some)["share_fitted"]["theta"])
+    if seen and unseen:
+        text += f"\n`{OURS}` was trained on {len(seen)} of these {len(bakes)} levels, not on {', '.join(unseen)}: there {fitted(unseen)} of the functions with a θ take a fit, and {fitted(seen)} in the others.\n"
+    elif seen:
+        text += f"\n`{OURS}` was trained on all of these levels.\n"
     return text + table(BAKE_HEAD, rows)
 
 

@@ -11,6 +11,14 @@ namespace {
 
 const std::string kHeader = "x,y,z,nx,ny,nz\n";
 
+// Nothing shines but an even sky.
+BakeOptions underSky(const std::vector<std::string>& colour) {
+  BakeOptions options;
+  options.scene_light.sky = colour;
+  options.scene_light.sun = {"0"};
+  return options;
+}
+
 TEST(IrradianceTable, ReadsPlacesRelativeToTheOriginAndNormalsOfAnyLength) {
   const std::vector<Receiver> found = receiversFromCsv("p.csv", kHeader + "1,2,3,0,0,-5\r\n-1e3,0.5,7,1,0,0", {1, 1, 1});
   ASSERT_EQ(found.size(), 2u);
@@ -24,9 +32,7 @@ TEST(IrradianceTable, WritesPiTimesTheRadianceOfAnEvenSkyHighAboveAScene) {
   const TemporaryFolder folder;
   const IrradianceRequest request{"house:1", folder / "places.csv", folder / "out.csv", 64};
   writeFileAtomically(request.places, kHeader + "1.5,1000,2,0,2,0\n");
-  BakeOptions options;
-  options.scene_light.sky = {"1", "2", "0"};
-  options.scene_light.sun = {"0"};
+  const BakeOptions options = underSky({"1", "2", "0"});
   writeIrradianceTable(request, options);
   const std::string table = readFile(request.out);
   const std::string begin = "x,y,z,nx,ny,nz,r,g,b,dr,dg,db\n1.5,1000,2,0,1,0,";
@@ -46,10 +52,7 @@ TEST(IrradianceTable, LightsAPointThatLiesOnASurface) {
   writeFileAtomically(folder / "floor.obj", "v -9 .1 -9\nv 9 .1 -9\nv 9 .1 9\nv -9 .1 9\nf 4 3 2 1\n");
   const IrradianceRequest request{folder / "floor.obj", folder / "places.csv", folder / "out.csv", 64};
   writeFileAtomically(request.places, kHeader + "1.5,.1,2,0,1,0\n1.5,.09999999,2,0,1,0\n");
-  BakeOptions options;
-  options.scene_light.sky = {"1", "1", "1"};
-  options.scene_light.sun = {"0"};
-  writeIrradianceTable(request, options);
+  writeIrradianceTable(request, underSky({"1", "1", "1"}));
   const std::string table = readFile(request.out);
   size_t row = 0;
   for (int i = 0; i < 2; ++i) {

@@ -189,7 +189,7 @@ class Decision:
         mean = lambda populations: populations["theta"]["blend_rmse"]["mean"].number()
         untrained = [j.representation for j in self.judgements if j.functions and mean(self.inputs.summary["representations"][j.representation]["network"]) >= mean(self.inputs.summary["tent"])]
         if untrained:
-            steps.append(f"{joined(untrained)} predicts no better than the bare tent: its training failed. See its curve below; a lower train.learning_rate is the first thing to try.")
+            steps.append(f"{joined(untrained)} {'predicts' if len(untrained) == 1 else 'predict'} no better than the bare tent: training failed. See the curve below; a lower train.learning_rate is the first thing to try.")
         if any(j.failing.value is not None and not j.failing.passes for j in self.judgements):
             steps.append("Where functions fail, a larger representation or longer fits help (refine_rounds, refine_first_steps); training longer does not.")
         if any(j.hard.value is not None and not j.hard.passes for j in self.judgements):
