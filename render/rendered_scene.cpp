@@ -21,40 +21,19 @@ namespace {
 
 constexpr uint64_t kTruthStream = 0x7472757468, kBaselineStream = 0x726976616c;
 
-// What a grid's light depends on, of the settings that a view is asked for with.
-struct BakedAs {
-  std::string scene, light_direct, light_of_scene;
-  double spacing_m = 0.0;
-};
-
-// Of a grid that says nothing of its making everything is empty.
-BakedAs bakedAs(const GridMetadata& metadata) {
-  using Json = nlohmann::json;
-  const auto textOf = [&](const char* key) { return metadata.contains(key) ? metadata.at(key) : std::string(); };
-  const Json provenance = Json::parse(textOf("provenance"), nullptr, false);
-  // null where there is no such place
-  const auto at = [&](const char* place) {
-    const Json::json_pointer pointer(place);
-    return provenance.contains(pointer) ? provenance[pointer] : Json();
-  };
-  const auto text = [](const Json& value) { return value.is_string() ? value.get<std::string>() : std::string(); };
-  const Json spacing = at("/options/spacing_m");
-  return {textOf("scene"), text(at("/options/light_direct")), text(at((std::string("/inputs/") + kLightRole).c_str())),
-          spacing.is_number() ? spacing.get<double>() : 0.0};
-}
-
 // A picture of a grid beside a truth that it was not baked for is not wrong, but seldom what was meant.
-std::vector<std::string> differencesOf(const std::string& path, const BakedAs& baked, const BakedAs& asked, bool has_baselines) {
+std::vector<std::string> differencesOf(const GridMetadata& metadata, const SceneSource& source, const BakeOptions& options,
+                                       bool has_baselines) {
   std::vector<std::string> differences;
-  const auto warn = [&](const std::string& what) { differences.push_back(path + ": " + what); };
-  const auto isOther = [](const std::string& a, const std::string& b) { return !a.empty() && a != b; };
-  if (isOther(baked.scene, asked.scene)) warn("baked from " + baked.scene + ", and drawn in " + asked.scene);
-  if (isOther(baked.light_of_scene, asked.light_of_scene))
-    warn("baked with other light than the scene has here; give the same --sky, --sun, --light-groups and --light-state");
-  if (isOther(baked.light_direct, asked.light_direct))
-    warn("baked with light_direct " + baked.light_direct + ", and drawn with " + asked.light_direct);
-  if (has_baselines && baked.spacing_m > 0.0 && static_cast<float>(baked.spacing_m) != static_cast<float>(asked.spacing_m))
-    warn(fmt::format("baked with probes {} m apart, and the baselines' are {} m apart", baked.spacing_m, asked.spacing_m));
+  if (const std::string other = otherSceneOrLight(metadata, source); !other.empty()) differences.push_back(other);
+  const std::string direct = textAt(metadata, "/options/light_direct");
+  if (!direct.empty() && direct != options.light_direct)
+    differences.push_back("baked with light_direct " + direct + ", and drawn with " + options.light_direct);
+  const auto spacing = provenanceAt(metadata, "/options/spacing_m");
+  const double spacing_m = spacing.is_number() ? spacing.get<double>() : 0.0;
+  if (has_baselines && spacing_m > 0.0 && static_cast<float>(spacing_m) != static_cast<float>(options.spacing_m))
+    differences.push_back(
+        fmt::format("baked with probes {} m apart, and the baselines' are {} m apart", spacing_m, options.spacing_m));
   return differences;
 }
 
@@ -70,13 +49,6 @@ std::string baselineNames() {
 void checkMethodName(const std::string& place, const std::string& name) {
   if (name == "truth" || name == "grid" || MethodSet::isBaseline(name)) return;
   throw UsageError(place, "truth, grid, " + baselineNames() + ", or one of these with :solved", "'" + name + "'");
-}
-
-LightGrid readGrid(const std::string& path, GridMetadata* metadata) {
-  LightGrid grid;
-  requireRead(path, readLightGridFile(path, &grid, metadata), "a light grid");
-  if (grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
-  return grid;
 }
 
 RenderedScene::RenderedScene(const RenderRequest& request, const BakeOptions& options)
@@ -104,12 +76,12 @@ void RenderedScene::makeGrid(bool has_baselines) {
         request_.weights.empty() ? shippedWeights(options_.representation, weightsFolders()) : request_.weights;
     grid_ = bakeScene(*baked_scene_, loadGenerators(weights).generators, options_, temporaryFolder()).grid;
   } else if (!request_.grid.empty()) {
-    GridMetadata metadata;
-    grid_ = readGrid(request_.grid, &metadata);
-    const BakedAs baked = bakedAs(metadata),
-                  asked{source().id, options_.light_direct, sceneLightSha256(scene()), options_.spacing_m};
-    warnings_ = differencesOf(request_.grid, baked, asked, has_baselines);
-    for (const std::string& warning : warnings_) std::cerr << request_.program << ": " << warning << '\n';
+    BakedGrid baked = readLitGrid(request_.grid);
+    grid_ = std::move(baked.grid);
+    for (const std::string& what : differencesOf(baked.metadata, source(), options_, has_baselines)) {
+      warnings_.push_back(request_.grid + ": " + what);
+      std::cerr << request_.program << ": " << warnings_.back() << '\n';
+    }
   }
 }
 

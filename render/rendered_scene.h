@@ -21,9 +21,6 @@ void checkMethodName(const std::string& place, const std::string& name);
 // As help names them: "trilinear, valid-trilinear, …".
 std::string baselineNames();
 
-// throws   InputError on a file that is no light grid, or one without light
-LightGrid readGrid(const std::string& path, GridMetadata* metadata);
-
 class RenderedScene {
  public:
   // Loads the scene, and loads or bakes the grid. Both must outlive this object.

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
+#include <cstring>
 #include <mutex>
 #include <set>
 #include <system_error>
@@ -22,7 +23,8 @@
 namespace nlg {
 namespace {
 
-constexpr char kBytes = 1;  // what the name of a file that is no text begins with
+constexpr size_t kHeaderBegins = 8;  // of a safetensors file, behind its length
+constexpr char kBytes = 1;           // what the name of a file that is no text begins with
 
 std::string reason() { return std::generic_category().message(errno); }
 
@@ -68,6 +70,12 @@ std::string otherKind(const std::string& path) {
     if (begins.starts_with(kOnnxBegins) && path.ends_with(".onnx"))
       return "an ONNX model, for other runtimes; its weights file is read here";
   }
+  // two things that one damaged byte does not bring about: a header of impossible length that does not begin as JSON
+  std::string head(kHeaderBegins + 1, '\0');
+  uint64_t header_bytes = 0;
+  if (source.size < head.size() || !source.read(0, head.data(), head.size())) return "";
+  std::memcpy(&header_bytes, head.data(), sizeof header_bytes);
+  if (header_bytes > source.size && head[kHeaderBegins] != '{') return "a file of another kind, not safetensors";
   const auto known = [](const std::string&, const std::string& dtype) {
     return std::string(dtypeBytes(dtype) > 0 ? "" : "an unknown dtype");
   };
@@ -167,6 +175,7 @@ void requireRead(const std::string& path, const FileResult& result, const std::s
   if (!result.ok()) {
     const std::string kind = otherKind(path);
     if (isDamage(result.status) && kind.empty()) throw DamageError(path, status, expected, got);
+    if (isDamage(result.status)) throw InputError(path, "file", expected, kind);
     throw InputError(path, status, expected, kind.empty() ? got : kind + ": " + got);
   }
   if (!result.detail.empty()) sayUnchecked(result.detail);

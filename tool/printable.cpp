@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace nlg {
 namespace {
@@ -43,7 +44,11 @@ size_t editDistance(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string printable(std::string_view text) { return withoutControls(text, ""); }
+std::string printable(std::string_view text) {
+  using Json = nlohmann::json;
+  const std::string utf8 = Json(withoutControls(text, "")).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Json::parse(utf8).get<std::string>();
+}
 
 PrintableBuffer::int_type PrintableBuffer::overflow(int_type character) {
   if (traits_type::eq_int_type(character, traits_type::eof())) return traits_type::not_eof(character);

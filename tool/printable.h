@@ -10,8 +10,8 @@
 
 namespace nlg {
 
-// The text in one line, with a space for every control character, those of two bytes in UTF-8 among them: what a file brings must
-// neither steer a terminal nor look like a second line.
+// The text in one line of UTF-8, with a space for every control character, those of two bytes among them, and U+FFFD for what is no
+// UTF-8: what a file brings must neither steer a terminal nor look like a second line nor stop a reader of lines.
 std::string printable(std::string_view text);
 
 // The same of what a stream is given, but for ends of lines and tabs. It keeps nothing back, and is as safe among threads as the

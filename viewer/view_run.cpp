@@ -445,9 +445,8 @@ Json makeView(ViewRequest request, BakeOptions options) {
   if (!request.grid.empty() && !request.weights.empty())
     throw UsageError("--weights cannot be combined with --grid: nothing is baked");
   if (!request.grid.empty()) {
-    GridMetadata metadata;
-    const LightGrid grid = readGrid(request.grid, &metadata);
-    const double spacing_m = bakedSpacing(grid, metadata);
+    const BakedGrid baked = readLitGrid(request.grid);
+    const double spacing_m = bakedSpacing(baked.grid, baked.metadata);
     // probes stand as far apart as the nearest float says
     const bool is_other = static_cast<float>(options.spacing_m) != static_cast<float>(spacing_m);
     if (options.spacing_m != 0.0 && is_other)

@@ -58,10 +58,23 @@ BakedGrid readBakedGrid(const std::string& path) {
   return baked;
 }
 
+BakedGrid readLitGrid(const std::string& path) {
+  BakedGrid baked = readBakedGrid(path);
+  if (baked.grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
+  return baked;
+}
+
 double bakedSpacing(const LightGrid& grid, const GridMetadata& metadata) {
   const auto found = metadata.find(kSpacing);
   const double spacing_m = found == metadata.end() ? 0.0 : std::strtod(found->second.c_str(), nullptr);
   return spacing_m > 0.0 && std::isfinite(spacing_m) ? spacing_m : grid.tree.frame().spacing_m;
+}
+
+Json provenanceAt(const GridMetadata& metadata, const std::string& place) {
+  const auto found = metadata.find("provenance");
+  const Json all = found == metadata.end() ? Json() : Json::parse(found->second, nullptr, false);
+  const Json::json_pointer pointer(place);
+  return all.contains(pointer) ? all[pointer] : Json();
 }
 
 Json originOf(const std::string& path, const BakedGrid& baked) {
@@ -98,6 +111,21 @@ bool sameGeometry(const SceneSource& source, const BakedGrid& baked, const Json&
   // procedural scenes are their names
   const auto id = baked.metadata.find("scene");
   return id != baked.metadata.end() && id->second == source.id;
+}
+
+std::string textAt(const GridMetadata& metadata, const std::string& place) {
+  const Json value = provenanceAt(metadata, place);
+  return value.is_string() ? value.get<std::string>() : std::string();
+}
+
+std::string otherSceneOrLight(const GridMetadata& metadata, const SceneSource& source) {
+  const auto scene = metadata.find("scene");
+  if (scene != metadata.end() && scene->second != source.id) return "baked from " + scene->second + ", and this is " + source.id;
+  const std::string light = textAt(metadata, "/inputs/" + std::string(kLightRole));
+  const std::string ungrouped = textAt(metadata, "/inputs/" + std::string(kUngroupedRole));
+  const std::string& baked_light = ungrouped.empty() ? light : ungrouped;
+  if (baked_light.empty() || baked_light == sceneLightSha256(source.scene, {})) return "";
+  return "baked with other light than the scene has here; give the same --sky, --sun and --intensity";
 }
 
 KnownAir knownAir(const std::string& path, const BakedGrid& baked) {

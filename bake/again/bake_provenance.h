@@ -39,8 +39,15 @@ struct BakedGrid {
 // throws   InputError when the file is no light grid
 BakedGrid readBakedGrid(const std::string& path);
 
+// The same, of a grid with light. throws   InputError when it has none
+BakedGrid readLitGrid(const std::string& path);
+
 // Finest distance between the probes of a baked grid, metres, outside boxes with a spacing of their own (nlg_density).
 double bakedSpacing(const LightGrid& grid, const GridMetadata& metadata);
+
+// What the grid's provenance has at a JSON pointer: null, or an empty text, where it has nothing there, or not the kind.
+nlohmann::ordered_json provenanceAt(const GridMetadata& metadata, const std::string& place);
+std::string textAt(const GridMetadata& metadata, const std::string& place);
 
 // The grid's provenance: `options` and `inputs`. path   of the grid, for messages
 // throws   InputError where the grid does not say what it was baked of
@@ -56,6 +63,10 @@ struct ChangedSetting {
 std::vector<ChangedSetting> changedSettings(const OptionTable& table, const nlohmann::ordered_json& origin);
 
 bool sameGeometry(const SceneSource& source, const BakedGrid& baked, const nlohmann::ordered_json& origin);
+
+// What a grid was baked with that another scene has otherwise, its name or its light, in words for a warning; empty where nothing is, or
+// where the grid does not say. How the light is put in groups does not count: what asks sums them.
+std::string otherSceneOrLight(const GridMetadata& metadata, const SceneSource& source);
 
 // throws   as originOf
 KnownAir knownAir(const std::string& path, const BakedGrid& baked);

@@ -48,7 +48,8 @@ void requireFunctionsOf(const PreparedScene& scene, const OptionTable& table, co
   }
   const std::set<std::string> of_light = lightSettings(table);
   for (const auto& [name, before, now] : changedSettings(table, origin)) {
-    if (of_light.count(name) == 0) throw InputError(path, name, before + ", as in the bake of the grid", now);
+    if (of_light.count(name) == 0)
+      throw InputError(path, name, before + ", as in the bake of the grid (its options are needed again)", now);
   }
   for (const char* name : {"thin_error", "max_bytes"}) {
     if (const Json thinned_by = settings.value(name, Json(0.0)); thinned_by != Json(0.0))
@@ -126,6 +127,8 @@ void runRelight(BakeRequest request, const BakeOptions& options, const OptionTab
   }
   RelightReport report;
   report.light = bakeLight(scene, options, &baked.grid, metadata, states);
+  report.light.groups.clear();
+  for (const LightGroup& group : baked.grid.groups) report.light.groups.push_back(group.name);
   report.file_bytes = writeGrid(request, baked.grid, options, metadata);
   warnOfLight(scene, options, report.light);
   report.scene = scene.source.id;

@@ -228,35 +228,6 @@ Json errorJson(const LightFigures& figures) {
   return json;
 }
 
-BakedGrid readLitGrid(const std::string& path) {
-  BakedGrid baked = readBakedGrid(path);
-  if (baked.grid.light.empty()) throw InputError(path, "light", "a grid that was baked with light", "a grid without light");
-  return baked;
-}
-
-// An error against the truth of another scene is not wrong, but seldom what was meant.
-// baked   read from path
-void warnOfOtherScene(const std::string& path, const BakedGrid& baked, const SceneSource& source) {
-  const auto warn = [&](const std::string& what) { std::cerr << "nlg-export: " << path << ": " << what << '\n'; };
-  const auto scene = baked.metadata.find("scene");
-  if (scene != baked.metadata.end() && scene->second != source.id)
-    return warn("baked from " + scene->second + ", and its error is measured in " + source.id);
-  const auto provenance = baked.metadata.find("provenance");
-  const Json origin = provenance == baked.metadata.end() ? Json() : Json::parse(provenance->second, nullptr, false);
-  // empty where a grid does not say it
-  const auto inputOf = [&](const std::string& role) {
-    const Json::json_pointer place("/inputs/" + role);
-    return origin.contains(place) && origin[place].is_string() ? origin[place].get<std::string>() : std::string();
-  };
-  // a texel holds all groups of light
-  const bool has_groups = !source.scene.light.groups.names.empty();
-  const std::string light = has_groups ? sceneLightSha256(source.scene, {}) : sceneLightSha256(source.scene);
-  std::string baked_light = inputOf(kUngroupedRole);
-  if (baked_light.empty()) baked_light = inputOf(kLightRole);
-  if (!baked_light.empty() && baked_light != light)
-    warn("baked with other light than the scene has here; give the same --sky, --sun and --intensity");
-}
-
 // extent_m as it is; without one, where the scene would have probes, and a texel on every side: there filters find light.
 LightBox boxOf(const PreparedScene& scene, const BakeOptions& options) {
   if (const auto extent = extentFromNumbers(options.extent_m)) {
@@ -311,7 +282,9 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   const QuakeLevel level = texture == nullptr ? readQuakeLevel(request.scene) : QuakeLevel{};
   const PreparedScene scene(request.scene, options);
   tellNotes("nlg-export", scene.source);
-  if (baked) warnOfOtherScene(request.grid, *baked, scene.source);
+  // an error against the truth of another scene is not wrong, but seldom what was meant
+  if (const std::string other = baked ? otherSceneOrLight(baked->metadata, scene.source) : ""; !other.empty())
+    std::cerr << "nlg-export: " << request.grid << ": " << other << '\n';
   if (!scene.source.scene.light.groups.names.empty())
     std::cerr << "nlg-export: a texel holds the sum of all light: groups of light and light states are not kept apart\n";
   const int threads = threadsOf(options);

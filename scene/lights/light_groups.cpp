@@ -2,29 +2,19 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
 #include "nlg/light_grid.h"
 #include "tool/error.h"
+#include "tool/printable.h"
 
 namespace nlg {
 namespace {
-
-// One line of UTF-8, as grids hold it.
-std::string oneLine(const std::string& text) {
-  using Json = nlohmann::json;
-  auto name = Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return c < ' '; }, ' ');
-  return name;
-}
 
 // Without the number by which Blender tells copies apart.
 std::string groupName(const std::string& text) {
   const size_t dot = text.find_last_of('.');
   const bool is_numbered = dot != std::string::npos && dot > 0 && dot + 1 < text.size() &&
                            text.find_first_not_of("0123456789", dot + 1) == std::string::npos;
-  return oneLine(text.substr(0, is_numbered ? dot : std::string::npos));
+  return printable(text.substr(0, is_numbered ? dot : std::string::npos));
 }
 
 class Grouping {
@@ -59,7 +49,7 @@ class Grouping {
   }
 
   uint8_t groupOf(const LightLabel& label, const char* kind) {
-    if (!label.group.empty()) return indexOf(oneLine(label.group));
+    if (!label.group.empty()) return indexOf(printable(label.group));
     return indexOf(by_name_ && !label.name.empty() ? groupName(label.name) : kind);
   }
 

@@ -158,8 +158,7 @@ void noteTooBright(const Scene& scene, std::vector<std::string>* notes) {
 
 const char* kBlenderExports =
     ". If the file is of Blender: its exporter leaves lights out unless Include > Data > Punctual Lights is ticked, and never "
-    "writes "
-    "area lamps and the world";
+    "writes area lamps and the world";
 
 // What brings lamps and suns into emission's unit.
 struct UnitFactors {
@@ -254,8 +253,8 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
   const bool is_given = !options.sky.empty() || !options.sun.empty();
   const bool is_dark = !hasLight(scene);
   const bool takes_default = !is_given && (is_dark || (isOpen && !hasLightFromOutside(scene) && isOpen(scene)));
-  const bool is_without_lamps =
-      scene.light.writer == LightWriter::blender && scene.light.lamps.empty() && scene.light.suns.empty();
+  const bool may_lack_lamps = scene.light.writer == LightWriter::blender || (is_dark && scene.light.writer == LightWriter::gltf);
+  const bool is_without_lamps = may_lack_lamps && scene.light.lamps.empty() && scene.light.suns.empty();
   // lamps and suns in emission's unit, if there is any emission (docs/theory/light.md, Units)
   const auto [factors, words] = unitOf(scene, options, is_given || takes_default || brightestEmission(scene) > 0.0f);
   scaleLampsAndSuns(&scene.light, factors.lamps, factors.suns);
@@ -270,8 +269,8 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
       done.push_back("the sun of the image is a sun of its own: " + sunText(*given.sun) +
                      (options.sun.empty() ? "" : "; --sun stands in its place"));
       scene.light.suns.push_back(*given.sun);
-      // labels name the suns of the file; one of them has no name now
-      scene.light.sun_labels.clear();
+      // labels go by the suns' order: this one has no name
+      scene.light.sun_labels.resize(scene.light.suns.size());
     }
   }
   if (!options.sun.empty()) {
@@ -284,13 +283,11 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
     scene.light.suns = {defaultSun()};
     scene.light.sun_labels.clear();
     done.push_back(is_dark
-                       ? std::string("nothing shines in the scene: a clear sky and a sun by default (--sky, --sun)") +
-                             (scene.light.writer == LightWriter::other ? "" : kBlenderExports)
+                       ? "nothing shines in the scene: a clear sky and a sun by default (--sky, --sun)"
                        : "the scene is open, and no light comes from outside: a clear sky and a sun by default (--sky, --sun; "
                          "--sky 0 keeps the night)");
-  } else if (is_without_lamps) {
-    done.push_back(std::string("the file has no lamps and no suns") + kBlenderExports);
   }
+  if (is_without_lamps) done.push_back(std::string("the file has no lamps and no suns") + kBlenderExports);
   // after everything else: the factor is on all light, defaults included
   if (options.intensity != 1.0) {
     scaleAll(&scene, static_cast<float>(options.intensity));

@@ -432,18 +432,19 @@ Verdict judge(const Scene& scene, const Parts& parts, const Nesting& nesting) {
 }  // namespace
 
 std::string DoubleSidedFaces::note() const {
-  if (face_count == 0) return {};
+  if (face_count == 0 || (solid_count == face_count && hollow.empty() && turned.empty())) return {};
   if (is_too_tangled)
     return "its double-sided faces are no evidence of solid: more closed parts lie over each other than are looked into";
-  std::string text = fmt::format("{} of its {} double-sided faces bound solid, {} are sheets", solid_count, face_count,
-                                 face_count - solid_count);
+  std::string text = solid_count == face_count ? fmt::format("all of its {} double-sided faces bound solid", face_count)
+                                               : fmt::format("{} of its {} double-sided faces bound solid, {} are sheets",
+                                                             solid_count, face_count, face_count - solid_count);
   const auto addNames = [&](const char* words, const std::vector<std::string>& objects) {
     if (objects.empty()) return;
     const size_t named = std::min(objects.size(), kNamedObjects);
     text += fmt::format("; {}: {}", words, fmt::join(objects.begin(), objects.begin() + named, ", "));
     if (named < objects.size()) text += fmt::format(" and {} more", objects.size() - named);
   };
-  addNames("hollow, since it is wide and something lies in it", hollow);
+  addNames("hollow, since it is wide and something lies in it, and walls with a thickness leak less than its sheets", hollow);
   addNames("a room seen from within, so that its faces were turned inward", turned);
   return text;
 }

@@ -16,8 +16,9 @@ TEST(Printable, LetsNothingSteerATerminal) {
                       "2Jb"),
             "a 2Jb");
   EXPECT_EQ(printable("\xc2\x80\xc2\x9f"), "  ");
-  // half of a character is no control character
-  EXPECT_EQ(printable("\xc2"), "\xc2");
+  // half of a character is no control character, and no text
+  EXPECT_EQ(printable("\xc2"), "\xef\xbf\xbd");
+  EXPECT_EQ(printable("a\xffz\xc3\xbc"), "a\xef\xbf\xbdz\xc3\xbc");
 }
 
 TEST(PrintableBuffer, KeepsLinesAndTabsOnly) {

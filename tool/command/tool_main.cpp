@@ -118,11 +118,16 @@ class PrintableStreams {
   PrintableBuffer to_cout_, to_cerr_;
 };
 
+constexpr size_t kLongestError = 4000;  // bytes: a path and what is said of it; a hostile file's texts have megabytes
+
 // Scripts read stderr by lines: one error, one line.
 int fail(const std::string& name, std::string line, ExitCode code) {
   while (!line.empty() && line.back() == '\n') line.pop_back();
   std::cout.flush();
-  std::cerr << name << ": error: " << printable(line) << std::endl;
+  const size_t left_out = line.size() - std::min(line.size(), kLongestError);
+  line.resize(line.size() - left_out);
+  const std::string end = left_out > 0 ? fmt::format(" … and {} bytes more", left_out) : std::string();
+  std::cerr << name << ": error: " << printable(line) << end << std::endl;
   return static_cast<int>(code);
 }
 

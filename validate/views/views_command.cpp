@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bake/again/bake_provenance.h"
 #include "bake/scene_bake.h"
 #include "light/air.h"
 #include "light/methods/method_set.h"
@@ -107,9 +108,10 @@ class ViewsMeasurement {
     methods.addExactVisibility({LightWay::solved});
     for (const auto& [name, generators] : sets) measureGrid(name, generators);
     for (const std::string& path : request_.grids) {
-      GridMetadata metadata;
-      const LightGrid grid = readGrid(path, &metadata);
-      measure(std::filesystem::path(path).stem().string(), "of its file", gridLight(grid, scene_.source.scene.origin_m));
+      const BakedGrid baked = readLitGrid(path);
+      if (const std::string other = otherSceneOrLight(baked.metadata, scene_.source); !other.empty())
+        std::cerr << "nlg-validate: " << path << ": " << other << '\n';
+      measure(std::filesystem::path(path).stem().string(), "of its file", gridLight(baked.grid, scene_.source.scene.origin_m));
     }
     grid_count_ = measured_.size();
     for (const MethodSet::Baseline& baseline : MethodSet::baselines()) {

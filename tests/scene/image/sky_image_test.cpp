@@ -224,6 +224,15 @@ TEST_F(SkyFiles, TheSunOfAnImageIsASunUnlessAnotherIsGiven) {
   options.sun = {"0"};
   applyLight(scene, options);
   EXPECT_TRUE(scene.light.suns.empty());
+  // beside a sun of the file's, which keeps its group
+  Scene with_sun = wallWithHole();
+  with_sun.light.suns = {defaultSun()};
+  with_sun.light.sun_labels = {{"Noon", "day"}};
+  options.sun.clear();
+  options.light_groups = "name";
+  applyLight(with_sun, options);
+  EXPECT_EQ(with_sun.light.groups.names, (std::vector<std::string>{"sky", "day", "sun"}));
+  EXPECT_EQ(with_sun.light.groups.of_sun, (std::vector<uint8_t>{1, 2}));
 }
 
 }  // namespace

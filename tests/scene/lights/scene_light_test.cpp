@@ -85,12 +85,13 @@ void addSkyFace(Scene& s) { s.light.sky_faces.triangles.push_back({0, 1, 2}); }
 void addEmission(Scene& s) { s.materials[s.triangle_material[0]].emissive.b = 1.0f; }
 
 TEST(LightOptions, AFileOfBlenderWithoutLampsSaysHowTheyAreExported) {
+  const auto isOpen = [](const Scene&) { return true; };  // and gets a sun by default
   for (const bool has_lamp : {false, true}) {
     Scene scene = darkScene();
     scene.light.writer = LightWriter::blender;
     addEmission(scene);
     if (has_lamp) addLamp(scene);
-    const std::vector<std::string> done = applyLight(scene, {});
+    const std::vector<std::string> done = applyLight(scene, {}, isOpen);
     const bool says = std::any_of(done.begin(), done.end(),
                                   [](const std::string& line) { return line.find("Punctual Lights") != std::string::npos; });
     EXPECT_EQ(says, !has_lamp);

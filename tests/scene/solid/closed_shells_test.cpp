@@ -200,7 +200,9 @@ TEST(DoubleSided, ARoomWoundOutwardIsHollowByWhateverLiesInIt) {
   EXPECT_EQ(solidsOf(room().object("chest").quads(boxSides({1, -0.01f, 1}, {2, 1, 2})), &faces), Names{"chest"});
   EXPECT_EQ(faces.hollow, Names{"room"});
   EXPECT_EQ(faces.note(),
-            "12 of its 26 double-sided faces bound solid, 14 are sheets; hollow, since it is wide and something lies in it: "
+            "12 of its 26 double-sided faces bound solid, 14 are sheets; hollow, since it is wide and something lies in it, and "
+            "walls with a "
+            "thickness leak less than its sheets: "
             "room");
 }
 
@@ -208,7 +210,7 @@ TEST(DoubleSided, ARoomWoundOutwardAroundAllElseIsTheOneWoundInward) {
   DoubleSidedFaces faces;
   EXPECT_EQ(solidsOf(SceneOfObjects().object("room").quads(kRoom).lamp({2, 2, 2}), &faces), Names{"room"});
   EXPECT_EQ(faces.note(),
-            "12 of its 12 double-sided faces bound solid, 0 are sheets; a room seen from within, so that its faces were turned "
+            "all of its 12 double-sided faces bound solid; a room seen from within, so that its faces were turned "
             "inward: room");
   Scene outward = SceneOfObjects().object("room").quads(kRoom).lamp({2, 2, 2}).scene_;
   giveSolidsOneSide(outward);
