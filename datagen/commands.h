@@ -49,10 +49,11 @@ nlohmann::ordered_json describeShard(const std::string& path);
 // nlg-datagen geometry: the scene of a shard, as pictures of it need it (workflow/shard_pictures.py).
 //
 // scene_request   as loadScene takes it; empty: the shard's own procedural scene, or none
-// returns         `triangles_m`, 9 numbers each, in the world, and `double_sided`, a boolean each; with the tree also `cells`, [x, y, z of the
-//                 lowest corner, side], metres, and `nodes`, of those with probes the same and the level, 0 to 2; null without a scene
+// returns         JSON: `triangles_m`, 9 numbers each, in the world, and `double_sided`, a boolean each; with the tree also `cells`, [x, y, z
+//                 of the lowest corner, side], metres, and `nodes`, of those with probes the same and the level, 0 to 2; null without
+//                 a scene
 // throws          InputError for a shard that cannot be read, or a scene that is not the shard's
-nlohmann::ordered_json shardGeometry(const std::string& path, const std::string& scene_request, bool with_tree);
+std::string shardGeometry(const std::string& path, const std::string& scene_request, bool with_tree);
 
 // nlg-datagen info FOLDER: what a folder of shards holds, scene by scene, and how hard its functions are.
 //
