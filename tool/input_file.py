@@ -7,6 +7,7 @@ import json
 import math
 import os
 import re
+import struct
 
 from tool.errors import InputError
 from tool.regular_file import regular
@@ -38,6 +39,21 @@ def read_text(path):
 
 def sha256(path):
     return hashlib.sha256(read_bytes(path)).hexdigest()
+
+
+def read_header(path):
+    """The texts of a weights file, and its tensors' dtypes and shapes."""
+    with as_documented(path):
+        data = read_bytes(path)
+        header = json.loads(data[8 : 8 + struct.unpack_from("<Q", data)[0]])
+        metadata = header.pop("__metadata__")
+        return metadata, {name: tensor for name, tensor in header.items() if not name.startswith("padding.")}
+
+
+def training_scenes(path):
+    """The names of the scenes that weights were trained on."""
+    with as_documented(path):
+        return set(json.loads(read_header(path)[0]["training_options"])["training_scenes"])
 
 
 def shown(value):

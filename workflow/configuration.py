@@ -23,6 +23,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tool/, which all scripts share
 from tool.atomic_file import write_files
 from tool.errors import UsageError, run
+from tool.input_file import read_header, training_scenes
 
 from entries import files_in, under_root
 from furniture import find_interiors
@@ -144,6 +145,9 @@ class Run:
         self.init = {name: os.path.join(os.path.abspath(folder), f"{name}.safetensors") for name in self.representations} if folder else {}
         for path in self.init.values():
             require("init", path, os.path.isfile(path), "weights of every representation")
+        for name, path in self.init.items():
+            # nlg-train says so too, when data and basis are made
+            require("init", path, read_header(path)[0].get("representation") == name, f"weights of {name}")
 
     def _take_references(self, environment):
         """Weights that those of the run are compared with, by what they are: where there are own levels the supplied ones of the same representations
@@ -197,6 +201,9 @@ class Run:
         self.training = [scene for scene in self.scenes if scene not in kept]
         require("split", f"{len(self.held_out)} of {len(self.scenes)}", self.held_out and self.training,
                 "some of the scenes held out, but not all; held_out names them, held_out_share draws them")
+        for path in self.init.values():
+            for scene in sorted(kept & training_scenes(path)):
+                raise ConfigurationError(f"split: {scene} is not to be trained on, and init's {path} was; hold out others")
         for scene in sorted({*self.held_out} & {*self.evaluation}):
             raise ConfigurationError(f"split: {scene} is in held_out and in evaluation; a scene can be in one of them")
 
@@ -409,17 +416,25 @@ def content_of(arguments):
 
 
 def judge_arguments(arguments, content):
-    """The run; what is wrong with --set alone is told of it, not of the file."""
+    """The run; what is wrong is told of the --set without which it is right, or of the first that is wrong alone, else of the file."""
+    def judged_with(values, place):
+        return judge(changed(read(arguments.config), arguments.levels, values), place)
+
+    def holds(values):
+        try:
+            return bool(judged_with(values, arguments.config))
+        except ConfigurationError:
+            return False
+
     try:
         return judge(content, arguments.config)
     except ConfigurationError:
-        try:
-            judge(changed(read(arguments.config), arguments.levels, []), arguments.config)
-        except ConfigurationError:
-            pass  # the file is to blame
-        else:
+        for text in arguments.set:
+            if holds([other for other in arguments.set if other != text]):
+                return judge(content, f"--set {text}")
+        if holds([]):
             for text in arguments.set:
-                judge(changed(read(arguments.config), arguments.levels, [text]), f"--set {text}")
+                judged_with([text], f"--set {text}")
         raise
 
 

@@ -19,13 +19,13 @@ import re
 import sys
 from pathlib import Path
 
-from results_collect import STAGES, WEIGHTS, dump, fail, read_header, read_json
+from results_collect import STAGES, WEIGHTS, dump, fail, read_json
 from results_page import judgements, ratio, table
 from results_quotes import MAIN, microseconds, number, percent
 from tool.atomic_file import write_atomically
 from tool.errors import CHECK_FAILED
 from tool.errors import run as run_script
-from tool.input_file import as_documented
+from tool.input_file import as_documented, read_header
 from tool.input_file import sha256 as hash_of
 
 ROOT = Path(__file__).resolve().parents[2]

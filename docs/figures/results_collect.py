@@ -11,13 +11,12 @@ import datetime
 import json
 import math
 import re
-import struct
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # tool/, which all scripts share
 from tool.errors import InputError
-from tool.input_file import as_documented, read_bytes
+from tool.input_file import as_documented, training_scenes
 from tool.input_file import read_json as read_node
 
 STAGES = ("network", "corrected", "fitted", "stored")
@@ -67,18 +66,9 @@ def slug(name):
     return re.sub(r"\W+", "_", name).strip("_")
 
 
-def read_header(path):
-    """The texts of a weights file, and its tensors' dtypes and shapes."""
-    with as_documented(path):
-        data = read_bytes(path)
-        header = json.loads(data[8 : 8 + struct.unpack_from("<Q", data)[0]])
-        metadata = header.pop("__metadata__")
-        return metadata, {name: tensor for name, tensor in header.items() if not name.startswith("padding.")}
-
-
 def trained_on(name):
     """The scenes that the supplied weights of a representation have seen, under the names that files of results have."""
-    return {slug(scene) for scene in json.loads(read_header(WEIGHTS / f"{name}.safetensors")[0]["training_options"])["training_scenes"]}
+    return {slug(scene) for scene in training_scenes(WEIGHTS / f"{name}.safetensors")}
 
 
 def revision(document, place):

@@ -8,6 +8,7 @@ whole: with a run from given weights, and a sweep.
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -114,6 +115,14 @@ def main():
         # what is there is not made again
         again = run(*pipeline, str(levels)).stderr
         assert "nothing to be done" in again, again
+        # weights to begin with, refused before any data are made
+        (folder / "mlp").mkdir()
+        shutil.copy(ROOT / "weights/mlp.safetensors", folder / "mlp/tent_mlp4.safetensors")
+        seen = min(name for name in trained if name.startswith("room"))
+        for asked, words in ((["init=nowhere"], "nowhere/tent_mlp4"), ([f"init={folder / 'mlp'}"], "expected weights of tent_mlp4"),
+                             ([f"init={out / 'weights'}", f"split.held_out=[{seen}]"], f"{seen} is not to be trained on, and init's")):
+            refused = run(*pipeline, "--set", "name=finer", *(word for setting in asked for word in ("--set", setting)), "--plan", str(levels), code=2).stderr
+            assert words in refused, refused
         if sys.argv[2] == "short":
             return 0
         # trained on from these weights, at a rate that changes nothing: the same network, but for what float16 rounds
@@ -121,8 +130,6 @@ def main():
         for file, error in (("training/tent_mlp4.json", "held_out_network_blend_rmse"), ("weights/tent_mlp4.json", "held_out_blend_rmse")):
             first, finer = (json.loads((folder / "out" / name / file).read_text())[error] for name in ("six_rooms", "finer"))
             assert abs(finer - first) < 2e-3 * first, f"{file}: {first}, {finer}"
-        refused = run(*pipeline, "--set", "init=nowhere", str(levels), code=2).stderr
-        assert "nowhere/tent_mlp4" in refused, refused
         # a sweep: runs over one data set and basis, compared
         compared = run(*pipeline, "--set", "name=sweep", "--set", "train.steps=20,40", "--set", "train.batch=[32]", str(levels)).stdout
         assert "tent_mlp4, steps: 20 -> 40" in compared and "stored, mean blend RMSE" in compared, compared
