@@ -186,7 +186,7 @@ std::vector<std::string> lightWarnings(const LightStatistics& statistics) {
         countText(statistics.buried_lamps_m.size(), "lamp"), at.x, at.y, at.z));
   }
   if (statistics.largest > kMaxEngineLight)
-    warnings.push_back(fmt::format("light reaches {:.3g}, and engines' files hold {:g}: --intensity {:g} makes it fit",
+    warnings.push_back(fmt::format("light reaches {:.3g}, and engines' files hold {:g}: {:g} times this --intensity makes it fit",
                                    statistics.largest, kMaxEngineLight, intensityThatFits(statistics.largest)));
   return warnings;
 }

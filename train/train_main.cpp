@@ -265,6 +265,10 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
   }
   // the basis as the generator reads it: cut to the coefficients that are asked for, and whitened
   const BasisData used = usedBasis(options, basis.basis);
+  // of samples as many of each of the eight parities
+  if (const int asked = options.coefficients > 0 ? options.coefficients : basis.basis.data.coefficientCount();
+      used.coefficientCount() < asked)
+    std::cerr << "nlg-train: " << used.coefficientCount() << " of " << asked << " components: a multiple of 8\n";
   options.shape.input = used.input;
   options.shape.coefficient_count = used.coefficientCount();
   options.shape.code_count = representation.code_count;

@@ -74,7 +74,7 @@ TexelFormat textureFormat(const TextureFormat& texture, const LightBox& box) {
     const LightVolume volume{box, floatsOf(light.light)};
     if (const float largest = largestLight(volume); largest > kMaxEngineLight) {
       throw UsageError("--intensity", "light of at most " + std::to_string(static_cast<int>(kMaxEngineLight)) + " in a texel",
-                       fmt::format("{:g}: {:g} times the present intensity makes it fit", largest, intensityThatFits(largest)));
+                       fmt::format("{:g}: {:g} times this --intensity makes it fit", largest, intensityThatFits(largest)));
     }
     const std::string texels = packShTexture(volume);
     return Texels{name, {texture.file(box, texels)}, texture.shown(textureOfHalves(texels, shTextureSize(box.texel_count)), box)};

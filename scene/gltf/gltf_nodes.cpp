@@ -45,6 +45,17 @@ std::pair<std::string, std::optional<int>> levelOf(const std::string& name) {
 
 bool is(const tinygltf::Value* value, bool truth) { return value != nullptr && value->IsBool() && value->Get<bool>() == truth; }
 
+}  // namespace
+
+bool isMarked(const tinygltf::Node& node, const char* key) {
+  if (!node.extras.IsObject() || !node.extras.Has(key)) return false;
+  const tinygltf::Value& extra = node.extras.Get(key);
+  // Blender before 3.5 and other programs without booleans write 1
+  return is(&extra, true) || (extra.IsNumber() && extra.GetNumberAsDouble() != 0.0);
+}
+
+namespace {
+
 // A dome with a picture of the sky, as it is called: to light it would be a wall around the level.
 constexpr std::string_view kSkyNames[] = {"sky", "skydome", "skybox", "skysphere"};
 
@@ -53,7 +64,7 @@ NodeVerdict ofName(const std::string& name) {
   std::string letters = start;
   std::erase_if(letters, [](char c) { return c == '_' || c == '-' || c == ' '; });
   if (std::find(std::begin(kSkyNames), std::end(kSkyNames), letters) != std::end(kSkyNames))
-    return {"for a sky and no wall, by its name; --sky says what shines, and the extra nlg_ignore: false keeps it", false};
+    return {"for a sky and no wall, by its name; --sky says what shines", false};
   for (const auto& [word, is_prefix, with_children] : kNameRules) {
     const size_t at = start.size() - word.size();
     const bool is_end =
@@ -69,10 +80,7 @@ NodeVerdict ofMarks(const tinygltf::Node& node, bool is_coarser, bool* is_settle
   *is_settled = true;
   if (is(memberOf(node.extensions, "KHR_node_visibility", "visible"), false)) return {"hidden by KHR_node_visibility", true};
   if (node.extras.IsObject() && node.extras.Has("nlg_ignore")) {
-    const tinygltf::Value& extra = node.extras.Get("nlg_ignore");
-    // programs without booleans write 1
-    const bool is_ignored = is(&extra, true) || (extra.IsNumber() && extra.GetNumberAsDouble() != 0.0);
-    return is_ignored ? NodeVerdict{"by nlg_ignore", true} : NodeVerdict{};
+    return isMarked(node, "nlg_ignore") ? NodeVerdict{"by nlg_ignore", true} : NodeVerdict{};
   }
   if (is_coarser) return {kCoarserNodes, true};
   for (const char* physics : {"OMI_physics_body", "KHR_physics_rigid_bodies"}) {

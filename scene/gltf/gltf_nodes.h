@@ -24,6 +24,9 @@ inline constexpr const char* kCoarserNodes = "coarser levels of detail (MSFT_lod
 std::vector<NodeVerdict> judgeNodes(const tinygltf::Model& model, std::vector<int> nodes,
                                     const std::vector<std::string>& patterns, std::vector<std::string>* notes);
 
+// Whether the node's extras have the key as true, or as a number other than 0.
+bool isMarked(const tinygltf::Node& node, const char* key);
+
 // The node's name, else its mesh's, else "node 3".
 std::string nodeName(const tinygltf::Model& model, int node_idx);
 // The nodes that MSFT_lod gives it as coarser and coarser ones.

@@ -150,6 +150,8 @@ class GltfConverter {
       left_out_[verdict.why].objects.push_back(nodeName(model_, node_idx));
     } else if (node.mesh >= 0) {
       attempt([&] { addMesh(node, node_idx, world_from_local, place); });
+      if (!lightGroupOf(node.extras).empty() && lightOfNode(path_, place, node, lights_.size()) < 0)
+        odd_.add("light_group of a mesh, which has no effect: its material may have one", nodeName(model_, node_idx));
     }
     attempt([&] {
       const int light = lightOfNode(path_, place, node, lights_.size());
@@ -198,9 +200,7 @@ class GltfConverter {
 
   // Blender numbers names that it has twice: nlg_extent.001.
   static bool isExtent(const tinygltf::Node& node) {
-    const bool is_marked = node.extras.IsObject() && node.extras.Has("nlg_extent") && node.extras.Get("nlg_extent").IsBool() &&
-                           node.extras.Get("nlg_extent").Get<bool>();
-    return is_marked || node.name == "nlg_extent" || node.name.rfind("nlg_extent.", 0) == 0;
+    return isMarked(node, "nlg_extent") || node.name == "nlg_extent" || node.name.rfind("nlg_extent.", 0) == 0;
   }
 
   // Around all such nodes together.

@@ -152,8 +152,9 @@ void noteTooBright(const Scene& scene, std::vector<std::string>* notes) {
   // half of what is seen
   brightest = std::max({brightest, 0.5f * kOfRadiance * largestOf(sky.zenith), 0.5f * kOfRadiance * largestOf(sky.horizon)});
   if (brightest <= kMaxEngineLight) return;
-  notes->push_back(fmt::format("light may reach {:.3g}, and files for engines hold {:.0f}: --intensity {:g} makes it fit",
-                               brightest, kMaxEngineLight, intensityThatFits(brightest)));
+  notes->push_back(
+      fmt::format("light may reach {:.3g}, and files for engines hold {:.0f}: {:g} times this --intensity makes it fit",
+                  brightest, kMaxEngineLight, intensityThatFits(brightest)));
 }
 
 const char* kBlenderExports =
@@ -266,7 +267,8 @@ std::vector<std::string> applyLight(Scene& scene, const LightOptions& options, c
     done.push_back("sky: " + joined(options.sky));
     done.insert(done.end(), given.notes.begin(), given.notes.end());
     if (given.sun) {
-      done.push_back("the sun of the image is a sun of its own: " + sunText(*given.sun) +
+      done.push_back(std::string("the sun of the image is a sun of its own") +
+                     (scene.light.suns.empty() ? "" : ", beside those of the scene") + ": " + sunText(*given.sun) +
                      (options.sun.empty() ? "" : "; --sun stands in its place"));
       scene.light.suns.push_back(*given.sun);
       // labels go by the suns' order: this one has no name

@@ -43,12 +43,12 @@ def end(process, expected=0):
     return out, err
 
 
-def train(name, *more, data=CACHE, steps=120, learning_rate="0.003", **how):
+def train(name, *more, data=CACHE, steps=120, learning_rate="0.003", flags=(), **how):
     # the last one of an option counts
     options = {}
     for option, value in zip(*[iter([*INPUTS, *OPTIONS, *data, "--steps", str(steps), "--learning-rate", learning_rate, "--out", f"{name}.ckpt", "--run", f"{name}_run", "--log", f"{name}.csv", *more])] * 2):
         options[option] = value
-    return start("nlg-train", *(word for pair in options.items() for word in pair), **how)
+    return start("nlg-train", *(word for pair in options.items() for word in pair), *flags, **how)
 
 
 def columns(path):
@@ -164,6 +164,11 @@ def check_other_runs(_):
         check(expected in err and "--restart-on-change" in err, f"{name}: {err!r}")
     _, err = end(train("plain", steps=420))
     check("an extended run" in err and json.load(open("plain_run/config.json"))["steps"] == 420, f"more steps: {err!r}")
+    # of a run that is given up nothing stays, its pictures neither
+    with open("plain_run/worst-000000007.png", "wb"):
+        pass
+    _, err = end(train("plain", flags=["--restart-on-change"], steps=20))
+    check("starting afresh" in err and not os.path.exists("plain_run/worst-000000007.png"), f"begun again: {err!r}")
 
 
 def check_copies(tools):

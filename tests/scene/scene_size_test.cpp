@@ -157,6 +157,9 @@ TEST_F(SceneFiles, MayNameTheBoxInWhichThingsMove) {
 
   parts.nodes = R"([{"mesh":0},{"name":"nlg_extended","extras":{"nlg_extent":false}}])";
   EXPECT_FALSE(extentOf(1.0));
+  // as Blender wrote true before it had booleans
+  parts.nodes = R"([{"mesh":0},{"name":"room","scale":[5,2,3],"extras":{"nlg_extent":1}}])";
+  EXPECT_TRUE(extentOf(1.0));
 }
 
 TEST_F(SceneFiles, MaySayHowFarApartProbesAre) {

@@ -88,6 +88,8 @@ class ToolOperator(Operator):
     def end(self, context):
         job, state.job = state.job, None
         state.said = [*state.said, *job.notes]
+        for note in job.notes:
+            self.report({"WARNING"}, note)  # which a script sees, too
         try:
             if job.is_cancelled:
                 self.report({"INFO"}, f"{self.bl_label}: cancelled")

@@ -230,7 +230,7 @@ TEST_F(SkyFiles, TheSunOfAnImageIsASunUnlessAnotherIsGiven) {
   with_sun.light.sun_labels = {{"Noon", "day"}};
   options.sun.clear();
   options.light_groups = "name";
-  applyLight(with_sun, options);
+  EXPECT_NE(applyLight(with_sun, options)[1].find("beside those of the scene"), std::string::npos);
   EXPECT_EQ(with_sun.light.groups.names, (std::vector<std::string>{"sky", "day", "sun"}));
   EXPECT_EQ(with_sun.light.groups.of_sun, (std::vector<uint8_t>{1, 2}));
 }

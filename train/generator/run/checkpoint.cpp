@@ -68,17 +68,19 @@ std::string nameOf(int64_t step) {
   return name;
 }
 
-// Checkpoints of a folder, oldest first.
-std::vector<fs::path> checkpoints(const std::string& folder) {
+// Files of a folder that are named by steps, oldest first.
+std::vector<fs::path> filesOfSteps(const std::string& folder, std::string_view begins, std::string_view ends) {
   std::vector<fs::path> found;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (name.rfind("step-", 0) == 0 && entry->path().extension() == ".ckpt") found.push_back(entry->path());
+    if (name.starts_with(begins) && name.ends_with(ends)) found.push_back(entry->path());
   }
   std::sort(found.begin(), found.end());
   return found;
 }
+
+std::vector<fs::path> checkpoints(const std::string& folder) { return filesOfSteps(folder, "step-", ".ckpt"); }
 
 void removeFile(const fs::path& path) {
   std::error_code error;
@@ -186,6 +188,10 @@ void RunFolder::settle(const std::string& checkpoint, const TrainingState& state
 void RunFolder::clear() const {
   for (const char* name : {"latest", "log.csv"}) removeFile(fs::path(path_) / name);
   for (const fs::path& path : checkpoints(path_)) removeFile(path);
+  // pictures of its worst functions, or what they are to be drawn of
+  for (const char* ending : {".png", ".json"}) {
+    for (const fs::path& path : filesOfSteps(path_, "worst-", ending)) removeFile(path);
+  }
 }
 
 }  // namespace nlg

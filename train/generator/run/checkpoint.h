@@ -59,7 +59,7 @@ class RunFolder {
   // throws       OutputError
   void settle(const std::string& checkpoint, const TrainingState& state) const;
 
-  // Removes the checkpoints and the curve of another run. throws OutputError
+  // Removes the checkpoints, the curve and the pictures of another run. throws OutputError
   void clear() const;
 
  private:
