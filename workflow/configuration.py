@@ -504,9 +504,9 @@ def main():
     is_changed = bool(arguments.levels or arguments.set)
     record = os.path.join(run_of_file.folder, "configuration.yaml")
     path = record if is_changed else arguments.config
+    if is_changed:
+        refuse_others_results(run_of_file, content)
     if arguments.write:
-        if is_changed:
-            refuse_others_results(run_of_file, content)
         of_data = os.path.join(run_of_file.data_folder, "configuration.yaml")
         write_files({file: text_of(content).encode() for file in (record, of_data) if file == record or not os.path.exists(of_data)})
     print(run_of_file.folder)

@@ -142,7 +142,7 @@ def text(found, of_run):
     for stage in found["stages"]:
         yield f"{stage['name']:28}{duration(stage['core_s']):>12}"
     yield f"{'all':28}{duration(sum(stage['core_s'] for stage in found['stages'])):>12}"
-    yield f"\nBy the clock about {duration(found['clock_s'])} on {found['cores']} cores like the one that the sample ran on."
+    yield f"\nBy the clock about {duration(found['clock_s'])} on {found['cores']} cores like the one that the sample ran on, if nothing is there yet."
 
 
 def main():

@@ -172,7 +172,7 @@ def list_of(rows):
 
 def page_of(tool_rows):
     lines = ["# Settings", "",
-             "A configuration such as `pipeline.yaml` is a map of the sections below. A tool reads its own section of the file that `--config` names. Each setting is also a flag, which overrides the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` also prints ranges. Parentheses hold defaults. Unknown settings and values out of range are refused with file and line.",
+             "A configuration such as `pipeline.yaml` is a map of the sections below. A tool reads its own section of the file that `--config` names. Each setting is also a flag, which overrides the file: `spacing_m` is `--spacing-m`. `nlg-TOOL --help-all` also prints ranges. Parentheses hold defaults. Unknown settings and values out of range are refused, by the tools with file and line.",
              "", "`workflow/settings.py build/release/bin` writes this page, and the test `docs_settings` compares it.", ""]
     known = {}  # a setting as a section has it → that section
     rows = OWN + tool_rows

@@ -136,7 +136,8 @@ def main():
         swept = [folder / "out" / f"sweep-steps-{steps}-batch-32" for steps in (20, 40)]
         assert all((one / "weights/tent_mlp4.safetensors").is_file() and not (one / "dataset").exists() and not (one / "basis.h5").exists() for one in swept), swept
         assert len(list((folder / "out/sweep/dataset").glob("*/*.h5"))) == 7
-        assert "jitters" in run(*pipeline, "--set", "name=another", "--set", "data=sweep", "--set", "scenes.jitters=2", str(levels), code=2).stderr
+        for more in (["--plan"], []):
+            assert "jitters" in run(*pipeline, "--set", "name=another", "--set", "data=sweep", "--set", "scenes.jitters=2", *more, str(levels), code=2).stderr
     return 0
 
 

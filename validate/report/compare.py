@@ -34,6 +34,7 @@ from verdict import FEWEST_SCENES
 WORDS_BY_SCENE = ("network", "stored")  # what training makes, and what ships
 FALSE_ALARMS = 0.05     # the chance that noise alone makes any figure count as changed
 SMALLEST_CHANGE = 0.01  # that counts, as a share of the old value
+FEWEST_P99 = 500        # functions, of which ten may be above the percentile of both runs
 WORST_FACTOR = 2.0      # of a function's blend RMSE over its old one: what is above it, and above tau, is worse
 
 
@@ -175,10 +176,14 @@ def crossings(old, new, threshold, scenes=()):
 
 
 def p99_change(old, new, scenes=()):
-    """Judged at the 99th percentile of both runs' values together, which favours neither run."""
+    """Judged at the 99th percentile of both runs' values together, which favours neither run. At most a fiftieth of the functions can have risen
+    above it: of fewer than FEWEST_P99 no rise is more than chance."""
     if not len(old):
         return {"old": 0.0, "new": 0.0}
-    return {"old": float(np.quantile(old, 0.99)), "new": float(np.quantile(new, 0.99))} | crossings(old, new, np.quantile(np.concatenate([old, new]), 0.99), scenes)
+    change = {"old": float(np.quantile(old, 0.99)), "new": float(np.quantile(new, 0.99))}
+    if len(old) < FEWEST_P99:
+        return change | {"trend": "shown", "note": "too few functions to judge"}
+    return change | crossings(old, new, np.quantile(np.concatenate([old, new]), 0.99), scenes)
 
 
 def failing_change(old, new, scenes=()):
@@ -194,7 +199,7 @@ def worst_change(old, new, tau):
     if risen.any():
         # the figures are then those of the function that leapt highest: another one may be the worst of all
         highest = int(np.argmax(np.where(risen, new.blend_rmse, -1.0)))
-        return {"old": float(old.blend_rmse[highest]), "new": float(new.blend_rmse[highest]), "note": f"{risen.sum()} leapt, the highest function {new.function[highest]} of {new.scene[highest]}", "trend": "worse"}
+        return {"old": float(old.blend_rmse[highest]), "new": float(new.blend_rmse[highest]), "note": f"{risen.sum()} leapt; the errors are those of the highest, function {new.function[highest]} of {new.scene[highest]}", "trend": "worse"}
     return change | ({"note": f"{fallen.sum()} no longer so high", "trend": "better"} if fallen.any() else {})
 
 

@@ -170,6 +170,9 @@ class Chances(unittest.TestCase):
         swapped = old.copy()
         swapped[:30], swapped[-30:] = old[-30:], old[:30]
         self.assertEqual(compare.p99_change(old, swapped)["chance"], 1.0)
+        # where the ten that may rise above it can be chance, however high they rise
+        few = compare.p99_change(old[:499], old[:499] + 9.0)
+        self.assertEqual((few["trend"], few.get("chance"), few["new"] > 9.0), ("shown", None, True))
 
     def test_many_figures_follow_holm(self):
         # .05 / 4 = .0125, .05 / 3 = .0167, .05 / 2 = .025: the third fails, and with it the fourth, though it is below .05
