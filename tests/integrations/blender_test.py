@@ -38,6 +38,8 @@ def failures_of(folder, before, options, zip_file, tools):
     lines = output.splitlines()
     print("\n".join(line for line in lines if line.startswith(("holds: ", "FAILED: "))))
     failures = [line for line in lines if line.startswith("FAILED: ")]
+    if options and not any("no light reaches a room" in line for line in lines):
+        failures.append("FAILED: a script hears what the bake notes")
     if process.returncode != 0 or "end" not in lines or "Traceback" in output:
         failures.append(f"Blender ended with {process.returncode}:\n" + "\n".join(lines[-30:]))
     return failures

@@ -89,7 +89,7 @@ class ToolOperator(Operator):
         job, state.job = state.job, None
         state.said = [*state.said, *job.notes]
         for note in job.notes:
-            self.report({"WARNING"}, note)  # which a script sees, too
+            self.report({"INFO"}, note)  # which a script sees, too
         try:
             if job.is_cancelled:
                 self.report({"INFO"}, f"{self.bl_label}: cancelled")

@@ -253,6 +253,12 @@ TEST_F(GltfReader, PutsLightsIntoTheGroupsOfTheirExtras) {
   Scene scene = read(parts);
   groupLights("name", "", &scene);
   EXPECT_EQ(scene.light.groups.names, (std::vector<std::string>{"day", "corridor", "Bulb"}));
+  // a mesh has its lights by its materials
+  parts.nodes = R"([{"mesh":0,"name":"panel","extras":{"light_group":"screens"}}])";
+  parts.scenes = R"([{"nodes":[0]}])";
+  const std::vector<std::string> notes = readGltf(write("panel.gltf", parts.text())).notes;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("panel: light_group of a mesh"), std::string::npos) << notes[0];
 }
 
 TEST_F(GltfReader, ReadsLightsWhereTheirNodesStand) {
