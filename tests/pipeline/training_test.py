@@ -17,6 +17,7 @@ import time
 from random import Random
 
 sys.dont_write_bytecode = True
+os.environ["NLG_PROGRESS"] = "off"  # a stage of more than a second is a line of its own
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from tools import INPUT_ERROR, NUMERICAL_ERROR, SECONDS, USAGE_ERROR, Tools, read, room, run_checks, write
 
