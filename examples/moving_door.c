@@ -116,7 +116,10 @@ int main(int argc, char** argv) {
   char why[256];
   const nlg_status loaded = nlg_generator_load(argv[1], &generator, why, sizeof why);
   if (loaded != NLG_OK) return fprintf(stderr, "%s (%s)\n", why, nlg_status_name(loaded)), 3;
-  if (!nlg_reads_samples(generator)) return fprintf(stderr, "%s: expected weights that read samples\n", argv[1]), 3;
+  if (!nlg_reads_samples(generator)) {
+    nlg_generator_free(generator);
+    return fprintf(stderr, "%s: expected weights that read samples\n", argv[1]), 3;
+  }
   float* theta = malloc(kProbes * nlg_theta_count(generator) * sizeof(float));
   if (theta == NULL || nlg_scratch_create(generator, NULL, &scratch) != NLG_OK || nlg_support_pattern(&points, &hash) != NLG_OK) return 1;
   for (int state = 0; state < 3; ++state) {
