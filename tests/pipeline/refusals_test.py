@@ -51,6 +51,7 @@ REFUSED = [
     (INPUT_ERROR, ["hous:1", "FAMILY:SEED"], "nlg-bake hous:1 --weights weights.safetensors --out bad.safetensors"), (USAGE_ERROR, "scene: ", "nlg-datagen --scene house:x --out bad.h5"),
     (INPUT_ERROR, ["run.ckpt", "a checkpoint of nlg-train, of which nlg-export makes weights"], "nlg-bake house:1 --weights run.ckpt --out bad.safetensors"),
     (USAGE_ERROR, ["representation", "'pf4'"], "nlg-bake house:1 --representation pf4 --out bad.safetensors"),
+    (USAGE_ERROR, "… and ", f"nlg-bake house:1 --representation {'pf' * 9000} --out bad.safetensors"),
     # words that are mistyped, before the scene is read
     *((USAGE_ERROR, names, f"nlg-bake missing.glb {option} sun --weights weights.safetensors --out bad.safetensors")
       for option, names in (("--light", ["light", "solved, integrated, point or none", "'sun'"]), ("--light-direct", ["--light-direct: expected all, no_suns, none or reflected", "'sun'"]))),
