@@ -50,10 +50,12 @@ def read_header(path):
         return metadata, {name: tensor for name, tensor in header.items() if not name.startswith("padding.")}
 
 
-def training_scenes(path):
-    """The names of the scenes that weights were trained on."""
-    with as_documented(path):
-        return set(json.loads(read_header(path)[0]["training_options"])["training_scenes"])
+def training_scenes(texts):
+    """The names of the scenes that weights were trained on, by the texts of their file; None where they do not say, as nlg-train takes them, too."""
+    try:
+        return set(json.loads(texts["training_options"])["training_scenes"])
+    except (KeyError, TypeError, ValueError):
+        return None
 
 
 def shown(value):

@@ -145,9 +145,12 @@ class Run:
         self.init = {name: os.path.join(os.path.abspath(folder), f"{name}.safetensors") for name in self.representations} if folder else {}
         for path in self.init.values():
             require("init", path, os.path.isfile(path), "weights of every representation")
+        self.init_scenes = {}
         for name, path in self.init.items():
+            texts, _ = read_header(path)
             # nlg-train says so too, when data and basis are made
-            require("init", path, read_header(path)[0].get("representation") == name, f"weights of {name}")
+            require("init", path, texts.get("representation") == name, f"weights of {name}")
+            self.init_scenes[path] = training_scenes(texts) or set()
 
     def _take_references(self, environment):
         """Weights that those of the run are compared with, by what they are: where there are own levels the supplied ones of the same representations
@@ -201,8 +204,8 @@ class Run:
         self.training = [scene for scene in self.scenes if scene not in kept]
         require("split", f"{len(self.held_out)} of {len(self.scenes)}", self.held_out and self.training,
                 "some of the scenes held out, but not all; held_out names them, held_out_share draws them")
-        for path in self.init.values():
-            for scene in sorted(kept & training_scenes(path)):
+        for path, seen in self.init_scenes.items():
+            for scene in sorted(kept & seen):
                 raise ConfigurationError(f"split: {scene} is not to be trained on, and init's {path} was; hold out others")
         for scene in sorted({*self.held_out} & {*self.evaluation}):
             raise ConfigurationError(f"split: {scene} is in held_out and in evaluation; a scene can be in one of them")

@@ -16,7 +16,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # tool/, which all scripts share
 from tool.errors import InputError
-from tool.input_file import as_documented, training_scenes
+from tool.input_file import as_documented, read_header, training_scenes
 from tool.input_file import read_json as read_node
 
 STAGES = ("network", "corrected", "fitted", "stored")
@@ -68,7 +68,11 @@ def slug(name):
 
 def trained_on(name):
     """The scenes that the supplied weights of a representation have seen, under the names that files of results have."""
-    return {slug(scene) for scene in training_scenes(WEIGHTS / f"{name}.safetensors")}
+    path = WEIGHTS / f"{name}.safetensors"
+    seen = training_scenes(read_header(path)[0])
+    if seen is None:
+        fail(path, "the scenes that it was trained on", "none")
+    return {slug(scene) for scene in seen}
 
 
 def revision(document, place):
