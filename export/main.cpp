@@ -267,7 +267,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
       provenance("nlg-export", table.toJson(), {{"checkpoint", checkpoint.sha256()}, {"basis", basis_sha256}});
   file.metadata["training_options"] = checkpoint.identity().options_json;
   file.metadata["training_set_sha256"] = checkpoint.identity().training_set_sha256;
-  file.metadata["training_functions"] = std::to_string(basis.basis.function_count);
+  file.metadata["basis_functions"] = std::to_string(basis.basis.function_count);
   file.metadata["held_out_blend_rmse_mean"] = std::to_string(held_out_blend_rmse);
   file.metadata["parity_theta"] = std::to_string(parity.theta);
   file.metadata["provenance"] = origin.dump();

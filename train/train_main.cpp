@@ -55,12 +55,13 @@ void readSlurm(ProcessGroup::Options& processes, bool is_given) {
 using Scenes = std::map<std::string, std::string>;  // id → SHA-256
 
 // What makes a run the run that it is, and goes with its weights. Threads change no bit, and processes none but by rounding: a run may go on with others.
-nlohmann::ordered_json runOptions(const Request& request, const OptionTable& table, const TrainingData& held_out,
-                                  const Scenes& seen) {
+nlohmann::ordered_json runOptions(const Request& request, const OptionTable& table, const TrainingData& training,
+                                  const TrainingData& held_out, const Scenes& seen) {
   nlohmann::ordered_json options = table.toJson();
   options.erase("processes");
   options.erase("threads");
   options["held_out_sha256"] = held_out.sha256();  // by which the curve judges
+  options["training_functions"] = training.functionCount();
   options["training_scenes"] = seen;
   if (!request.init.empty()) options["init_sha256"] = fileSha256(request.init);
   return options;
@@ -209,6 +210,15 @@ void requireSameRun(const ProcessGroup& processes, const RunIdentity& identity) 
   }
 }
 
+// A basis of other functions may serve, as that of --init does; but one that was fitted to held-out functions has seen them.
+void warnOfOtherFunctions(const BasisFile& basis, const TrainingData& training, const std::string& path) {
+  const nlohmann::json origin = nlohmann::json::parse(basis.provenance_json, nullptr, false);
+  const nlohmann::json inputs = origin.is_object() ? origin.value("inputs", nlohmann::json()) : nlohmann::json();
+  const auto fitted_to = inputs.find("training_set");
+  if (fitted_to == inputs.end() || *fitted_to == training.sha256()) return;
+  std::cerr << "nlg-train: " << path << " was fitted to other functions than the training set's\n";
+}
+
 // Whole scenes are held out, or the held-out error would say nothing; a copy under another name is the same scene.
 void requireSeparate(const Request& request, const Scenes& seen, const Scenes& held_out) {
   for (const auto& [scene, sha256] : held_out) {
@@ -282,8 +292,9 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
   requireSeparate(request, seen, held_out.scenes());
 
   // a run is what its checkpoints say: it goes on from the newest whole one of the same options and data
-  const RunIdentity identity{request.representation, runOptions(request, table, held_out, seen).dump(), fileSha256(request.basis),
-                             training.sha256()};
+  warnOfOtherFunctions(basis, training, request.basis);
+  const RunIdentity identity{request.representation, runOptions(request, table, training, held_out, seen).dump(),
+                             fileSha256(request.basis), training.sha256()};
   const RunFolder folder(request.run);
   const auto lock = request.processes.rank == 0 ? folder.lock() : nullptr;
   TrainingState state = makeState(options, Theta(representation.thetaCount()));

@@ -82,7 +82,7 @@ def training_facts(run, config, name):
     if hash_of(shipped) != hash_of(made):
         fail(shipped, f"the run's {made}", "another file")
     exported, training = read_json(run / "weights" / f"{name}.json"), read_json(run / "training" / f"{name}.json")
-    return {"sha256": hash_of(shipped), "configuration": config, "scenes": training_scenes(run), "steps": training["steps"], "parity_theta": exported["parity_theta"],
+    return {"sha256": hash_of(shipped), "configuration": config, "scenes": training_scenes(run), "functions": training["functions"], "steps": training["steps"], "parity_theta": exported["parity_theta"],
             "parity_functions": exported["parity_functions"], "held_out_blend_rmse": exported["held_out_blend_rmse"],
             "rounding_blend_rmse": exported["held_out_blend_rmse"] - exported["held_out_blend_rmse_float32"]}
 
@@ -97,7 +97,7 @@ def known_facts(name, facts, entry):
     if entry and entry["weights_sha256"] != sha256:
         fail(f"docs/results/{MAIN}.json: {name}", f"figures of weights {sha256}", entry["weights_sha256"])
     return {"name": name, "sha256": sha256, "bytes": path.stat().st_size, "numbers": tensors["theta0"]["shape"][0], "dtype": "float16" if any(tensor["dtype"] == "F16" for tensor in tensors.values()) else "float32",
-            "functions": int(metadata["training_functions"]), "training_set": metadata["training_set_sha256"], "options": json.loads(metadata["training_options"]),
+            "training_set": metadata["training_set_sha256"], "options": json.loads(metadata["training_options"]),
             "revision": json.loads(metadata["provenance"])["revision"], **facts}
 
 
@@ -150,7 +150,7 @@ def training_section(cards):
     cards = [{**card, **dict(zip(("shards", "scenes"), card["scenes"].split(": ", 1)))} for card in cards]
     cards = [{**card, "scenes": counted_scenes(card.get("scenes", ""))} for card in cards]
     shared = lambda key: len({json.dumps(card[key]) for card in cards}) == 1
-    titles = {"configuration": "Configuration", "functions": "Distinct functions", "training_set": "Training set", "shards": "Data", "scenes": "Scenes", "revision": "Revision"}
+    titles = {"configuration": "Configuration", "functions": "Distinct functions trained on", "training_set": "Training set", "shards": "Data", "scenes": "Scenes", "revision": "Revision"}
     shown = lambda value: f"{value:,}" if isinstance(value, int) else str(value)
     text = "\n## How they were trained\n" + "".join(f"- {title}: {shown(cards[0][key])}\n" for key, title in titles.items() if shared(key))
     text += "- Options: the weights files hold all (`training_options`)\n"

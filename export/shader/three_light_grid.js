@@ -9,7 +9,7 @@
 import { DataTexture, NearestFilter, RGBAIntegerFormat, UnsignedIntType, Vector3 } from 'three';
 
 const TEXELS_A_ROW = 2048; // what every WebGL 2 offers
-const CLASS_COUNT_WORD = 13, AXIS_COUNT_WORD = 16, GROUP_COUNT_WORD = 19, CLASSES = 5, HEADS_A_CLASS = 2, HEADS_AN_AXIS = 7; // of grid.bin's head (shader_grid.h)
+const CLASS_COUNT_WORD = 13, AXIS_COUNT_WORD = 16, GROUP_COUNT_WORD = 19, CLASSES = 5, HEADS_A_CLASS = 2, HEADS_AN_AXIS = 7, FIELD_WORD = 27; // of grid.bin's head (shader_grid.h)
 const INCLUDED = '#include <lights_fragment_begin>';
 
 const gridOfMaterial = new WeakMap();
@@ -69,9 +69,12 @@ export class NeuralLightGrid {
   // words    Uint32Array, grid.bin
   // lookUp   the text of look_up.glsl
   constructor(words, lookUp) {
-    const classCount = words[CLASS_COUNT_WORD];
-    if (!lookUp.includes(`#define NLG_CLASS_COUNT ${classCount}\n`) || !lookUp.includes(`#define NLG_LIGHT_AXES ${words[AXIS_COUNT_WORD]}\n`)) throw new Error('grid.bin and look_up.glsl are not of one grid');
-    const firstColour = CLASSES + HEADS_A_CLASS * classCount + HEADS_AN_AXIS * words[AXIS_COUNT_WORD];
+    const classCount = words[CLASS_COUNT_WORD], axisCount = words[AXIS_COUNT_WORD], firstAxis = CLASSES + HEADS_A_CLASS * classCount;
+    const fields = Array.from({ length: axisCount }, (_, k) => `${words[4 * (firstAxis + HEADS_AN_AXIS * k) + FIELD_WORD]}u`);
+    // what the text holds of the grid as constants
+    const constants = [`NLG_CLASS_COUNT ${classCount}`, `NLG_LIGHT_AXES ${axisCount}`, ...(axisCount > 0 ? [`NLG_LIGHT_FIELDS uint[](${fields.join(', ')})`] : [])];
+    if (constants.some((constant) => !lookUp.includes(`#define ${constant}\n`))) throw new Error('grid.bin and look_up.glsl are not of one grid');
+    const firstColour = firstAxis + HEADS_AN_AXIS * axisCount;
     const headCount = firstColour + words[GROUP_COUNT_WORD];
     this.groups = [...lookUp.matchAll(/^\/\/ light group \d+, .*? of the head: (.*)$/gm)].map((line) => line[1]);
     this.#text = readsOf(headCount) + lookUp;

@@ -114,7 +114,7 @@ def seen(scene, ddgi):
 
 
 def write_weights(path):
-    metadata = {"training_functions": "352884", "training_set_sha256": SHA256, "training_options": '{"seed": 1, "training_scenes": {"aggressor": "cd"}}', "provenance": '{"revision": "8d19a80"}'}
+    metadata = {"training_set_sha256": SHA256, "training_options": '{"seed": 1, "training_scenes": {"aggressor": "cd"}}', "provenance": '{"revision": "8d19a80"}'}
     header = json.dumps({"__metadata__": metadata, "theta0": {"dtype": "F32", "shape": [113], "data_offsets": [0, 452]}}).encode()
     path.write_bytes(struct.pack("<Q", len(header)) + header + bytes(452))
 
@@ -135,7 +135,7 @@ class Results(unittest.TestCase):
         sys.path.insert(0, str(SOURCES / "docs" / "figures"))
         import model_card
         self.sha256 = model_card.hash_of(self.root / "weights" / "tent_mlp.safetensors")
-        facts = {"sha256": self.sha256, "configuration": "c.yaml", "scenes": "2 scenes", "steps": 30000,
+        facts = {"sha256": self.sha256, "configuration": "c.yaml", "scenes": "2 scenes", "functions": 352884, "steps": 30000,
                  "parity_theta": 7e-6, "parity_functions": 1024, "held_out_rmse": 0.005, "rounding_rmse": 1e-8}
         self.write("docs/results/weights.json", {"tent_mlp": facts, "tent_mlp4": facts})
         self.write("docs/results/openarena.json", {"schema_version": 1, "run": "openarena", "command": "./pipeline.sh"})

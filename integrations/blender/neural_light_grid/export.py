@@ -17,6 +17,9 @@ SKY_FILE = "sky.exr"
 SKY_WIDTH = 1024  # texels: what the tools keep of a sky's image
 SKY_SAMPLES = 16
 DISK_CORNERS = 24
+# nodes whose light or colour glTF has words for
+SURFACES = {"BSDF_PRINCIPLED", "EMISSION"}
+COLOURS = {"TEX_IMAGE", "RGB", "MIX", "MIX_RGB", "VERTEX_COLOR", "ATTRIBUTE", "REROUTE", "SEPRGB", "SEPARATE_COLOR"}
 # objects that no glTF holds
 LEFT_OUT = {"META": "metaballs", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "CURVES": "hair", "GPENCIL": "grease pencil"}
 
@@ -57,12 +60,14 @@ def export_scene(context, folder):
         write_glb(path)
     mend(path, context.scene, unseen)
     sky = sky_of(context.scene, folder) if settings.of(context.scene).has_world else "0"
-    return Exported(folder, f"./{level}", sky, left_out(context, things))
-
-
-def left_out(context, things):
-    """What of them the exporter does not write, a line each kind."""
     shown = [thing for instance in things if instance.instance_type == "COLLECTION" and instance.instance_collection for thing in instance.instance_collection.all_objects]
+    return Exported(folder, f"./{level}", sky, left_out(context, things, shown) + otherwise([*things, *shown]))
+
+
+def left_out(context, things, shown):
+    """What of them the exporter does not write, a line each kind.
+    shown   objects of collections whose instances stand among things
+    """
     kinds = [LEFT_OUT[thing.type] for thing in [*things, *shown] if thing.type in LEFT_OUT]
     kinds += ["area lamps of collection instances" for thing in shown if is_area_lamp(thing)]
     kinds += ["shape keys" for thing in things if thing.type == "MESH" and thing.data.shape_keys and not thing.modifiers]
@@ -70,6 +75,26 @@ def left_out(context, things):
     kinds += ["instances of geometry nodes or particles" for copy in context.evaluated_depsgraph_get().object_instances
               if copy.is_instance and copy.parent.original in things and copy.parent.original.instance_type == "NONE" and copy.object.original != copy.parent.original]
     return [f"the exporter leaves out: {kinds.count(kind)} {kind}" for kind in sorted(set(kinds))]
+
+
+def otherwise(things):
+    """What the exporter writes otherwise than Cycles shows it, a line each kind: an artist's glass of Glass BSDF is a white wall in the bake."""
+    lamps = {thing.data.name for thing in things if thing.type == "LIGHT" and thing.data.use_nodes}
+    used = {slot.material for thing in things for slot in thing.material_slots if slot.material and slot.material.use_nodes}
+    surfaces, colours, missing = set(), set(), set()
+    for material in used:
+        output = material.node_tree.get_output_node("CYCLES")
+        surface = output.inputs["Surface"].links[0].from_node if output and output.inputs["Surface"].links else None
+        if surface is None or surface.type not in SURFACES:
+            surfaces.add(material.name)
+        elif any(link.from_node.type not in COLOURS for name in ("Base Color", "Color", "Emission", "Emission Color") if name in surface.inputs for link in surface.inputs[name].links):
+            colours.add(material.name)
+        missing.update(image.name for image in images_of(material.node_tree) if image.source == "FILE" and not image.packed_file and not os.path.exists(path_of(image)))
+    said = {"materials whose surface is neither Principled BSDF nor Emission, which are mostly white and opaque in the bake": surfaces,
+            "materials whose colour nodes compute, which are mostly white in the bake": colours,
+            "images whose file is not there": missing,
+            "lamps with Use Nodes, whose light is another in the bake": lamps}
+    return [f"{what}: {', '.join(sorted(names))}" for what, names in said.items() if names]
 
 
 def is_area_lamp(thing):
@@ -147,7 +172,8 @@ def plane_of(lamp):
     plane = bpy.data.objects.new(lamp.name, mesh)
     plane.matrix_world = lamp.matrix_world.copy()
     for name, value in lamp.items():
-        if isinstance(value, (bool, int, float, str)):
+        # the group is the material's, below
+        if name != "light_group" and isinstance(value, (bool, int, float, str)):
             plane[name] = value
     mesh.update()
     scale = lamp.matrix_world.to_3x3()
@@ -225,7 +251,7 @@ def sky_of(scene, folder):
     colour = plain_colour(world)
     if colour is None:
         path = os.path.join(folder, SKY_FILE)
-        look = [world.name_full, *images_of(world.node_tree)]
+        look = [world.name_full, *map(as_of_now, images_of(world.node_tree))]
         if drawn != look or not os.path.exists(path):
             draw_sky(world, path)
             drawn = look
@@ -234,15 +260,23 @@ def sky_of(scene, folder):
 
 
 def images_of(tree):
-    """Which ones, and as of when: Blender says nothing of those that are read or painted anew."""
     for node in tree.nodes:
         if node.type == "GROUP" and node.node_tree:
             yield from images_of(node.node_tree)
         image = getattr(node, "image", None)
         if image is not None:
-            path = bpy.path.abspath(image.filepath)
-            # painted and not saved: equal to nothing
-            yield image.name_full, path, os.stat(path).st_mtime_ns if os.path.exists(path) else 0, object() if image.is_dirty else None
+            yield image
+
+
+def path_of(image):
+    return bpy.path.abspath(image.filepath, library=image.library)
+
+
+def as_of_now(image):
+    """Which one, and as of when: Blender says nothing of images that are read or painted anew."""
+    path = path_of(image)
+    # painted and not saved: equal to nothing
+    return image.name_full, path, os.stat(path).st_mtime_ns if os.path.exists(path) else 0, object() if image.is_dirty else None
 
 
 def plain_colour(world):
