@@ -32,10 +32,10 @@ done
 
 if [ "${parts[*]}" = collect ]; then
   run=$root/openarena
-  [ ! -f "$run/evaluation/summary.json" ] || docs/figures/results.py collect "$run" --config configs/openarena.yaml --made-by "docs/figures/measure.sh functions bakes"
-  [ ! -d "$root/light" ] || docs/figures/results.py collect-light "$root/light"
-  [ ! -f "$root/fault_injection/table.json" ] || docs/figures/results.py collect-fault-injection "$root/fault_injection"
-  [ ! -d "$root/cycles" ] || docs/figures/results.py collect-cycles "$root/cycles"
+  [ ! -f "$run/evaluation/summary.json" ] || /usr/bin/python3 docs/figures/results.py collect "$run" --config configs/openarena.yaml --made-by "docs/figures/measure.sh functions bakes"
+  [ ! -d "$root/light" ] || /usr/bin/python3 docs/figures/results.py collect-light "$root/light"
+  [ ! -f "$root/fault_injection/table.json" ] || /usr/bin/python3 docs/figures/results.py collect-fault-injection "$root/fault_injection"
+  [ ! -d "$root/cycles" ] || /usr/bin/python3 docs/figures/results.py collect-cycles "$root/cycles"
   exit 0
 fi
 
