@@ -20,7 +20,7 @@ struct SolidVote {
   bool solid() const { return in_cavity || (back > 0 && 5 * back >= 2 * (front + back)); }
   // a share of backs in that gap: open, flipped or self-intersecting geometry
   bool disputed() const { return 10 * back > front + back && !solid(); }
-  // at least half of one place's 14 rays met a one-sided face, all of them the same side
+  // at least seven rays met a one-sided face, all of them the same side
   bool unanimous() const { return front + back >= 7 && (front == 0 || back == 0); }
 };
 

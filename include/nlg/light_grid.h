@@ -169,7 +169,7 @@ std::vector<std::array<float, 3>> startingColours(const LightGrid& grid);
 std::vector<const std::vector<float>*> lightByGroup(const LightGrid& grid);
 
 // Texts by key, as scene, options, revision and hash of the weights: any UTF-8. Reserved keys: file_sha256, kind, version,
-// pattern_hash, light, light_groups, representation_count, representation.N, slope.N.
+// pattern_hash, light, light_groups, light_groups_dark, representation_count, representation.N, slope.N.
 using GridMetadata = std::map<std::string, std::string>;
 
 // Number formats of a file.

@@ -1,7 +1,8 @@
 // Support points, and weighting functions sampled at them: the input of generator, check and policy.
 //
 // A weighting function phi says how much a probe counts at a point of its support, the cube of two probe spacings around it:
-// phi = tent * visibility, in [0, 1]. It is sampled at P = 8192 points, the same for every probe.
+// the tent where the probe sees the point, else 0 or what diffuses there, in [0, 1]. It is sampled at P = 8192 points, the same for
+// every probe.
 #pragma once
 
 #include <array>
@@ -26,9 +27,9 @@ float tent(const LocalPoint& point);
 // 1, 2 of m say that x, y, z are negative. Mirroring a function thus permutes whole runs of 1024 values (index XOR).
 //
 // The octant is closed under x → 1 − x on each axis: the eight probes of a lattice cell sample it at the same 1024 points. Each axis takes
-// 256 evenly spaced values, so that points lie on both sides of any wall along an axis.
+// 256 values, evenly spaced but for a quarter of a step, so that points lie on both sides of any wall along an axis.
 //
-// Inside an octant runs of 16 points fill cells of a quarter of a spacing, along a Morton curve: neighbours in memory are neighbours
+// Inside an octant runs of 16 points fill cells of a quarter of a spacing, nearly along a Morton curve: neighbours in memory are neighbours
 // in space. The points with i % 8 == k are a stratum of 1024 well-spread points, two in each cell and mirror.
 struct SupportPattern {
   std::vector<LocalPoint> points;  // P, exact multiples of 2^-16, none on a mirror plane or on the border
