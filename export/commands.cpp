@@ -25,8 +25,8 @@ nlohmann::ordered_json describeWeights(const std::string& path) {
                                  {"layers", data.layers.size()},
                                  {"width", data.layers.front().output_count}};
   // weights of before there was a blend RMSE hold an RMSE
-  for (const char* key : {"version", "basis_functions", "training_set_sha256", "held_out_blend_rmse_mean",
-                          "held_out_rmse_mean", "parity_theta"}) {
+  for (const char* key :
+       {"version", "basis_functions", "training_set_sha256", "held_out_blend_rmse_mean", "held_out_rmse_mean", "parity_theta"}) {
     if (const auto found = file.metadata.find(key); found != file.metadata.end()) json[key] = found->second;
   }
   json["verified"] = kVerifiedByDigest;

@@ -172,7 +172,9 @@ int main(int argc, char** argv) {
   table.add("components", &options.components, "number of components (K), which are the generator's inputs", 1, 1024);
   app.add_option("--shards", request.shards, "training shards")->required();
   app.add_option("--held-out", request.held_out, "shards of held-out scenes, for the variance kept");
-  app.add_option("--from", request.from, "weights whose basis is written instead of a new one, for nlg-train --init; of weights that read samples a new one is written all the same");
+  app.add_option("--from", request.from,
+                 "weights whose basis is written instead of a new one, for nlg-train --init; of weights that read samples a new "
+                 "one is written all the same");
   app.add_option("--out", request.out, "basis to write (.h5)")->required();
   return nlg::runTool(argc, argv, app, table, [&] { nlg::fitBasis(request, options, table); });
 }
