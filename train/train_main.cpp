@@ -212,8 +212,9 @@ void requireSameRun(const ProcessGroup& processes, const RunIdentity& identity) 
 
 // A basis of other functions may serve, as that of --init does; but one that was fitted to held-out functions has seen them.
 void warnOfOtherFunctions(const BasisFile& basis, const TrainingData& training, const std::string& path) {
-  const nlohmann::json origin = nlohmann::json::parse(basis.provenance_json, nullptr, false);
-  const nlohmann::json inputs = origin.is_object() ? origin.value("inputs", nlohmann::json()) : nlohmann::json();
+  const nlohmann::ordered_json origin = parsedOrText(basis.provenance_json);
+  const nlohmann::ordered_json inputs =
+      origin.is_object() ? origin.value("inputs", nlohmann::ordered_json()) : nlohmann::ordered_json();
   const auto fitted_to = inputs.find("training_set");
   if (fitted_to == inputs.end() || *fitted_to == training.sha256()) return;
   std::cerr << "nlg-train: " << path << " was fitted to other functions than the training set's\n";
@@ -291,8 +292,9 @@ void run(const Request& request, TrainOptions& options, const OptionTable& table
   seen.insert(training.scenes().begin(), training.scenes().end());
   requireSeparate(request, seen, held_out.scenes());
 
-  // a run is what its checkpoints say: it goes on from the newest whole one of the same options and data
   warnOfOtherFunctions(basis, training, request.basis);
+
+  // a run is what its checkpoints say: it goes on from the newest whole one of the same options and data
   const RunIdentity identity{request.representation, runOptions(request, table, training, held_out, seen).dump(),
                              fileSha256(request.basis), training.sha256()};
   const RunFolder folder(request.run);

@@ -149,8 +149,8 @@ def verdict_section(results):
     verdicts = {}
     for name, judged in found.items():
         verdicts.setdefault(judged.verdict, []).append(f"`{name}`")
-    failing = {name: entry["stored"]["theta"]["share_failing_check"]["value"] for name, entry in results["evaluation"]["representations"].items() if name in found}
-    broken = [f"`{name}`" for name, share in failing.items() if share > FORMER_LIMIT]
+    entries = results["evaluation"]["representations"]
+    broken = [f"`{name}`" for name in found if entries[name]["stored"]["theta"]["share_failing_check"]["value"] > FORMER_LIMIT]
     return ("\n## Which of these may ship\nBy [the rule](../guide/training.md#may-it-ship) of every run's report, on the evaluation:\n\n" + "".join(f"- {judged}: {', '.join(names)}\n" for judged, names in verdicts.items())
             + f"\nUntil 29 November 2026 at most {percent(FORMER_LIMIT)} were to fail the check, which {', '.join(broken) or 'none'} would break; the limit was raised because [light hardly depends on it](../lab/training.md#how-many-functions-may-fail-the-check).\n")
 
