@@ -27,7 +27,8 @@ set(NLG_MAY_LINK_engine_export nlg::runtime_eval nlg::tool nlohmann_json::nlohma
 set(NLG_MAY_LINK_engine_light  nlg::engine_export nlg::shader_export nlg::bake nlg::light_figures nlg::light_methods nlg::light nlg::visibility nlg::probes nlg::scene nlg::scene_model nlg::runtime_eval nlg::tool nlohmann_json::nlohmann_json)
 set(NLG_MAY_LINK_export_commands nlg::engine_light nlg::shader_export nlg::weights_file nlg::runtime_eval nlg::tool nlohmann_json::nlohmann_json)
 set(NLG_MAY_LINK_basis         nlg::dataset nlg::runtime_eval Eigen3::Eigen LAPACK::LAPACK nlg::tool)
-set(NLG_MAY_LINK_torch_threads nlg::torch)
+set(NLG_MAY_LINK_blas_threads  "")
+set(NLG_MAY_LINK_torch_threads nlg::blas_threads nlg::torch)
 set(NLG_MAY_LINK_training_data nlg::dataset nlg::runtime_eval nlg::tool nlohmann_json::nlohmann_json Threads::Threads)
 set(NLG_MAY_LINK_generator     nlg::training_data nlg::basis nlg::dataset nlg::runtime_eval nlg::torch nlg::weights_file nlg::tool nlohmann_json::nlohmann_json Eigen3::Eigen)
 set(NLG_MAY_LINK_statistics    "")
@@ -43,7 +44,7 @@ set(NLG_MAY_LINK_viewer        nlg::policy_options nlg::render nlg::shader_expor
 set(NLG_MAY_LINK_nlg_python    nlg::runtime_eval)
 # tools: the stage's own libraries, and what all tools share
 set(NLG_MAY_LINK_nlg-datagen   nlg::shard_job nlg::shard_scene nlg::scene nlg::scene_model nlg::probes nlg::visibility nlg::weighting nlg::functions nlg::dataset nlg::runtime_eval nlg::tool)
-set(NLG_MAY_LINK_nlg-pca       nlg::weights_file nlg::basis nlg::dataset nlg::runtime_eval nlg::tool)
+set(NLG_MAY_LINK_nlg-pca       nlg::weights_file nlg::basis nlg::blas_threads nlg::dataset nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-cache     nlg::training_data nlg::basis nlg::runtime_eval nlg::tool)
 set(NLG_MAY_LINK_nlg-train     nlg::generator nlg::basis nlg::dataset nlg::runtime_eval nlg::tool nlg::torch nlg::torch_threads nlg::training_data)
 set(NLG_MAY_LINK_nlg-export    nlg::generator nlg::basis nlg::dataset nlg::onnx_file nlg::shader_export nlg::export_commands nlg::weights_file nlg::runtime_eval nlg::tool nlg::torch nlg::torch_threads)

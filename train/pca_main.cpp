@@ -20,6 +20,7 @@
 #include "tool/progress.h"
 #include "tool/provenance.h"
 #include "train/basis/basis_file.h"
+#include "train/blas_threads.h"
 
 namespace nlg {
 namespace {
@@ -176,5 +177,6 @@ int main(int argc, char** argv) {
                  "weights whose basis is written instead of a new one, for nlg-train --init; of weights that read samples a new "
                  "one is written all the same");
   app.add_option("--out", request.out, "basis to write (.h5)")->required();
+  nlg::computeBlasOnCallingThreads();
   return nlg::runTool(argc, argv, app, table, [&] { nlg::fitBasis(request, options, table); });
 }

@@ -305,31 +305,50 @@ extern void* __libc_calloc(size_t, size_t);
 extern void* __libc_realloc(void*, size_t);
 extern void* __libc_memalign(size_t, size_t);
 
-/* What the heap has at its end is given without asking the system, which can refuse nothing there. */
-static int isRefused(size_t size) { return is_on && size >= above && size + 64 > mallinfo2().keepcost && strike(kMemory) > 0; }
+/* Bytes that the heaps have of the system. */
+static size_t held(void) {
+  const struct mallinfo2 all = mallinfo2();
+  return all.arena + all.hblkhd;
+}
+
+/* What the heaps already had is given without asking the system, which can refuse nothing there: memory that came so stays as it is.
+ * `before` is what they held then. */
+static void* givenOrRefused(void* memory, size_t before) {
+  if (memory == NULL || held() <= before || strike(kMemory) <= 0) return memory;
+  free(memory);
+  return errno = ENOMEM, NULL;
+}
 
 void* malloc(size_t size) {
-  if (isRefused(size)) return errno = ENOMEM, NULL;
-  return __libc_malloc(size);
+  if (!is_on || size < above) return __libc_malloc(size);
+  const size_t before = held();
+  return givenOrRefused(__libc_malloc(size), before);
 }
 
 void* calloc(size_t count, size_t size) {
-  if (isRefused(count > 0 && size > SIZE_MAX / count ? SIZE_MAX : count * size)) return errno = ENOMEM, NULL;
-  return __libc_calloc(count, size);
+  if (!is_on || size == 0 || count > SIZE_MAX / size || count * size < above) return __libc_calloc(count, size);
+  const size_t before = held();
+  return givenOrRefused(__libc_calloc(count, size), before);
 }
 
+/* By a new block: the C library's own may have moved the old one before it is known that the system was asked. */
 void* realloc(void* place, size_t size) {
-  if (isRefused(size)) return errno = ENOMEM, NULL;
-  return __libc_realloc(place, size);
+  const size_t old_size = place == NULL ? 0 : malloc_usable_size(place);
+  if (!is_on || size < above || size <= old_size) return __libc_realloc(place, size);
+  void* const memory = malloc(size);
+  if (memory == NULL) return NULL;
+  if (place != NULL) memcpy(memory, place, old_size);
+  free(place);
+  return memory;
 }
 
 void* aligned_alloc(size_t alignment, size_t size) {
-  if (isRefused(size)) return errno = ENOMEM, NULL;
-  return __libc_memalign(alignment, size);
+  if (!is_on || size < above) return __libc_memalign(alignment, size);
+  const size_t before = held();
+  return givenOrRefused(__libc_memalign(alignment, size), before);
 }
 
 int posix_memalign(void** place, size_t alignment, size_t size) {
-  if (isRefused(size)) return ENOMEM;
-  *place = __libc_memalign(alignment, size);
+  *place = aligned_alloc(alignment, size);
   return *place == NULL ? ENOMEM : 0;
 }

@@ -81,6 +81,15 @@ def make_extreme(records, size):
             records[number * size:number * size + POINTS + VALIDITY] = bytes([phi]) * POINTS + bytes([validity]) * VALIDITY
 
 
+def check_cores(_):
+    """On one core, and with as many threads as OpenBLAS would take by itself, the basis has the same bytes."""
+    environment = {name: value for name, value in os.environ.items() if name not in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")}
+    for cores in (os.sched_getaffinity(0), {min(os.sched_getaffinity(0))}):
+        end(start("nlg-pca", "--components", "16", "--shards", "training.h5", "--held-out", "held_out.h5", "--out", "cores.h5", env=environment,
+                  preexec_fn=lambda cores=cores: os.sched_setaffinity(0, cores)))
+        check(read("cores.h5") == read("basis.h5"), f"{len(cores)} cores give another basis")
+
+
 def check_cache(_):
     """The same functions in the same order, from memory and from the disk."""
     end(train("memory", data=["--shards", "training.h5"]))
@@ -314,4 +323,4 @@ def make_inputs(tools):
 
 
 if __name__ == "__main__":
-    sys.exit(run_checks(TOOLS, (make_inputs, check_cache, check_damaged_checkpoint, check_other_process, check_processes, check_lost_process, check_rollbacks, check_stops, check_ignored_stop, check_other_runs, check_copies, check_bare_tent, check_wild_rates, check_extreme_targets, check_vanished_data)))
+    sys.exit(run_checks(TOOLS, (make_inputs, check_cores, check_cache, check_damaged_checkpoint, check_other_process, check_processes, check_lost_process, check_rollbacks, check_stops, check_ignored_stop, check_other_runs, check_copies, check_bare_tent, check_wild_rates, check_extreme_targets, check_vanished_data)))
