@@ -56,7 +56,8 @@ class Shard:
         self.geometry = json.loads(done.stdout)
         self.triangles_m = self.geometry and np.array(self.geometry["triangles_m"]).reshape(-1, 3, 3)
         try:
-            with h5py.File(path, "r") as file:
+            # HDF5 itself, told that a file cannot be closed, ends the process by a signal
+            with h5py.File(io.BytesIO(Path(path).read_bytes()), "r") as file:
                 self.points, self.phi, self.position_m, self.spacing_m, self.flags = (file[key][()] for key in ("points", "phi", "probe_position_m", "spacing_m", "flags"))
                 valid, seen = (np.unpackbits(file[key][()], axis=1, bitorder="little") for key in ("validity", "seen"))
                 self.title = f"{file.attrs['scene_id'].decode()}, jitter {file.attrs['jitter']}"
