@@ -189,6 +189,67 @@ def says_what_the_exporter_changes():
     check(exported()[0].notes == [], "all of it gone, nothing is said")
 
 
+def takes_modifiers_and_instances_as_rendered():
+    """Modifiers that a render alone shows, particles, instances and hair; what stands in for them is gone afterwards."""
+    def triangles():
+        made, gltf = exported()
+        meshes = [sum(gltf["accessors"][primitive["indices"]]["count"] // 3 for primitive in mesh["primitives"]) for mesh in gltf["meshes"]]
+        return made.notes, sum(meshes[node["mesh"]] for node in gltf["nodes"] if "mesh" in node)
+
+    def carrier(mesh=None):
+        thing = bpy.data.objects.new("carrier", mesh or bpy.data.meshes.new_from_object(bpy.data.objects["floor"]))
+        bpy.context.collection.objects.link(thing)
+        return thing
+
+    def particles(thing, kind, drawn):
+        system = thing.modifiers.new("particles", "PARTICLE_SYSTEM").particle_system.settings
+        system.type, system.count, system.render_type = kind, 5, drawn
+        return system
+
+    without = triangles()[1]
+    thing = carrier()
+    array, other, subdivision = (thing.modifiers.new(kind, kind) for kind in ("ARRAY", "ARRAY", "SUBSURF"))
+    array.count = other.count = 3
+    array.show_viewport, other.show_render = False, False
+    subdivision.levels, subdivision.render_levels = 0, 1
+    notes, count = triangles()
+    check((notes, count) == ([], without + 3 * 6 * 4 * 2), f"modifiers are applied as rendered: {notes} {count - without}")
+    check((array.show_viewport, other.show_viewport, subdivision.levels) == (False, True, 0), "and look afterwards as before")
+    bpy.data.objects.remove(thing)
+
+    thing = carrier()
+    particles(thing, "HAIR", "OBJECT").instance_object = bpy.data.objects["floor"]
+    notes, count = triangles()
+    check((notes, count) == ([], without + 6 * 12), f"instances of particles are baked, and nothing is said: {notes} {count - without}")
+    bpy.data.objects.remove(thing)
+
+    thing = carrier()
+    particles(thing, "HAIR", "PATH")
+    tree = bpy.data.node_groups.new("cubes", "GeometryNodeTree")
+    tree.inputs.new("NodeSocketGeometry", "Geometry")
+    tree.outputs.new("NodeSocketGeometry", "Geometry")
+    start, cube, copies, end = (tree.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeMeshCube", "GeometryNodeInstanceOnPoints", "NodeGroupOutput"))
+    for out, into in ((start.outputs[0], copies.inputs["Points"]), (cube.outputs[0], copies.inputs["Instance"]), (copies.outputs[0], end.inputs[0])):
+        tree.links.new(out, into)
+    bare = carrier(bpy.data.objects["floor"].data)
+    bare.modifiers.new("cubes", "NODES").node_group = tree
+    bare.visible_shadow = False
+    notes = triangles()[0]
+    check(notes == ["the exporter leaves out: 1 hair", "the exporter leaves out: 8 instances of geometry nodes",
+                    f"objects whose Ray Visibility lacks Diffuse or Shadow, which are as solid as others in the bake: {bare.name}"], f"hair, instances of nodes and ray visibility are said: {notes}")
+    bpy.data.objects.remove(thing)
+    bpy.data.objects.remove(bare)
+    text = carrier(bpy.data.curves.new("words", "FONT"))
+    text.data.body = "out"
+    check(triangles()[0] == [], "a text is no instance")
+    bpy.data.objects.remove(text)
+
+    settings().more = "--sky=1"
+    said = refusal(bpy.ops.nlg.preview)
+    check("More: --sky=1 is set by World as sky" in said, f"an option of the panel is refused by its name: {said}")
+    settings().more = ""
+
+
 def takes_what_is_rendered():
     """Collections that a render leaves out, area lamps, back faces; metres and lamps where a unit is a centimetre."""
     scene = bpy.context.scene
@@ -292,6 +353,7 @@ def in_the_background():
     previews()
     cancels()
     says_what_the_exporter_changes()
+    takes_modifiers_and_instances_as_rendered()
     takes_what_is_rendered()
     takes_the_world_as_sky()
 

@@ -26,6 +26,9 @@ def tool(context, name):
 # A .blend may be anybody's: what it says in More must not say which files are written, or replaced.
 OF_FILES = ["--out", "--json", "--inputs", "--relight", "--check", "--config"]
 
+# option → where the panel sets it
+OF_PANEL = {"--unit": "Unit Scale", "--light-unit": "the add-on", "--sky": "World as sky", "--spacing-m": "Spacing", "--light-direct": "Direct light", "--light-groups": "Lights apart"}
+
 
 def of_bake(scene, exported):
     """What a grid depends on."""
@@ -36,6 +39,8 @@ def of_bake(scene, exported):
         raise ToolError(f"More: {error}") from error
     if of_files := [word for word in more if word.partition("=")[0] in OF_FILES]:
         raise ToolError(f"More: {of_files[0]} names files, which the add-on chooses")
+    if twice := [word for word in more if word.partition("=")[0] in OF_PANEL]:
+        raise ToolError(f"More: {twice[0]} is set by {OF_PANEL[twice[0].partition('=')[0]]}")
     return [
         exported.level, "--unit", f"{settings.metres_per_unit(scene):.7g}", "--light-unit", "file", f"--sky={exported.sky}",
         "--spacing-m", f"{chosen.spacing_m:.7g}", "--light-direct", chosen.direct, "--light-groups", chosen.light_groups, *more,

@@ -20,6 +20,7 @@ DISK_CORNERS = 24
 # nodes whose light or colour glTF has words for
 SURFACES = {"BSDF_PRINCIPLED", "EMISSION"}
 COLOURS = {"TEX_IMAGE", "RGB", "MIX", "MIX_RGB", "VERTEX_COLOR", "ATTRIBUTE", "REROUTE", "SEPRGB", "SEPARATE_COLOR"}
+SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT"}
 # objects that no glTF holds
 LEFT_OUT = {"META": "metaballs", "VOLUME": "volumes", "POINTCLOUD": "point clouds", "CURVES": "hair", "GPENCIL": "grease pencil"}
 
@@ -55,13 +56,14 @@ def export_scene(context, folder):
     level = f"{settings.scene_name()}.glb"
     path = os.path.join(folder, level)
     things = rendered(context.view_layer.layer_collection)
+    shown = [thing for instance in things if instance.instance_type == "COLLECTION" and instance.instance_collection for thing in instance.instance_collection.all_objects]
     unseen = {thing.name for thing in context.scene.objects} - {thing.name for thing in things}
-    with object_mode(context), area_lamps_as_planes(context, things):
+    with object_mode(context), modifiers_as_rendered([*things, *shown]), area_lamps_as_planes(context, things):
         write_glb(path)
+        notes = left_out(context, things, shown) + otherwise([*things, *shown])
     mend(path, context.scene, unseen)
     sky = sky_of(context.scene, folder) if settings.of(context.scene).has_world else "0"
-    shown = [thing for instance in things if instance.instance_type == "COLLECTION" and instance.instance_collection for thing in instance.instance_collection.all_objects]
-    return Exported(folder, f"./{level}", sky, left_out(context, things, shown) + otherwise([*things, *shown]))
+    return Exported(folder, f"./{level}", sky, notes)
 
 
 def left_out(context, things, shown):
@@ -71,10 +73,16 @@ def left_out(context, things, shown):
     kinds = [LEFT_OUT[thing.type] for thing in [*things, *shown] if thing.type in LEFT_OUT]
     kinds += ["area lamps of collection instances" for thing in shown if is_area_lamp(thing)]
     kinds += ["shape keys" for thing in things if thing.type == "MESH" and thing.data.shape_keys and not thing.modifiers]
-    # curves and texts are instances of their own mesh
-    kinds += ["instances of geometry nodes or particles" for copy in context.evaluated_depsgraph_get().object_instances
-              if copy.is_instance and copy.parent.original in things and copy.parent.original.instance_type == "NONE" and copy.object.original != copy.parent.original]
+    kinds += ["hair" for thing in [*things, *shown] for system in thing.particle_systems if system.settings.type == "HAIR" and system.settings.render_type == "PATH"]
+    # instances of particles, vertices and faces are written
+    kinds += ["instances of geometry nodes" for copy in context.evaluated_depsgraph_get().object_instances
+              if copy.is_instance and copy.parent.original in things and not copy.parent.original.is_instancer and not is_itself(copy)]
     return [f"the exporter leaves out: {kinds.count(kind)} {kind}" for kind in sorted(set(kinds))]
+
+
+def is_itself(copy):
+    """Curves and texts are instances of their own mesh, where they are."""
+    return copy.object.original == copy.parent.original and copy.parent.type != "MESH" and copy.matrix_world == copy.parent.matrix_world
 
 
 def otherwise(things):
@@ -90,10 +98,12 @@ def otherwise(things):
         elif any(link.from_node.type not in COLOURS for name in ("Base Color", "Color", "Emission", "Emission Color") if name in surface.inputs for link in surface.inputs[name].links):
             colours.add(material.name)
         missing.update(image.name for image in images_of(material.node_tree) if image.source == "FILE" and not image.packed_file and not os.path.exists(path_of(image)))
+    unseen = {thing.name for thing in things if thing.type in SURFACE_TYPES and not (thing.visible_diffuse and thing.visible_shadow)}
     said = {"materials whose surface is neither Principled BSDF nor Emission, which are mostly white and opaque in the bake": surfaces,
             "materials whose colour nodes compute, which are mostly white in the bake": colours,
             "images whose file is not there": missing,
-            "lamps with Use Nodes, whose light is another in the bake": lamps}
+            "lamps with Use Nodes, whose light is another in the bake": lamps,
+            "objects whose Ray Visibility lacks Diffuse or Shadow, which are as solid as others in the bake": unseen}
     return [f"{what}: {', '.join(sorted(names))}" for what, names in said.items() if names]
 
 
@@ -121,6 +131,22 @@ def object_mode(context):
     finally:
         if mode != "OBJECT":
             bpy.ops.object.mode_set(mode=mode)
+
+
+@contextlib.contextmanager
+def modifiers_as_rendered(things):
+    """The exporter applies modifiers as the viewport shows them."""
+    changed = []
+    for modifier in (modifier for thing in things for modifier in thing.modifiers):
+        for seen, drawn_by in (("show_viewport", "show_render"), ("levels", "render_levels")):
+            if getattr(modifier, seen, None) != getattr(modifier, drawn_by, None):
+                changed.append((modifier, seen, getattr(modifier, seen)))
+                setattr(modifier, seen, getattr(modifier, drawn_by))
+    try:
+        yield
+    finally:
+        for modifier, seen, value in changed:
+            setattr(modifier, seen, value)
 
 
 def write_glb(path):
