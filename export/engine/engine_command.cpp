@@ -278,6 +278,8 @@ void run(const Request& request, const BakeOptions& options, const OptionTable& 
   const TextureFormat* texture = findTexture(request.format);
   if (texture == nullptr && request.format != kQuakeFormat)
     throw UsageError("--format", textureNames() + kQuakeFormat, "'" + request.format + "'");
+  // how a grid's probes are lit; a scene that is read for "none" would have no colours of images
+  if (options.light != "solved") throw UsageError("light", "solved: texels have no other", "'" + options.light + "'");
   const std::optional<BakedGrid> baked = request.grid.empty() ? std::nullopt : std::optional(readLitGrid(request.grid));
   const QuakeLevel level = texture == nullptr ? readQuakeLevel(request.scene) : QuakeLevel{};
   const PreparedScene scene(request.scene, options);

@@ -140,6 +140,7 @@ def check_refusals():
     scene = ["nlg-export", "engine", "two_rooms:0", *FEW, "--format"]
     TOOLS.refuses(USAGE_ERROR, ["three, ktx2-sh, quake3-lightgrid", "unity"], [*scene, "unity", "--out", "bad"])
     TOOLS.refuses(INPUT_ERROR, ["two_rooms"], [*scene, "quake3-lightgrid", "--out", "bad"])
+    TOOLS.refuses(USAGE_ERROR, ["light", "solved", "none"], [*scene, "three", "--out", "bad", "--light", "none"])
     TOOLS.refuses(USAGE_ERROR, ["intensity", "32768"], [*scene, "three", "--out", "bad", "--intensity", "1e6"])
     open("file", "w").close()
     TOOLS.refuses(OUTPUT_ERROR, ["file/light.bin"], [*scene, "three", "--out", "file"])
