@@ -152,6 +152,8 @@ void writeArray(hid_t file, const Placed& item) {
   if (is_chunked) {
     std::vector<hsize_t> chunk = dims;
     chunk[0] = std::max<uint64_t>(std::min<uint64_t>(item.chunk_rows, chunk[0]), 1);
+    // HDF5 keeps eight bytes a chunk in memory, and writes them, even where none is there
+    if (dims[0] / chunk[0] > kMaxItemBytes / 8) return;
     H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
     if (item.is_shuffled) H5Pset_shuffle(properties);
     if (item.is_deflated) H5Pset_deflate(properties, 1);
