@@ -214,6 +214,19 @@ TrainingState readState(const Request& request, const CheckpointFile& checkpoint
   return state;
 }
 
+// What nobody asks for, and is sometimes meant: parity says as much of functions that were trained on, an error of them says little.
+void tellWhatIsUnusual(const Request& request, const std::string& options_json, int64_t step, const Scenes& scenes) {
+  // read before, by storedOptions
+  const nlohmann::json options = nlohmann::json::parse(options_json);
+  if (const int64_t steps = options.value("steps", step); step < steps)
+    std::cerr << "nlg-export: " << request.checkpoint << " is unfinished: step " << step << " of " << steps << '\n';
+  // checkpoints of 1.0 do not name their scenes
+  const auto [scene, other] = seenScene(options.value("training_scenes", Scenes()), scenes);
+  if (!scene.empty())
+    std::cerr << "nlg-export: " << scene << " of --shards was trained on, as " << other
+              << ": held_out_blend_rmse is no error of unseen scenes\n";
+}
+
 // Of functions, over that of theta: a network that is hardly trained amplifies the last bits of theta, and a thousandth is still less
 // than what rounding phi to a byte loses.
 constexpr double kOutputTolerance = 10.0;
@@ -257,6 +270,7 @@ void run(const Request& request, const ExportOptions& options, const OptionTable
   const TrainingData functions(readFunctionSet(request.shards, supportPattern().hash, kSupportPointCount), data.basis,
                                data.basis);
   if (functions.functionCount() == 0) throw InputError(request.shards.front(), "functions", "at least one in all shards", "none");
+  tellWhatIsUnusual(request, checkpoint.identity().options_json, state.step, functions.scenes());
   // a generator that the evaluator runs otherwise than libtorch is never written
   const Parity parity = compare(state, generator, functions, options.parity_functions);
   const double held_out_blend_rmse = meanBlendRmse(generator, functions, options.parity_functions);

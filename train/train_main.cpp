@@ -52,8 +52,6 @@ void readSlurm(ProcessGroup::Options& processes, bool is_given) {
   throw UsageError("processes", std::to_string(processes.count) + ", which srun started", std::to_string(asked));
 }
 
-using Scenes = std::map<std::string, std::string>;  // id → SHA-256
-
 // What makes a run the run that it is, and goes with its weights. Threads change no bit, and processes none but by rounding: a run may go on with others.
 nlohmann::ordered_json runOptions(const Request& request, const OptionTable& table, const TrainingData& training,
                                   const TrainingData& held_out, const Scenes& seen) {
@@ -222,13 +220,10 @@ void warnOfOtherFunctions(const BasisFile& basis, const TrainingData& training, 
 
 // Whole scenes are held out, or the held-out error would say nothing; a copy under another name is the same scene.
 void requireSeparate(const Request& request, const Scenes& seen, const Scenes& held_out) {
-  for (const auto& [scene, sha256] : held_out) {
-    for (const auto& [other, other_sha256] : seen) {
-      if (scene != other && (sha256.empty() || sha256 != other_sha256)) continue;
-      throw InputError(request.held_out.size() == 1 ? request.held_out.front() : "--held-out", "scene " + scene,
-                       "a scene that neither training shards nor --init were trained on", "the training scene " + other);
-    }
-  }
+  const auto [scene, other] = seenScene(seen, held_out);
+  if (scene.empty()) return;
+  throw InputError(request.held_out.size() == 1 ? request.held_out.front() : "--held-out", "scene " + scene,
+                   "a scene that neither training shards nor --init were trained on", "the training scene " + other);
 }
 
 void printReport(const Request& request, const TrainingData& training, const TrainingState& state, const TrainReport& report) {

@@ -101,6 +101,8 @@ def check_cache(_):
     check(len(os.listdir("disk_run")) - len(left) == 12, f"pictures of each validation are to be made of {os.listdir('disk_run')}")
     check(left == [".lock", "config.json", "latest", "log.csv", "provenance.json", "step-000000110.ckpt", "step-000000120.ckpt"], f"the run left {left}")
     check(os.readlink("disk_run/latest") == "step-000000120.ckpt", "latest is not the last checkpoint")
+    _, err = end(start("nlg-export", "--checkpoint", "disk_run/step-000000110.ckpt", "--basis", "basis.h5", "--shards", "held_out.h5", "--parity-tolerance", "1", "--out", "early.safetensors"))
+    check(err == "nlg-export: disk_run/step-000000110.ckpt is unfinished: step 110 of 120\n", f"an unfinished checkpoint: {err!r}")
     check(read("disk_run/log.csv") == read("disk.csv"), "the run's curve is not the one asked for")
     check(json.load(open("disk_run/config.json"))["steps"] == 120, "config.json does not hold the options")
     check(set(json.load(open("disk_run/provenance.json"))["inputs"]) == {"basis", "training_set"}, "provenance.json lacks inputs")
@@ -194,7 +196,12 @@ def check_copies(tools):
     check("scene other" in err and "the training scene room" in err, f"a copy: {err!r}")
     # weights that saw the room, trained on another scene
     end(train("seeing", *basis, data=["--shards", "room.h5"], steps=2))
-    tools.must("nlg-export --checkpoint seeing.ckpt --basis room_basis.h5 --shards held_out.h5 --parity-tolerance 1 --out seeing.safetensors")
+    export = ("--checkpoint", "seeing.ckpt", "--basis", "room_basis.h5", "--parity-tolerance", "1", "--out", "seeing.safetensors")
+    # says that its error is of scenes that were trained on, and keeps silent about others
+    _, err = end(start("nlg-export", *export, "--shards", "copy.h5"))
+    check("other of --shards was trained on, as room" in err, f"an error of trained scenes: {err!r}")
+    _, err = end(start("nlg-export", *export, "--shards", "held_out.h5"))
+    check(err == "", f"an error of unseen scenes: {err!r}")
     tools.must("nlg-pca --from seeing.safetensors --shards training.h5 --out seeing_basis.h5")
     _, err = end(train("tuned", "--init", "seeing.safetensors", "--basis", "seeing_basis.h5", "--held-out", "copy.h5", data=["--shards", "training.h5"], steps=2), INPUT_ERROR)
     check("scene other" in err and "the training scene room" in err, f"a copy of what --init saw: {err!r}")

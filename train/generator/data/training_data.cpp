@@ -20,6 +20,15 @@ std::vector<float> factors(const BasisData& basis, const BasisData& used) {
 
 }  // namespace
 
+std::pair<std::string, std::string> seenScene(const Scenes& seen, const Scenes& held_out) {
+  for (const auto& [scene, sha256] : held_out) {
+    for (const auto& [other, other_sha256] : seen) {
+      if (scene == other || (!sha256.empty() && sha256 == other_sha256)) return {scene, other};
+    }
+  }
+  return {};
+}
+
 TrainingData::TrainingData(FunctionSet set, const BasisData& basis, const BasisData& used, FunctionOrder order)
     : set_(std::move(set)),
       function_count_(static_cast<int64_t>(set_.functionCount())),

@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datagen/dataset/function_set.h"
@@ -13,6 +15,11 @@
 #include "train/generator/data/sample_order.h"
 
 namespace nlg {
+
+using Scenes = std::map<std::string, std::string>;  // id → SHA-256 of the geometry, or empty
+
+// A scene of `held_out` and the one of `seen` that it is: by name, or a copy under another name. Two empty names: none is.
+std::pair<std::string, std::string> seenScene(const Scenes& seen, const Scenes& held_out);
 
 // stored: as the set holds them; cache: in a cache's order, so that training takes the same functions from both.
 enum class FunctionOrder { stored, cache };
@@ -31,8 +38,7 @@ class TrainingData {
   // Numbers that the network reads of a function: coefficients, or parity classes of samples.
   int inputCount() const { return input_ == GeneratorInput::samples ? kSampleInputCount : coefficient_count_; }
   const std::string& sha256() const { return cache_ ? cache_->origin().training_set_sha256 : set_.sha256; }
-  // id → SHA-256
-  const std::map<std::string, std::string>& scenes() const { return cache_ ? cache_->origin().scenes : set_.scene_sha256; }
+  const Scenes& scenes() const { return cache_ ? cache_->origin().scenes : set_.scene_sha256; }
   FunctionCache* cache() const { return cache_.get(); }  // null when the functions lie in memory
 
   StoredFunction function(int64_t index) const;
